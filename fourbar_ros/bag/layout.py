@@ -109,30 +109,25 @@ class MessageLayout:
         self._at += -(self._at - HEADER) % size
 
 
-class Layouts:
-    """The layouts of one type that were met so far."""
+def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
+           known: list[MessageLayout]) -> Iterator[tuple[Array, Array]]:
+    """
+    Yield (rows, records) of serialised messages of a type, layout by layout.
 
-    def __init__(self, store: Typestore, type_name: str) -> None:
-        self._store, self._type = store, type_name
-        self._known: list[MessageLayout] = []
-
-    def arrays(self, messages: Sequence[bytes]) -> Iterator[tuple[Array, Array]]:
-        """
-        Yield (rows, records) of serialised messages, layout by layout.
-
-        ``rows`` are their places in the list, ascending; ``records`` is a structured array.
-        """
-        sizes = np.fromiter(map(len, messages), np.int64, len(messages))
-        for size in np.unique(sizes).tolist():
-            rows = np.flatnonzero(sizes == size)
-            block: Array = np.frombuffer(b''.join([messages[row] for row in rows]),
-                                         np.uint8).reshape(len(rows), size)
-            while len(rows):
-                layout = next((known for known in self._known if known.dtype.itemsize == size
-                               and known.matching(block[:1])[0]), None)
-                if layout is None:
-                    layout = MessageLayout(self._store, self._type, block[0].tobytes())
-                    self._known.append(layout)
-                good = layout.matching(block)
-                yield rows[good], np.ascontiguousarray(block[good]).view(layout.dtype)[:, 0]
-                rows, block = rows[~good], block[~good]
+    ``rows`` are their places in the list, ascending; ``records`` is a structured array. ``known``:
+    the layouts of this type that were met so far; new ones are added.
+    """
+    sizes = np.fromiter(map(len, messages), np.int64, len(messages))
+    for size in np.unique(sizes).tolist():
+        rows = np.flatnonzero(sizes == size)
+        block: Array = np.frombuffer(b''.join([messages[row] for row in rows]),
+                                     np.uint8).reshape(len(rows), size)
+        while len(rows):
+            layout = next((each for each in known if each.dtype.itemsize == size
+                           and each.matching(block[:1])[0]), None)
+            if layout is None:
+                layout = MessageLayout(store, type_name, block[0].tobytes())
+                known.append(layout)
+            good = layout.matching(block)
+            yield rows[good], np.ascontiguousarray(block[good]).view(layout.dtype)[:, 0]
+            rows, block = rows[~good], block[~good]

@@ -24,7 +24,7 @@ from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from fourbar_ros.bag import metadata
-from fourbar_ros.bag.layout import Layouts
+from fourbar_ros.bag.layout import arrays, MessageLayout
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from mcap.data_stream import ReadDataStream
@@ -122,7 +122,8 @@ class Bag:
             raise BagError(f'{self.files[0]}: is no MCAP file')
         self.damage: list[str] = []
         self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of each
-        self._layouts: dict[tuple[str, bytes], Layouts] = {}    # by type and definition
+        # met so far, by type and definition
+        self._layouts: dict[tuple[str, bytes], list[MessageLayout]] = {}
 
     @property
     def size(self) -> int:
@@ -238,12 +239,10 @@ class Bag:
             yield Columns(messages[0].topic, times[rows], records)
 
     def arrays(self, topic: str, messages: list[bytes]) -> Iterator[tuple[Array, Array]]:
-        """Yield (rows, records) of messages of a topic, as :meth:`Layouts.arrays`."""
+        """Yield (rows, records) of messages of a topic, see :func:`.layout.arrays`."""
         _, schema = self._topics[topic]
-        key = schema.name, schema.data
-        if key not in self._layouts:
-            self._layouts[key] = Layouts(self._store(schema), schema.name)
-        return self._layouts[key].arrays(messages)
+        known = self._layouts.setdefault((schema.name, schema.data), [])
+        return arrays(self._store(schema), schema.name, messages, known)
 
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of serialised messages against the decoder of rosbags, message by message."""
-from fourbar_ros.bag.layout import Layouts
+from fourbar_ros.bag.layout import arrays
 from fourbar_ros.errors import BagError
 from hypothesis import given
 from hypothesis import strategies as st
@@ -39,7 +39,7 @@ def check(store, type_name, messages, little):
     encoded = [bytes(store.serialize_cdr(message, type_name, little_endian=little))
                for message in messages]
     rows_seen = []
-    for rows, records in Layouts(store, type_name).arrays(encoded):
+    for rows, records in arrays(store, type_name, encoded, []):
         assert rows.tolist() == sorted(rows.tolist()) and records.shape == rows.shape
         rows_seen += rows.tolist()
         for row, record in zip(rows.tolist(), records):
@@ -73,7 +73,7 @@ def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
     data = bags.motion(1)
     for length in range(len(data)):
         with pytest.raises(BagError, match='fit its definition|not a CDR message'):
-            list(Layouts(bags.STORE, 'fourbar_msgs/msg/Motion').arrays([data, data[:length]]))
+            list(arrays(bags.STORE, 'fourbar_msgs/msg/Motion', [data, data[:length]], []))
 
 
 def test_the_bytes_between_fields_do_not_matter():
@@ -84,6 +84,6 @@ def test_the_bytes_between_fields_do_not_matter():
     rng = np.random.default_rng(1)
     dirty = bags.with_old_memory(data, ['abcde', 'a', 'bc', 'def'], rng)
     assert dirty != data
-    (rows, records), = Layouts(bags.STORE, 'sensor_msgs/msg/JointState').arrays([data, dirty])
+    (rows, records), = arrays(bags.STORE, 'sensor_msgs/msg/JointState', [data, dirty], [])
     assert rows.tolist() == [0, 1]
     assert all(np.array_equal(records[name][0], records[name][1]) for name in records.dtype.names)

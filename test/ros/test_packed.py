@@ -11,7 +11,7 @@ import math
 import zlib
 
 from fourbar_msgs.msg import LinkageState
-from fourbar_ros.bag.layout import Layouts
+from fourbar_ros.bag.layout import arrays
 from fourbar_ros.pipeline.stepper import STATUS_NAMES, Stepper
 from fourbar_ros.ros import messages
 from fourbar_ros.ros.messages import filler, packer, resolve, set_constants
@@ -81,7 +81,7 @@ def test_packed_bytes_are_what_ros_serialises(name, monkeypatch):
 
 def same_but_for_padding(type_name, data, expected):
     """Compare without padding, which holds old memory: that of ROS too."""
-    (rows, records), = Layouts(STORE, type_name).arrays([expected, data])
+    (rows, records), = arrays(STORE, type_name, [expected, data], [])
     assert rows.tolist() == [0, 1]
     for name in records.dtype.names:
         assert records[name][0].tobytes() == records[name][1].tobytes(), name
