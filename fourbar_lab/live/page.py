@@ -11,7 +11,7 @@ plays, scrubs and drags through these (player.js).
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import radians
 from pathlib import Path
 from typing import Any
@@ -340,28 +340,29 @@ class Page:
             self.problem = str(error)
         self.draw()
         await asyncio.sleep(LATER)
-        shown, drawn = self.shown, self._drawn()
-        cycle = await run.io_bound(self._cycle, shown, list(drawn.values()))
+        shown = self.shown
+        cycle = await run.io_bound(self._cycle, shown, self._drawn())
         # None: the server ends
         if cycle and self.shown is shown and not self.refusal and not self.client.is_deleted:
-            player, *others = cycle
-            for element, frames in zip(drawn, others):
-                show(element, frames=frames)
-            show(self.player, **player)
+            for element, properties in cycle.items():
+                show(element, **properties)
 
-    def _cycle(self, shown: Shown, draw: Sequence[Drawn]) -> list[Any]:
-        """Return the properties of the player for a cycle, and the frames of other elements."""
+    def _cycle(self, shown: Shown, drawn: Drawings) -> dict[Element, dict[str, Any]]:
+        """Return {element: its properties} for the frames of a cycle, the player last."""
         samples = shown.samples(FRAMES)
         inputs = [shown.shown_input(position) for position, _ in samples]
-        ends = [[k for k, (position, _) in enumerate(samples) if low <= position <= high]
-                for low, high in shown.ranges]
-        rate = shown.rate or 1.0
-        player = {'inputs': inputs, 'frames': [self._picture(pose) for _, pose in samples],
-                  'joints': [joints_of(shown, pose, self.view) for _, pose in samples],
-                  'ranges': [[part[0], part[-1]] for part in ends if part],
-                  'turns': (1 if rate > 0.0 else -1) if shown.linkage.turns_fully else 0}
-        return [player, *([one(at, pose) for at, (_, pose) in zip(inputs, samples)]
-                          for one in draw)]
+        found: dict[Element, dict[str, Any]] = {
+            element: {'frames': [draw(at, pose) for at, (_, pose) in zip(inputs, samples)]}
+            for element, draw in drawn.items()}
+        of_ranges = [[k for k, (position, _) in enumerate(samples) if low <= position <= high]
+                     for low, high in shown.ranges]
+        sense = -1 if shown.rate < 0.0 else 1
+        found[self.player] = {
+            'inputs': inputs, 'frames': [self._picture(pose) for _, pose in samples],
+            'joints': [joints_of(shown, pose, self.view) for _, pose in samples],
+            'ranges': [[frames[0], frames[-1]] for frames in of_ranges if frames],
+            'turns': sense if shown.linkage.turns_fully else 0}
+        return found
 
     # --- views ----------------------------------------------------------------------------------
 
