@@ -123,8 +123,7 @@ class Code:
             'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature('motion'),
             'LOADS_AT': loads if model.loads else '',
             'SET_MODE': modes if model.signs else '',
-            'DRIVE': ''.join(f'{text}\n' for text in (
-                self.drive.declarations() if self.drive else ())),
+            'DRIVE': self.drive.declarations() if self.drive else '',
             'NAME': name})
 
     def _about(self) -> list[str]:
@@ -334,8 +333,7 @@ class Code:
                                for one, value in zip(model.inputs, given)),
             'CALL': CALLS['step' if model.loads else 'motion'],
             'POINTERS': ', &'.join(expected),
-            'COMPARED': lines_of(compared) + ''.join(
-                f'{text}\n' for text in (self.drive.self_check() if self.drive else ())),
+            'COMPARED': lines_of(compared) + (self.drive.self_check() if self.drive else ''),
             'NAME': name})
 
     @staticmethod

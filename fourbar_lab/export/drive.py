@@ -14,7 +14,7 @@ from math import inf, tau
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.model import GeneratedModel, NotGenerated
-from fourbar_lab.export.statements import filled, literal, snippet, Statements
+from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
@@ -148,37 +148,25 @@ class DriveCode:
                 | ({'mode'} if self.modes else set())
                 | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
 
-    def declarations(self) -> list[str]:
+    def declarations(self) -> str:
         """Return the C declarations of the drive for the header."""
         name, drive, command = self._model.name, self._scene.drive, self.command
-        torque = ', double torque' * self.takes_torque
-        what = ('; torque: that of the source during it' if self.takes_torque else '')
+        of_modes = [('mode', 'assembly mode'), ('place[6]', 'near a toggle, where position and '
+                                                'velocity do not tell it')]
         width = max(len(field) for field, *_ in self.fields)
-        return [
-            '/* Motion by torque. Whatever its length, a step takes at most '
-            f'{drive.budget} evaluations of the\n   equation of motion; the node makes steps of '
-            f'{literal(1.0 / drive.rate)} s. */',
-            'typedef enum {', ',\n'.join(f'  {name}_drive_{text} = {i}'
-                                         for i, text in enumerate(STATUS_OF_DRIVE)),
-            f'}} {name}_drive_status;', '',
-            '/* As fourbar_msgs/DriveState; NaN: it has none. */', 'typedef struct {',
-            *(f'  double {field};{" " * (width - len(field))}  /* [{unit or "-"}] {text} */'
-              for field, unit, text in self.fields),
-            *([f'  double mode;{" " * (width - 4)}  /* assembly mode */',
-               f'  double place[6];{" " * (width - 8)}  /* near a toggle, where position and '
-               'velocity do not tell it */'] if self.modes else []),
-            *([f'  double {command.field};{" " * (width - len(command.field))}  '
-               f'/* [{command.unit}] {command.text}: may be set anew */']
-              if command and command.field else []),
-            f'}} {name}_drive;', '',
-            f'/* The state at the start of the scene{what}. */',
-            f'void {name}_start({name}_drive *drive{torque});',
-            '/* Acceleration and torques of a state that was set: position, velocity, twist,\n   '
-            f'motor_velocity, current, speed_error_integral{", mode" * bool(self.modes)}. */',
-            f'void {name}_complete({name}_drive *drive{torque});',
-            f'/* Move on by a step [s]{what}. At a limit, and where\n   numbers overflow, it is '
-            'held at rest. */',
-            f'{name}_drive_status {name}_advance({name}_drive *drive, double step{torque});', '']
+        fields = [(field, f'[{unit or "-"}] {text}') for field, unit, text in self.fields]
+        fields += of_modes if self.modes else []
+        fields += ([(command.field, f'[{command.unit}] {command.text}: may be set anew')]
+                   if command and command.field else [])
+        return filled(snippet('drive.c', 'header'), {
+            'BUDGET': drive.budget, 'STEP': literal(1.0 / drive.rate), 'NAME': name,
+            'STATUS': ',\n'.join(f'  {name}_drive_{text} = {i}'
+                                 for i, text in enumerate(STATUS_OF_DRIVE)),
+            'FIELDS': lines_of(f'double {field};{" " * (width - len(field))}  /* {text} */'
+                               for field, text in fields),
+            ' GIVEN': '; torque: that of the source during it' * self.takes_torque,
+            ' AND_MODE': ', mode' * bool(self.modes),
+            ' ARGUMENT': ', double torque' * self.takes_torque})
 
     def source(self) -> list[str]:
         """Return the text behind the functions of motion and loads."""
@@ -206,17 +194,16 @@ class DriveCode:
         return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'),
                 text]
 
-    def self_check(self) -> list[str]:
+    def self_check(self) -> str:
         """Return the C text that compares the state after some steps with Python's."""
-        mover, step, name = self._mover, 1.0 / self._scene.drive.rate, self._model.name
-        values, torque = mover.start(), ', 0.0' * self.takes_torque
+        mover, step = self._mover, 1.0 / self._scene.drive.rate
+        values = mover.start()
         for _ in range(CHECKED):
             _, values = mover.next(values, step)
-        return ['  {', f'    static const double drive_of_python[] = {{{_list(values)}}};',
-                f'    {name}_drive drive;', '    int i;', f'    {name}_start(&drive{torque});',
-                f'    for (i = 0; i < {CHECKED}; ++i) '
-                f'(void){name}_advance(&drive, {literal(step)}{torque});',
-                f'    differ += differing(&drive, drive_of_python, {len(values)});', '  }']
+        return filled(snippet('drive.c', 'self_check'), {
+            'EXPECTED': _list(values), 'NAME': self._model.name, 'COUNT': CHECKED,
+            'STEP': literal(step), 'NUMBERS': len(values),
+            ' PASSED': ', 0.0' * self.takes_torque})
 
     def _constants(self) -> list[str]:
         """Return the C constants of the step: phases, what takes over, budget, factors, limits."""

@@ -88,3 +88,32 @@ NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT)
   give(&at, drive, known, !is_held);
   return status;
 }
+// --- header
+/* Motion by torque. Whatever its length, a step takes at most BUDGET evaluations of the
+   equation of motion; the node makes steps of STEP s. */
+typedef enum {
+STATUS
+} NAME_drive_status;
+
+/* As fourbar_msgs/DriveState; NaN: it has none. */
+typedef struct {
+FIELDS} NAME_drive;
+
+/* The state at the start of the scene GIVEN. */
+void NAME_start(NAME_drive *drive ARGUMENT);
+/* Acceleration and torques of a state that was set: position, velocity, twist,
+   motor_velocity, current, speed_error_integral AND_MODE. */
+void NAME_complete(NAME_drive *drive ARGUMENT);
+/* Move on by a step [s] GIVEN. At a limit, and where
+   numbers overflow, it is held at rest. */
+NAME_drive_status NAME_advance(NAME_drive *drive, double step ARGUMENT);
+
+// --- self_check
+  {
+    static const double drive_of_python[] = {EXPECTED};
+    NAME_drive drive;
+    int i;
+    NAME_start(&drive PASSED);
+    for (i = 0; i < COUNT; ++i) (void)NAME_advance(&drive, STEP PASSED);
+    differ += differing(&drive, drive_of_python, NUMBERS);
+  }
