@@ -145,7 +145,6 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
             run(trace, once, ARRAYS, known)
 
     def step(*inputs: Values) -> list[Values]:
-        """Return the fields, arrays or single numbers."""
         values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
         fields: list[Values] = [nan] * len(places)
         for i in wanted:

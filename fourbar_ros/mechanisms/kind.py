@@ -300,7 +300,6 @@ class Kind(Mechanism):
         ratio_of = {coordinate: name for name, coordinate in self.RATIOS.items()}
 
         def rates(coordinate: Coordinate) -> tuple[Scalar, Scalar]:
-            """Return rate and acceleration of a coordinate."""
             if not are_ratios:
                 return getattr(motion, coordinate.rate), getattr(motion, coordinate.acceleration)
             if coordinate not in ratio_of:      # the input

@@ -319,7 +319,6 @@ class Mechanism(ABC):
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
         def reaches(position: Scalar) -> bool:
-            """Return whether an input is in the stroke and away from flat limits."""
             x = position.real
             inside = (low <= x) & (x <= high)
             for flat in flats:
@@ -445,7 +444,6 @@ class Mechanism(ABC):
         link_motion, links = self.link_motion, [link.name for link in self.LINKS]
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
-            """Return the curve of each link at a position."""
             motion = as_motion._make(motion_of(position, 1.0, 0.0))
             return [link_motion(motion, link) for link in links]
         return coefficients

@@ -68,7 +68,6 @@ def record_type(name: str, fields: tuple[str, ...], shown: int | None = None) ->
         return restored, (name, fields, shown, tuple(self))
 
     def text(self: Any) -> str:
-        """Return name and fields."""
         return f'{name}({", ".join(f"{one}={v!r}" for one, v in zip(fields[:shown], self))})'
 
     return type(name, (base,), {

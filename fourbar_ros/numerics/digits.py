@@ -101,7 +101,6 @@ def in_decimals(trace: Trace, data: Sequence[float], places: Sequence[int]
     order = [i for i in order if i in trace.varies]
 
     def numbers(*inputs: Decimal) -> list[Decimal]:
-        """Return the numbers at the places."""
         values = run(trace, order, DECIMALS, [*inputs, *known[trace.count:]])
         return [values[i] for i in places]
     return numbers

@@ -98,7 +98,6 @@ Recordable = Union[Number, float]
 def _method(name: str, is_reflected: bool) -> Function:
     """Return the method of Number that records an operator; reflected: 2.0 - x, of x."""
     def method(self: Number, *others: Recordable) -> Recordable:
-        """Record the operation and return its result."""
         if not all(isinstance(other, (Number, float, int)) for other in others):
             return NotImplemented
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))

@@ -44,13 +44,9 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
 
     Results are arrays of shape (n,) with own memory, computed chunk by chunk; so are inputs;
     constants by place are those of :meth:`.Trace.constants`. ``zeros``: places of numbers that do
-    not depend on the inputs and are zero: what only adds zero is left out, unless a result would
-    then no longer be NaN where it should.
+    not depend on the inputs and are zero.
     """
-    simple = trace.simplified(dict.fromkeys(zeros, 0.0))
-    full, places = ([flat(one.results)[i] for i in wanted] for one in (trace, simple))
-    if _carriers(simple, places) != _carriers(trace, full):
-        simple, places = trace, full
+    simple, places = _without_zeros(trace, wanted, zeros)
     steps = [place for place in simple.needed(places)
              if place in trace.varies and place >= trace.count]
     # differences of equal numbers, which do not depend on the inputs any more
@@ -79,6 +75,20 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
                  *[row[part] for row in rows])
         return rows
     return run_on
+
+
+def _without_zeros(trace: Trace, wanted: Sequence[int],
+                   zeros: frozenset[int]) -> tuple[Trace, list[int]]:
+    """
+    Return the trace without what only adds zero, and the places of the results ``wanted`` in it.
+
+    The whole trace if a result would then no longer be NaN where it should.
+    """
+    simple = trace.simplified(dict.fromkeys(zeros, 0.0))
+    full, places = ([flat(one.results)[i] for i in wanted] for one in (trace, simple))
+    if _carriers(simple, places) != _carriers(trace, full):
+        return trace, full
+    return simple, places
 
 
 def array_statements(trace: Trace, results: Sequence[int],

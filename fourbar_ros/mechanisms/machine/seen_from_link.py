@@ -96,7 +96,6 @@ class SeenFromLink:
         sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
         def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
-            """Return crank, first and second link of the dyad at an angle p, by (O1)."""
             driven = LinkMotion(*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
             first, arm, *_ = rrr(n, sign, (rod, length), at_b, ORIGIN, between(at_b, ORIGIN),
