@@ -28,12 +28,11 @@ from fourbar_ros.dynamics.equation import (
     flat_positions,
     InBothModes,
     interval_of,
-    make_reading,
 )
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
-from fourbar_ros.numerics.number_types import Function, REAL
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -60,11 +59,10 @@ class MotionCoordinate:
         self.mode, self.mode_beyond = mode, coordinates.partner(mode)
         self.can_end = bool(coordinates.others)       # another coordinate may have to take over
         # the links as the coordinate that takes over drives them, in one of its modes
-        links_of_next: DrivenLinks = equation.mechanism
-        if self.is_input:
-            links_of_next = next(iter(coordinates.others.values()), links_of_next)
-        self.make_other = make_reading(links_of_next)    # p -> that coordinate, its derivatives
-        self.unit_of_ratio = equation.coordinate.input_unit / links_of_next.input_unit
+        others: list[DrivenLinks] = [*coordinates.others.values(), equation.mechanism]
+        self._links_of_next = others[0] if self.is_input else equation.mechanism
+        # of this coordinate in that of the next one
+        self.unit_of_ratio = equation.coordinate.input_unit / self._links_of_next.input_unit
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the system and which of its coordinates this is."""
@@ -74,6 +72,11 @@ class MotionCoordinate:
     def derivative(self) -> Function:
         """Return (time, state) -> d state / dt."""
         return self.all.system.make_derivative(self)
+
+    def make_other(self, links: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula p -> the coordinate that takes over, its two derivatives by p."""
+        coefficients, read = links.make_coefficients(n), self._links_of_next.read_coordinate
+        return lambda position: read(n, coefficients(position))
 
     @cached_property
     def other(self) -> InBothModes:
@@ -104,14 +107,14 @@ class MotionCoordinate:
         """Return the input and its first two derivatives by p, at one p."""
         if self.is_input:
             return position, 1.0, 0.0
-        value, ratio, bend = self.equation.input.of_one(position)
+        value, ratio, bend = self.other.of_one(position)
         return self.all.continuous(value), ratio, bend
 
     def states_of_input(self, states: Array) -> Array:
         """Return states in this coordinate as states in the input, of one shape (states, ...)."""
         if self.is_input:
             return states
-        value, ratio, _ = self.equation.input(states[0])
+        value, ratio, _ = self.other(states[0])
         return np.array([self.all.continuous(value), ratio * states[1], *states[2:]])
 
     def acceleration(self, time: float, state: State) -> float:
@@ -125,7 +128,7 @@ class MotionCoordinate:
         positions = np.asarray(positions, float)
         is_other = np.asarray(self.equation.is_alternate(positions), bool)
         if not self.is_input:
-            is_other = is_other ^ ~(np.asarray(self.equation.input(positions)[1]) > 0.0)
+            is_other = is_other ^ ~(np.asarray(self.other(positions)[1]) > 0.0)
         return np.where(is_other, self.mode_beyond, self.mode)
 
 

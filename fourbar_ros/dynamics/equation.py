@@ -185,19 +185,6 @@ class InBothModes:
         return self.of_one(float(position))
 
 
-def make_reading(of: DrivenLinks) -> MakeFormula:
-    """
-    Return how one coordinate follows from another: (q, number type) -> formula of q.
-
-    The formula gives the coordinate of ``of`` in the pose at q, and its first two derivatives with
-    respect to q. Example: the crank's angle over the slide of a slider-crank.
-    """
-    def make(coordinate: DrivenLinks, n: NumberType) -> Function:
-        coefficients = coordinate.make_coefficients(n)
-        return lambda position: of.read_coordinate(n, coefficients(position))
-    return make
-
-
 def make_link_terms(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
                     ) -> Callable[[LinkMotion], tuple[Scalar, Scalar, Scalar]]:
     """Return the function motion of a link -> what it adds to J, J'/2 and Q, (E2) to (E4)."""
@@ -325,11 +312,6 @@ class Equation:
         links = self.coordinate
         return links.in_mode(links.mode_beyond(self._flats[0])) if is_other else links
 
-    @cached_property
-    def input(self) -> InBothModes:
-        """Return q -> the input of the mechanism and its first two derivatives by q."""
-        return self.in_both_modes(make_reading(self.mechanism))
-
     @property
     def is_input(self) -> bool:
         """Return whether q is the input of the mechanism."""
@@ -368,8 +350,8 @@ class Equation:
 
         The first four are those of (E1). C is the part of Q that has no potential: of couples, of
         forces over a position, of the turning of the base. r = d(input)/dq, r' = dr/dq: a drive
-        acts on the input, so its torque counts r times in another coordinate. ``outside``: numbers of the type ``n`` in place of the mechanism's own
-        gravity and of the forces on some links.
+        acts on the input, so its torque counts r times in another coordinate. ``outside``: numbers
+        of the type ``n`` in place of the mechanism's own gravity and of the forces on some links.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
         gravity, base, bodies = self._gravity, self._base, self._bodies
