@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, inf, remainder, sin, tau
+from math import ceil, cos, inf, remainder, sin, tau
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.dynamics.force_table import ForceTable
@@ -109,8 +109,8 @@ class TorsionSpring:
     Torsion spring and damper between two links, or a link and the ground.
 
     It acts on the angle of the second relative to the first: stiffness [N m/rad] and damping
-    [N m s/rad], zero or more; free angle [rad], at which it exerts no moment. The deflection counts
-    within half a turn.
+    [N m s/rad], zero or more; free angle [rad], at which it exerts no moment. The deflection
+    counts within half a turn.
     """
 
     first: str
@@ -182,11 +182,11 @@ class TableForce:
 
     @cached_property
     def ends(self) -> list[float]:
-        """Return the places of the table with two more on either side, infinite if no period."""
+        """Return the places of one period with two more on either side, infinite without one."""
         places = list(self.table.places)[:-1 if self.table.is_periodic else None]
-        count = -(-2 // len(places))
+        cycles = ceil(2 / len(places))         # so many on either side have two places
         return [place + turn * self.period if turn else place
-                for turn in range(-count, count + 1) for place in places]
+                for turn in range(-cycles, cycles + 1) for place in places]
 
     def piece(self, place: float) -> tuple[float, float]:
         """Return the two places next to one given: between them F is one polynomial."""

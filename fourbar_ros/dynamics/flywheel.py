@@ -45,21 +45,10 @@ class Flywheel(NamedTuple):
 
 def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywheel:
     """
-    Return the smallest flywheel with which the speed fluctuates no more than wanted.
+    Return the smallest flywheel with which the speed of a crank that turns fully fluctuates less.
 
-    Parameters
-    ----------
-    equation : Equation
-        Its crank turns fully.
-    rate : float
-        Mean of the largest and the smallest rate [rad/s], 1e-100 to 1e100 in size.
-    fluctuation : float
-        Largest coefficient of speed fluctuation, positive.
-
-    Raises
-    ------
-    InvalidParameter
-
+    ``rate``: mean of the largest and the smallest rate [rad/s], 1e-100 to 1e100 in size;
+    ``fluctuation``: the largest coefficient of speed fluctuation allowed. Raises InvalidParameter.
     """
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')

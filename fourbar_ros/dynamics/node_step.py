@@ -338,7 +338,7 @@ class Mover:
             new = None
             while new is None:
                 longest = min(h, left)
-                h = min(longest, max(place.to_bend, latest))      # not far beyond a bend of the law
+                h = min(longest, max(place.to_bend, latest))   # not far beyond a bend of the law
                 if excess:
                     h = h * _to_table(excess, at.state[0], h * at.state[1],
                                       0.5 * h * h * place.linear[1])

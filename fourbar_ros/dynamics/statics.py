@@ -60,9 +60,8 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
 
     ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
     samples of each range of the input and at the places of force tables, and pairs of them between
-    samples where |Q + T| dips. None
-    is found where Q + T is zero over an interval. A jump of Q over zero, as at the wrap of a
-    torsion spring, is no equilibrium.
+    samples where |Q + T| dips. None is found where Q + T is zero over an interval. A jump of Q
+    over zero, as at the wrap of a torsion spring, is no equilibrium.
     """
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
@@ -79,12 +78,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
 
 
 def _jumps(equation: Equation, place: float, drive: float) -> bool:
-    """
-    Return whether Q + T only jumps over zero at a place, as where the angle of a spring wraps.
-
-    At a root the values 1e-9 on either side are as small as the slope says; at a jump they are
-    not.
-    """
+    """Return whether Q + T is larger 1e-9 beside a place than its slope there says: it jumps."""
     aside = 1e-9 * equation.mechanism.input_unit
     below, here, above = equation.terms(place + aside * np.arange(-1.0, 2.0)).force + drive
     bend = abs(float(equation.stiffness(place))) * aside
@@ -102,25 +96,28 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
 
 
 def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
-    """Return the inputs between samples at which a force table has a place, by bisection."""
+    """Return the inputs between samples at which a force table comes to one of its places."""
     found: list[Array] = [np.empty(0)]
     for i, (_, table) in enumerate(equation.tables):
-        def beyond(inputs: Array, places: Array, i: int = i,
-                   period: float = table.period) -> Array:
-            way = equation.places.of_many(inputs)[i] - places
-            return way if period == inf else way - period * np.round(way / period)
-        places = np.array(table.table.places)[:, None]
-        ways = beyond(samples, places)
-        passes = ((ways[:, 1:] >= 0.0) != (ways[:, :-1] >= 0.0)) & (
-            np.abs(np.diff(ways)) < 0.5 * table.period)
-        row, column = np.nonzero(passes)
-        low, high, place = samples[column], samples[column + 1], places[row, 0]
-        side = ways[row, column] >= 0.0
+        def ways_beyond(inputs: Array, places: Array, i: int = i,
+                        period: float = table.period) -> Array:
+            """Return how far the table is beyond places, the short way round its period."""
+            ways = equation.places.of_many(inputs)[i] - places
+            return ways if period == inf else ways - period * np.round(ways / period)
+        places = np.array(table.table.places)
+        ways = ways_beyond(samples, places[:, None])
+        is_beyond = ways >= 0.0
+        # where a way changes by half a period it has only come round
+        comes_there = ((is_beyond[:, 1:] != is_beyond[:, :-1])
+                       & (np.abs(np.diff(ways)) < 0.5 * table.period))
+        place, sample = np.nonzero(comes_there)
+        before, after = samples[sample], samples[sample + 1]
+        was_beyond = is_beyond[place, sample]
         for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            is_before = (beyond(middle, place) >= 0.0) == side
-            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
-        found.append(high)
+            middle = 0.5 * (before + after)
+            is_before = (ways_beyond(middle, places[place]) >= 0.0) == was_beyond
+            before, after = np.where(is_before, middle, before), np.where(is_before, after, middle)
+        found.append(after)
     return np.concatenate(found)
 
 
