@@ -107,12 +107,8 @@ class Transmission:
         """
         Return the trajectory of the drive that moves the output as wanted, (T1) to (T3).
 
-        Raises
-        ------
-        CannotFollow
-            A position of the output lies beyond a toggle, or in it, where rates are unbounded; or
-            a number overflows.
-
+        Raises CannotFollow if a position of the output lies beyond a toggle, or in it, where rates
+        are unbounded, or if a number overflows.
         """
         outputs = self._within_branch(wanted.position, self._output)
         inputs = self._solve(outputs)
@@ -138,12 +134,8 @@ class Transmission:
         """
         Return the trajectory of the output for that of the drive; effort from (T3).
 
-        Raises
-        ------
-        CannotFollow
-            The drive leaves the range of the input; an effort is asked for in a toggle; or a
-            number overflows.
-
+        Raises CannotFollow if the drive leaves the range of the input, if an effort is asked for
+        in a toggle, or if a number overflows.
         """
         inputs = self._within_branch(driven.position, self._input)
         given = 0.0 if driven.acceleration is None else driven.acceleration
@@ -166,13 +158,8 @@ class Transmission:
         Return positions of the input or the output, moved to the turn in which the branch lies.
 
         Drives may count an angle that swings from another turn, so the whole turns that bring the
-        first position into the branch are added to all.
-
-        Raises
-        ------
-        CannotFollow
-            A position lies beyond an end, or is so large that floats tell no angle there.
-
+        first position into the branch are added to all. Raises CannotFollow if one lies beyond an
+        end, or is so large that floats tell no angle there.
         """
         is_angle = coordinate.unit == 'rad'
         spacing = np.spacing(np.abs(positions))
@@ -335,13 +322,8 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     """
     Return the branch that contains ``start`` [rad or m]: up to where the output turns back.
 
-    Raises
-    ------
-    OutOfRange
-        The mechanism does not close at ``start``.
-    InvalidParameter
-        The output turns back just there.
-
+    Raises OutOfRange where the mechanism does not close at ``start``, InvalidParameter where the
+    output turns back just there.
     """
     coordinate = mechanism.input_coordinate
     start = number('start', start)

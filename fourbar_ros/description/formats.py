@@ -24,15 +24,8 @@ def describe(scene: Scene, format_: str = 'urdf') -> str:
     """
     Return a scene as URDF, SDF or MJCF.
 
-    Raises
-    ------
-    InvalidParameter
-        For an unknown format.
-    NoDescription
-        If the format cannot hold the scene.
-    ModuleNotFoundError
-        For SDF and MJCF without fourbar_lab.
-
+    Raises InvalidParameter for an unknown format, NoDescription if the format cannot hold the
+    scene, ModuleNotFoundError for SDF and MJCF without fourbar_lab.
     """
     if format_ not in FORMATS:
         raise InvalidParameter('format', format_, f'must be one of {", ".join(FORMATS)}')

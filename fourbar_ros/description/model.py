@@ -138,11 +138,7 @@ def model_of(scene: Scene) -> RobotModel:
     """
     Return the :class:`RobotModel` of a scene.
 
-    Raises
-    ------
-    NoDescription
-        The mechanism has no tree, or two frames have one name.
-
+    Raises NoDescription if the mechanism has no tree, or two frames have one name.
     """
     mechanism = scene.linkage
     (holding, cut), position = tree_of(mechanism), start_of(scene)
@@ -266,11 +262,7 @@ def tree_of(mechanism: Mechanism) -> tuple[dict[str, int], list[int]]:
     A link hangs on the driven joint if that is at its first joint, else on a joint that slides,
     else on one that turns: so loops are cut at pins wherever they have one.
 
-    Raises
-    ------
-    NoDescription
-        Its joints do not reach every link from the ground.
-
+    Raises NoDescription if its joints do not reach every link from the ground.
     """
     connections, driven = connections_of(mechanism), mechanism.input_coordinate
 
