@@ -12,7 +12,7 @@ from fourbar_ros.scene.topics import OUTPUTS, PICTURES
 from hypothesis import strategies as st
 import numpy as np
 from rosbags.interfaces import Nodetype
-from support import contract, random_machines
+from support import contract
 
 seeds = st.integers(0, 2**32 - 1)
 rates = st.floats(-30.0, 30.0)
@@ -22,10 +22,8 @@ wrenches = st.tuples(*[st.floats(-50.0, 50.0)] * 3)
 # --- linkages and machines -----------------------------------------------------------------------
 
 
-def mechanisms(case, **how):
+def mechanisms(case):
     """Draw (mechanism, input) of a case, or of machines of dyads, as the tests of kinds do."""
-    if case == contract.MACHINES:
-        return seeds.map(lambda seed: next(random_machines.random_machines(seed, 1, **how)))
     return seeds.map(lambda seed: next(contract.ordinary(case, seed, 1)))
 
 
