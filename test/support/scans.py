@@ -12,10 +12,6 @@ import numpy as np
 from support.cartesian import EPS
 
 
-def place(mechanism, extremum):
-    return extremum.slide if mechanism.is_driven_by_slide else extremum.theta1
-
-
 def tops(values, noise):
     """Yield (kind, index) of samples beyond those on both sides by more than noise."""
     for sign, kind in ((1, 'maximum'), (-1, 'minimum')):
@@ -48,38 +44,28 @@ def check_against_scan(mechanism, quantities, rate, acceleration, points, exact=
     ``exact``: (mechanism, name, inputs, rates) -> values to many digits, or None; asked where the
     rounding of the values hides whether one is. Return how many the scan has.
     """
-    found, number = find_extrema(mechanism, quantities, rate, acceleration), 0
+    rates = rate, acceleration
+    found, number = find_extrema(mechanism, quantities, *rates), 0
     for name, kind, top, step in tops_of_a_scan(mechanism, quantities, rate, acceleration, points):
         number += 1
-        extrema = [
-            place(mechanism, e)
-            for e in found
-            if (e.quantity, e.kind, e.place) == (name, kind, 'interior')
-            or (e.quantity, e.place) == (name, 'one-sided')
-        ]
-        away = min([abs(mechanism.distance(top, at)) for at in extrema], default=inf)
+        places = [e.input for e in found if e.quantity == name and (
+            e.place == 'one-sided' or (e.kind, e.place) == (kind, 'interior'))]
+        away = min([abs(mechanism.distance(top, at)) for at in places], default=inf)
         assert away <= 1.5 * step or _is_noise(
-            mechanism, name, kind, top, step, (rate, acceleration), exact
-        ) or _is_below_its_bound(mechanism, name, top, (rate, acceleration)), (
-            mechanism, name, top)
+            mechanism, name, kind, top, step, rates, exact) or _is_below_its_bound(
+                mechanism, name, top, rates), (mechanism, name, top)
     by_name = {quantity.name: quantity for quantity in quantities}
     for extremum in found:
         if extremum.place == 'interior' and extremum.kind != 'constant':
-            at, unit = (
-                place(mechanism, extremum),
-                getattr(mechanism, 'input_scale', None) or mechanism.input_unit,
-            )
-            d = min(
-                1e-6 * unit / max(1.0, extremum.condition / unit),
-                1e-3 * _to_singular(mechanism, at),
-            )
-            inputs = at + d * np.array((-1.0, 0.0, 1.0))
-            around = by_name[extremum.quantity].of(*mechanism.step(inputs, rate, acceleration))
-            drop = _drop(extremum.kind, around)
-            size = abs(around[1])
+            unit = mechanism.input_unit
+            d = min(1e-6 * unit / max(1.0, extremum.condition / unit),
+                    1e-3 * _to_singular(mechanism, extremum.input))
+            inputs = extremum.input + d * np.array((-1.0, 0.0, 1.0))
+            around = by_name[extremum.quantity].of(*mechanism.step(inputs, *rates))
+            drop, size = _drop(extremum.kind, around), abs(around[1])
             tolerance = 64 * EPS * size * (1 + extremum.value_condition) if size else 0.0
             if drop < -tolerance and exact:
-                truth = exact(mechanism, extremum.quantity, inputs, (rate, acceleration))
+                truth = exact(mechanism, extremum.quantity, inputs, rates)
                 drop = drop if truth is None else _drop(extremum.kind, truth)
             assert drop >= -tolerance, (mechanism, extremum)
     return number
