@@ -311,6 +311,17 @@ def random_masses(rng, case, reach, speed):
             'gravity': tuple(numbers(*(rng.uniform(-1.0, 1.0, 2) * force)))}
 
 
+def drawn(case, seed, count):
+    """Yield mechanisms with everything acting, also near change points and rocking."""
+    if case == MACHINES:
+        yield from (machine for machine, _ in random_machines.random_machines(seed, count, (1, 5)))
+        return
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        lengths, _ = draw(rng, case)
+        yield case.make(lengths, random_masses(rng, case, 1.0, 1.0))
+
+
 def ordinary(case, seed, count):
     """Yield (mechanism, input) with everything acting, away from toggles and change points."""
     if case == MACHINES:

@@ -8,19 +8,7 @@ import numpy as np
 import pytest
 from support import contract
 from support.contract import every_mechanism
-from support.random_machines import random_machines
 from support.samples import more
-
-
-def drawn(case, seed, count):
-    """Yield loaded mechanisms, also near change points and rocking."""
-    if case == contract.MACHINES:
-        yield from (machine for machine, _ in random_machines(seed, count, dyads=(1, 5)))
-        return
-    rng = np.random.default_rng(seed)
-    for _ in range(count):
-        lengths, _ = contract.draw(rng, case)
-        yield case.make(lengths, contract.random_masses(rng, case, 1.0, 1.0))
 
 
 def in_any_turn(mechanism, ranges):
@@ -33,7 +21,7 @@ def in_any_turn(mechanism, ranges):
 def test_ranges_are_where_it_closes(case, points=more(2000, 20000)):
     """Inside of the ranges arrays have numbers, outside NaN; single values are refused."""
     rng, seen = np.random.default_rng(218), 0
-    for mechanism in drawn(case, 218, more(20, 60)):
+    for mechanism in contract.drawn(case, 218, more(20, 60)):
         is_slide = mechanism.is_driven_by_slide
         low, high = mechanism.closing_ranges[0][0], mechanism.closing_ranges[-1][1]
         x = (rng.uniform(1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low, points) if is_slide
@@ -64,7 +52,7 @@ def test_ranges_are_where_it_closes(case, points=more(2000, 20000)):
 def test_limits_are_singular(case):
     """Next to the ends of a range the sine falls as the root of the distance."""
     ends = 0
-    for mechanism in drawn(case, 219, 40):
+    for mechanism in contract.drawn(case, 219, 40):
         if mechanism.turns_fully or mechanism.change_point_margin < 1e-3:
             continue
         singular = np.array(mechanism.singular_inputs)
