@@ -43,11 +43,10 @@ def labels_of(diagram: Diagram) -> Labels:
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
     groups: list[list[str]] = []             # joints at one place
     for name, place in diagram.joints.items():
-        for names in groups:
-            other = diagram.joints[names[0]]
-            if hypot(place[0] - other[0], place[1] - other[1]) <= SAME * size:
-                names.append(name)
-                break
+        here = [names for names in groups
+                if hypot(*(place - diagram.joints[names[0]])) <= SAME * size]
+        if here:
+            here[0].append(name)
         else:
             groups.append([name])
     free_letters = _letters()
