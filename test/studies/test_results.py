@@ -10,7 +10,7 @@ from fourbar_lab.studies.engine import encode, KEY, PART
 from fourbar_lab.studies.results import Results
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.cli.main import main
-from fourbar_ros.scene.scene import from_values, load
+from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
 
@@ -101,15 +101,6 @@ def test_a_picked_design_is_the_scene_of_its_row(folder, table, tmp_path, capsys
     row = column(table, 'row')[3]
     assert main(['study', 'pick', str(folder), str(row)]) == 0
     assert f'Row {row} of the study' in capsys.readouterr().out
-
-
-def test_every_row_that_was_kept_is_a_scene(folder, table, tmp_path):
-    results, study, file = Results(folder), from_document(DOCUMENT), tmp_path / 'scene.yaml'
-    drawn = study.drawn(0, study.rows)
-    for row in column(table, 'row')[::5].tolist():
-        values = {name: drawn[name][row].item() for name in drawn}
-        file.write_text(results.scene_text(row))
-        assert load(file).linkage == from_values({**study.values, **values}).linkage
 
 
 def test_show_lists_rows_of_the_front_that_pick_takes(folder, table, tmp_path, capsys,
