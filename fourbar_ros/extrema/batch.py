@@ -175,6 +175,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
     with np.errstate(all='ignore'):
         run(trace, once, ARRAYS, known)
     per_linkage = [i for i in trace.used_constants if isinstance(known[i], np.ndarray)]
+
     def evaluate(x: Array, which: Array) -> Array:
         """Return both quantities at inputs of shape (m, any), real or complex, of some."""
         own = list(known)

@@ -88,6 +88,7 @@ class OffsetSlide(Kind):
                                    f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
 
+
 class SliderDeadPoint(NamedTuple):
     """Crank and coupler in line, stretched or folded: the slider turns back."""
 

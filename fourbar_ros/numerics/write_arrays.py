@@ -56,9 +56,9 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
     names = [*(f'v{i}' for i in known), *(f'b{i}' for i in range(len(kinds))),
              *(f'r{i}' for i in range(len(places)))]
     line = compiled('\n'.join([f'def make({", ".join(ARRAYS)}):',
-                                f'    def line({", ".join(names)}):',
-                                *(f'        {one}' for one in lines or ['pass']),
-                                '    return line', '']), 'arrays')(*ARRAYS.values())
+                               f'    def line({", ".join(names)}):',
+                               *(f'        {one}' for one in lines or ['pass']),
+                               '    return line', '']), 'arrays')(*ARRAYS.values())
 
     def run_on(inputs: Sequence[Array], constants: Sequence[Any]) -> list[Array]:
         keep_memory()
