@@ -3,7 +3,6 @@
 """Pictures over cycles and moving ones: their curves are the core's, mistakes are refused."""
 from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.cycles import make_cycle_figure, usual_points
-from fourbar_lab.drawing.figure import CannotDraw
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
@@ -51,8 +50,3 @@ def test_an_animation_has_its_frames_and_they_differ(tmp_path):
         first = np.asarray(film.convert('L'), int)
         film.seek(film.n_frames // 2)
         assert abs(np.asarray(film.convert('L'), int) - first).max() > 100
-
-
-def test_an_unknown_suffix_is_refused(tmp_path):
-    with pytest.raises(CannotDraw, match='gif'):
-        animate(load(find('paper')).linkage, 1.0, {}, tmp_path / 'moving.txt')

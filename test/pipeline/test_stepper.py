@@ -12,7 +12,7 @@ from fourbar_ros.pipeline.stepper import (
     RATES_UNKNOWN,
     Stepper,
 )
-from fourbar_ros.pipeline.wrenches import UNKNOWN, Wrench
+from fourbar_ros.pipeline.wrenches import UNKNOWN
 from fourbar_ros.scene import from_values
 import pytest
 from support.scenes import RODS
@@ -105,19 +105,6 @@ def test_clamp_shows_the_pose_at_the_nearest_limit():
         # next to a toggle the output moves as the root of the distance
         assert values['theta4'] == pytest.approx(near.theta4, abs=10.0 * 1e-9**0.5)
         assert all(isnan(values[name]) for name in ('omega4', 'alpha4', 'f41', 'condition'))
-
-
-def test_a_wrench_acts_from_the_next_step_on():
-    scene, stepper, step = made()
-    before = step(*INSIDE)[1]
-    stepper.act('output', Wrench(30.0, -20.0, 5.0))
-    after = step(*INSIDE)[1]
-    external = scene.linkage.external
-    loaded = scene.linkage.with_external(external._replace(
-        output=type(external.output)(30.0, -20.0, couple=5.0)))
-    assert after['driving_torque'] == loaded.step(*INSIDE)[1].driving_torque
-    assert after['driving_torque'] != before['driving_torque']
-    assert after['theta4'] == before['theta4']
 
 
 def test_what_a_simulator_carries_is_a_number_or_refused():

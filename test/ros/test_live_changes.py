@@ -8,6 +8,7 @@ from fourbar_ros.scene.scene import from_values
 import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from support.harness import set_parameters
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ['loads', 'state']}
@@ -27,18 +28,12 @@ Scene.with_values = make_late
 """
 
 
-class Changes:
-    """Changes one parameter of a node, again and again, without waiting for the answer."""
-
-    def __init__(self, client, name='gravity.y'):
-        self.client, self.name = client, name
-        self.service = client.node.create_client(SetParameters, '/fourbar/set_parameters')
-        client.until(self.service.service_is_ready, 'the parameter service')
-
-    def to(self, *values):
-        """Ask for these values, in one request; return the future of the answer."""
-        return self.service.call_async(SetParameters.Request(parameters=[
-            Parameter(self.name, value=value).to_parameter_msg() for value in values]))
+def changing(client):
+    """Return the function that asks for another gravity and returns the future of the answer."""
+    service = client.node.create_client(SetParameters, '/fourbar/set_parameters')
+    client.until(service.service_is_ready, 'the parameter service')
+    return lambda value: service.call_async(SetParameters.Request(parameters=[
+        Parameter('gravity.y', value=value).to_parameter_msg()]))
 
 
 def torque_at(position, **changes):
@@ -57,7 +52,7 @@ def test_inputs_are_answered_while_a_change_is_made(run_node, client, torque, tm
     """In order of events, not by the clock: the change may take as long as it likes."""
     node = run_node(LOADED, first=WAITING)
     torque()
-    change = Changes(client).to(-2.0)
+    change = changing(client)(-2.0)
     client.until(lambda: 'at work' in node.said, 'the change')
     old, new = torque_at(0.5), torque_at(0.5, **{'gravity.y': -2.0})
     assert old != new
@@ -72,11 +67,11 @@ def test_inputs_are_answered_while_a_change_is_made(run_node, client, torque, tm
 
 
 def test_the_ninth_change_that_waits_is_refused_and_a_node_ends_within_one(run_node, client):
-    node, changes, asked = run_node(LOADED, first=WAITING), Changes(client), []
-    changes.to(-2.0)
+    node, change, asked = run_node(LOADED, first=WAITING), changing(client), []
+    change(-2.0)
     client.until(lambda: 'at work' in node.said, 'the change')
     for number in range(9):
-        asked.append(changes.to(float(number)))
+        asked.append(change(float(number)))
         client.call('evaluate', position=0.5)            # the node has taken the request
     client.until(lambda: asked[-1].done(), 'the answer to the last')
     assert [each.done() for each in asked] == [False] * 8 + [True]
@@ -99,22 +94,14 @@ def fail(self, key, text):
 Recording.note = fail
 """
     node = run_node(LOADED, first=broken)
-    changes = Changes(client)
-    change = changes.to(-2.0)
-    client.until(change.done, 'the answer')
-    assert not change.result().results[0].successful
-    assert 'as a test' in change.result().results[0].reason
-    assert torque() == torque_at(0.5)
-    change = changes.to(-2.5)
-    client.until(change.done, 'the answer')
-    assert change.result().results[0].reason == (
-        "a fault in the node, see its log: ValueError('ours')")
-    assert torque() == torque_at(0.5)
+    for value, why in ((-2.0, 'as a test'),
+                       (-2.5, "a fault in the node, see its log: ValueError('ours')")):
+        refused, = set_parameters(client, {'gravity.y': value})
+        assert not refused.successful and why in refused.reason
+        assert torque() == torque_at(0.5)
     client.until(lambda: 'Traceback' in node.said, 'the line of its log')
     node.said = node.said.replace('Traceback', '')       # this one was asked for
-    change = changes.to(-3.0)
-    client.until(change.done, 'the answer')
-    assert change.result().results[0].successful
+    assert set_parameters(client, {'gravity.y': -3.0})[0].successful
     assert torque() == torque_at(0.5, **{'gravity.y': -3.0})
 
 

@@ -41,9 +41,6 @@ REFUSED = [
     (QOS + 'state.publisher.reliability:=maybe', 'QoS override for policy `reliability`: `maybe`'),
     (QOS + 'state.publisher.depth:=three', "{'publisher.depth': 'three'}"),
     ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
-    ('linkage.mode:=1.0', 'linkage.mode = 1.0: must be one of 1 or crossed'),
-    ('frame_id:=/base', "frame_id = '/base': must not begin with a slash"),
-    ('outputs:=state', "outputs = 'state': must be"),
 ]
 
 

@@ -79,12 +79,6 @@ def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
 
 # --- rods of rectangular section -----------------------------------------------------------------
 
-def test_bars_are_flat_bars():
-    linkage = from_values({**PAPER, **BARS}).linkage
-    assert linkage.bodies == tuple(flat_bar(length, 7850.0, 0.02, 0.005)
-                                   for length in (0.4, 1.2, 0.8))
-
-
 def test_bars_of_a_machine_are_flat_bars():
     values = {name: value for name, value in load('watt').values.items()
               if not name.startswith('bodies.')}

@@ -78,6 +78,7 @@ TABLE = [
         ('points.P.x', 0.4, 'of points.P; known: link, along, across'),
         ('points.P-1.along', 0.4, 'not a valid point name: use letters, digits and _'),
         ('frame_id', '', 'must not be empty'),
+        ('frame_id', '/base', 'must not begin with a slash'),
         ('joint_names', ['a', 'b'], 'different names, one for each joint'),
         ('services', ['find'], 'must be some of'),
         ('recording.start', 'maybe', 'must be true or false'),
