@@ -22,36 +22,17 @@ class TopicInfo(NamedTuple):
 
 
 class Info(NamedTuple):
-    """
-    A bag in short.
-
-    Attributes
-    ----------
-    path : Path
-    is_finished : bool
-        Whether it has its end: not after a crash, nor while it is being written.
-    size, files : int
-        Bytes of all files, number of files.
-    start, end : int or None
-        Log times of the first and the last message [ns].
-    topics : list of TopicInfo
-    about : dict
-        What the recorder noted: scene, software, units, ...
-    damage : str
-        Empty, or the first fault and how many there are; a finished bag that was not read is
-        taken for whole.
-
-    """
+    """A bag in short."""
 
     path: Path
-    is_finished: bool
-    size: int
+    is_finished: bool           # it has its end: no crash, and nobody is writing it
+    size: int                   # of all files [bytes]
     files: int
-    start: int | None
+    start: int | None           # log times of the first and the last message [ns]
     end: int | None
     topics: list[TopicInfo]
-    about: dict[str, str]
-    damage: str
+    about: dict[str, str]       # what the recorder noted: scene, software, units, ...
+    damage: str                 # the first fault and how many there are; '' if none was read
 
     @property
     def ended(self) -> str:

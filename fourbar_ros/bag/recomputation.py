@@ -56,40 +56,20 @@ class Difference(NamedTuple):
 
 
 class Recomputed(NamedTuple):
-    """
-    The result of recomputing a bag.
-
-    Attributes
-    ----------
-    differences : list of Difference
-    inputs, compared : int
-        Driven motions, and outputs that were recomputed from them.
-    unmatched : int
-        Outputs whose motion is not in the bag.
-    missing, doubled : int
-        Outputs that a motion should have and has not, or has once more.
-    skipped : dict
-        {reason: outputs that could not be compared}.
-    stepped : int
-        States of a drive that were computed again by a step from the one before; those at a start
-        or from another version of the integrator have their accelerations and torques compared.
-    is_cut : bool
-        The recording broke off: the bag has no end.
-    made_by : str
-        The version of fourbar_ros that recorded it, empty if that is not known.
-
-    """
+    """The result of recomputing a bag."""
 
     differences: list[Difference]
-    inputs: int
-    compared: int
-    unmatched: int
-    missing: int
-    doubled: int
-    skipped: dict[str, int]
+    inputs: int                 # driven motions
+    compared: int               # outputs that were computed again from them
+    unmatched: int              # outputs whose motion is not in the bag
+    missing: int                # outputs that a motion should have and has not
+    doubled: int                # outputs that a motion has once more
+    skipped: dict[str, int]     # {reason: outputs that could not be compared}
+    # states of a drive that were computed again by a step from the one before; those at a start or
+    # of another version of the integrator have their accelerations and torques compared
     stepped: int
-    is_cut: bool
-    made_by: str = ''
+    is_cut: bool                # the recording broke off: the bag has no end
+    made_by: str = ''           # version of fourbar_ros that recorded it; '' if not known
 
     @property
     def largest(self) -> float:

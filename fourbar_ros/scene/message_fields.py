@@ -38,28 +38,16 @@ def joint_values(count: int) -> tuple[str, ...]:
 
 
 class FieldMap(NamedTuple):
-    """
-    Maps values of a mechanism and its points to fields of messages.
+    """Maps values of a mechanism and its points to fields of messages."""
 
-    Attributes
-    ----------
-    fields : dict
-        {output: {field of the message: name of the value, or a tuple of names}}; None stands for
-        the effort of a passive joint.
-    absent : dict
-        {output: fields that are always NaN}.
-    place : dict
-        {name of a value: its index in (*motion, *loads, *motion of each point, *motion of each
-        link, *equation, *rigid, *drive wrench, *joints)}.
-    joints : tuple
-        (coordinate, name of the effort of its drive or None) of each joint.
-
-    """
-
+    # {output: {field of the message: name of the value, or a tuple of names}}; None stands for the
+    # effort of a passive joint
     fields: Mapping[str, Mapping[str, Source]]
-    absent: dict[str, tuple[str, ...]]
+    absent: dict[str, tuple[str, ...]]      # {output: fields that are always NaN}
+    # {name of a value: its index in (*motion, *loads, *motion of each point, *motion of each link,
+    # *equation, *rigid, *drive wrench, *joints)}
     place: dict[str, int]
-    joints: tuple[tuple[Coordinate, str | None], ...]
+    joints: tuple[tuple[Coordinate, str | None], ...]   # with the effort of its drive, or None
 
     def expected(self, output: str, values: Sequence[float] | Array) -> dict[str, Any]:
         """
