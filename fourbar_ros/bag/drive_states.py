@@ -21,20 +21,14 @@ class DriveStates:
     that came there by its own steps knows it. Without such, as where a bag begins there, states
     are not compared up to the first one past the toggle. ``about``: custom_data of the bag.
 
-    Attributes
-    ----------
-    largest : dict
-        {field: largest difference}.
-    stepped, alone, unknown : int
-        States that were stepped again from the one before; that had none, at a start, after a gap,
-        or from another integrator; that were not compared, as the bag begins next to a toggle.
-
+    It counts states that were ``stepped`` again from the one before; that had none, at a start,
+    after a gap, or from another integrator, so were compared ``alone``; and ``unknown`` ones.
     """
 
     def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
         """Begin before the first message, with no state to step from."""
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
-        self.largest: dict[str, float] = {}
+        self.largest: dict[str, float] = {}         # {field: largest difference}
         self.stepped = self.alone = self.unknown = 0
         self._before: DriveValues | None = None     # None: there is none to step from
         self._mode = self._stamp = 0                # of the state before; stamp in ns

@@ -25,12 +25,8 @@ class MessageLayout:
     """
     The fields of one serialised message and of all that have texts and sequences of its lengths.
 
-    Attributes
-    ----------
-    dtype : numpy dtype
-        One field for each number, text or array of numbers. It is named by its path:
-        ``header.stamp.sec``, ``position``, ``name[0]``.
-
+    ``dtype`` has a field for each number, text or array of numbers, named by its path:
+    ``header.stamp.sec``, ``position``, ``name[0]``.
     """
 
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:

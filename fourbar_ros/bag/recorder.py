@@ -48,6 +48,8 @@ class BagWriter:
     """
     One bag being written; :meth:`write` from any thread, :meth:`close` when done.
 
+    Raises BagError if the name is taken or leaves the directory, or if that cannot be written.
+
     Parameters
     ----------
     directory, name : str
@@ -73,11 +75,6 @@ class BagWriter:
         leave gaps in the sequence numbers of their channels.
     error : str
         Why recording stopped by itself; empty while it goes on.
-
-    Raises
-    ------
-    BagError
-        The name is taken or leaves the directory, or the directory cannot be written.
 
     """
 

@@ -22,18 +22,13 @@ class Imu:
     The angular acceleration is the slope of the newest ``window`` rates: late by half the window.
     It is unknown after a step back of the clock, a pause longer than ``gap`` [s], or one longer
     than LONGER steps before.
-
-    Attributes
-    ----------
-    out_of_plane : tuple of 2 float
-        Specific force [m/s^2] and rate [rad/s] of the last message that are left out.
-
     """
 
     def __init__(self, rotation: Sequence[float], window: int, gap: float) -> None:
         self._axes, self._gap = rotation_of(rotation), gap / NANOSECOND
         self._rates: deque[tuple[int, float]] = deque(maxlen=window)     # stamps [ns], [rad/s]
         self._step = inf                     # between the last two messages [ns]
+        # specific force [m/s^2] and rate [rad/s] of the last message that are left out
         self.out_of_plane = 0.0, 0.0
 
     def update(self, time: int, force: Sequence[float], rate: Sequence[float]) -> Base:

@@ -136,11 +136,6 @@ class RateEstimator:
         Given if positions wrap after a turn: no velocity is larger [rad/s]. Whole turns are taken
         off a step; one that takes so long that it could be a quarter turn starts afresh.
 
-    Attributes
-    ----------
-    restarts, late : int
-        How often it started afresh, and samples older than the newest.
-
     """
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
@@ -149,6 +144,7 @@ class RateEstimator:
         self._gap, self._jump, self._turn, self._length = gap / NANOSECOND, jump, turn, length
         self._top_speed = top_speed
         self._samples: deque[_Sample] = deque(maxlen=window)
+        # how often it started afresh, and samples older than the newest
         self.restarts = self.late = 0
         # mean squares of the distances from the predictions, and of the accelerations
         self._scatter, self._size = _MeanSquare(), _MeanSquare()
