@@ -11,7 +11,14 @@ from math import tau
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import CannotDraw, make_figure, need_matplotlib, STYLE, Units
+from fourbar_lab.drawing.figure import (
+    make_figure,
+    need_matplotlib,
+    new_figure,
+    STYLE,
+    Units,
+    writing,
+)
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
 from fourbar_ros import __version__
@@ -126,10 +133,8 @@ def paper_figure_4() -> Captioned:
 
 def _curves(theta1: Array, panels: Sequence[Panel], scales: Sequence[str] = ('linear',)) -> Figure:
     """Return a Figure of panels over theta1 [rad], a row of them for each scale."""
-    import matplotlib
-    from matplotlib.figure import Figure
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(12.6, 4.2 * len(scales)), layout='constrained')
+    with new_figure('reproduce --html', figsize=(12.6, 4.2 * len(scales)),
+                    layout='constrained') as figure:
         for row, scale in zip(figure.subplots(len(scales), len(panels), squeeze=False), scales):
             for axes, (title, curves, points) in zip(row, panels):
                 for y, label, style, color in curves:
@@ -188,7 +193,5 @@ def write_report(sections: Sequence[Section], path: str | Path) -> None:
     """Write the page of today to a file."""
     need_matplotlib('reproduce --html')
     text = page(sections, date.today().isoformat())
-    try:
+    with writing(Path(path)):
         Path(path).write_text(text, encoding='utf-8')
-    except OSError as error:
-        raise CannotDraw(f'{path}: {error.strerror}') from None
