@@ -12,8 +12,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import atan2, pi
 
-from fourbar_ros.description.connections import Connection
-from fourbar_ros.description.model import inertia_of, ModelLink, RobotModel
+from fourbar_ros.description.model import (
+    Closure,
+    inertia_of,
+    ModelJoint,
+    ModelLink,
+    RobotModel,
+)
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element, numbers
 
@@ -31,13 +36,10 @@ def sdf(model: RobotModel) -> str:
     for place, link in enumerate(model.links):
         _link(element, link, place, model)
     for link in model.links:
-        joint = link.joint
-        _joint(element, joint.name, link.parent, link.frame, joint.connection, joint.ratio,
-               joint.start, joint.limits)
+        _joint(element, link.joint, link.parent, link.frame, link.joint.limits)
     for closure in model.closures:
         comment(element, f'joint {closure.name} closes a loop')
-        _joint(element, closure.name, closure.parent, closure.child, closure.connection,
-               closure.ratio, closure.start, None)
+        _joint(element, closure, closure.parent, closure.child, None)
     for name, (frame, x, y) in model.points.items():
         at = add(element, 'frame', name=name, attached_to=frame)
         add(at, 'pose', numbers(x, y, 0.0, 0.0, 0.0, 0.0), relative_to=frame)
@@ -78,15 +80,15 @@ def _link(parent: Element, link: ModelLink, place: int, model: RobotModel) -> No
     _visuals(element, link.shapes, place)
 
 
-def _joint(element: Element, name: str, parent: str, child: str, connection: Connection,
-           ratio: float, start: float, limits: tuple[float, float] | None) -> None:
+def _joint(element: Element, its: ModelJoint | Closure, parent: str, child: str,
+           limits: tuple[float, float] | None) -> None:
     """
     Add a joint at its place on the child; its axis is given in the frame of the parent.
 
-    ``start``: its position in ``joint_states`` in the pose of the file, where SDF has zero; so
-    ``limits`` count from there.
+    SDF has zero where it starts, so ``limits`` count from there.
     """
-    joint = add(element, 'joint', name=name,
+    connection, ratio, start = its.connection, its.ratio, its.start
+    joint = add(element, 'joint', name=its.name,
                 type='prismatic' if connection.axis else 'revolute')
     comment(joint, f'position in joint_states: {start:.17g}')
     add(joint, 'pose', numbers(*connection.on_child, 0.0, 0.0, 0.0, 0.0), relative_to=child)
