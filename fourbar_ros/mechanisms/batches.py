@@ -60,7 +60,7 @@ def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[i
         Whether the fields are those of motion and loads together.
 
     """
-    inputs, shape = _inputs(mechanism, given)
+    inputs, shape = _inputs(mechanism.input_coordinate, given)
     position, reaches = inputs[0], mechanism.reaches
     if reaches is not None:
         inputs[0] = np.where(reaches(position), position, np.nan)
@@ -89,13 +89,10 @@ def range_of(trace: Trace) -> tuple[int, ...]:
     return tuple(range(len(flat(trace.results))))
 
 
-def _inputs(mechanism: Mechanism, given: tuple[ArrayLike, ...]
+def _inputs(names: Sequence[str], given: Sequence[ArrayLike]
             ) -> tuple[list[Array], tuple[int, ...]]:
-    """Return position, rate and acceleration as arrays (complex if given so), and their shape."""
-    names = mechanism.input_coordinate
-    inputs = [array(name, value, name == names.position) for name, value in zip(names, given)]
-    if not any(v.ndim for v in inputs[1:]):
-        return inputs, inputs[0].shape
+    """Return position, rates and others as arrays, and the shape to which they broadcast."""
+    inputs = [array(name, value, name == names[0]) for name, value in zip(names, given)]
     try:
         return inputs, np.broadcast_shapes(*(v.shape for v in inputs))
     except ValueError:
@@ -155,16 +152,10 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
 
 def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Base) -> NamedFields:
     """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
-    names = [*mechanism.input_coordinate, *base._fields]
-    values = [array(name, value, not i) for i, (name, value) in enumerate(
-        zip(names, (*given, *base)))]
-    try:
-        values = [np.array(value, float) for value in np.broadcast_arrays(*values)]
-    except ValueError:
-        raise InvalidParameter(', '.join(names), ', '.join(str(v.shape) for v in values),
-                               'must have shapes that broadcast') from None
+    values, shape = _inputs([*mechanism.input_coordinate, *base._fields], [*given, *base])
+    values = [np.array(np.broadcast_to(value, shape), float) for value in values]
     position, reaches, on_base = values[0], mechanism.reaches, mechanism.with_base(Base())
-    shape, start = position.shape, len(mechanism.MOTION._fields)
+    start = len(mechanism.MOTION._fields)
     if reaches is not None:
         position[~np.asarray(reaches(position))] = np.nan
     step = step_of_arrays(on_base, True, data=on_base.constants._replace(
