@@ -33,7 +33,11 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb; ``_best`` and ``_full`` check which options go together."""
+    """
+    Add the verb: with --minimize ``_best`` does the work, else ``_full``.
+
+    These check which options go together.
+    """
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
     add_scene(verb)
@@ -47,8 +51,8 @@ def add(verbs: Verbs) -> None:
                            'root mean square')
     verb.add_argument('--radius', nargs='+', type=_radius, default=[], metavar='[LINK=]M',
                       help='greatest distance of a counterweight from the first joint of its '
-                           'link; the links that are named are those that get one; default: '
-                           'half the longest length, every link that turns')
+                           'link: M for every link that turns (default: half the longest '
+                           'length), or LINK=M for each of those that get one')
     verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
     verb.add_argument('--plot', metavar='PICTURE',
                       help=f'force, moment and torque before and after: {PICTURE_HELP}')
@@ -56,7 +60,7 @@ def add(verbs: Verbs) -> None:
                       help=f'with --minimize: what remains for each mass up to --mass: '
                            f'{PICTURE_HELP}')
     verb.add_argument('--points', type=positive_integer, default=100, metavar='N',
-                      help='points of the front (default 100)')
+                      help='points of --front (default 100)')
     verb.set_defaults(run=_run)
 
 

@@ -73,7 +73,7 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
 
 def axis_angle(linkage: Mechanism) -> Function:
     """
-    Return the quantity 'angle from coupler to axis', in [0, 180) deg.
+    Return the quantity 'angle from coupler to axis', from 0 to 180 deg; NaN where there is none.
 
     There it is smooth at 90 deg, the place that matters; it jumps where the axis is along the
     coupler.

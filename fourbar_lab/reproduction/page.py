@@ -107,13 +107,15 @@ def paper_figure_3() -> Captioned:
     """Draw omega4 and alpha4 of the paper's linkage over a turn."""
     theta1, linkage, speed = (np.linspace(0.0, tau, 1441), published.PAPER,
                               published.PAPER_SPEED)
-    motion = linkage.motion(theta1, speed)
-    return _curves(theta1, [
-        (title, [(getattr(motion, name), '', '-', color)],
-         [(extremum.theta1, extremum.value) for extremum in find_extrema(linkage, (name,), speed)])
-        for name, title, color in (('omega4', r'$\omega_4$ [rad/s]', 'C0'),
-                                   ('alpha4', r'$\alpha_4$ [rad/s$^2$]', 'C3'))]), (
-        "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
+    motion, panels = linkage.motion(theta1, speed), []
+    for name, title, color in (('omega4', r'$\omega_4$ [rad/s]', 'C0'),
+                               ('alpha4', r'$\alpha_4$ [rad/s$^2$]', 'C3')):
+        no_label = ''
+        circles = [(extremum.theta1, extremum.value)
+                   for extremum in find_extrema(linkage, (name,), speed)]
+        panels.append((title, [(getattr(motion, name), no_label, '-', color)], circles))
+    return (_curves(theta1, panels),
+            "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
 
 
 def paper_figure_4() -> Captioned:

@@ -60,8 +60,9 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     """
     Return the :class:`Info` of a bag.
 
-    A finished bag is only asked for the numbers at its end; with ``check``, or if it has none,
-    every message is read. ``progress`` is called with the number of bytes read.
+    A finished bag is only asked for the numbers at its end; with ``check``, or if it is not
+    finished, every message is read. ``check`` compares checksums too. ``progress`` is called with
+    the number of bytes read.
     """
     bag = Bag(path, progress)
     if check or not bag.is_finished:
@@ -72,7 +73,7 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
         topics, times = _by_summaries(bag)
     damage = bag.damage[0] if bag.damage else ''
     if len(bag.damage) > 1:
-        damage += f', and {len(bag.damage) - 1} more places'
+        damage += f' (and {len(bag.damage) - 1} more)'
     return Info(bag.path, bag.is_finished, bag.size, len(bag.files), min(times, default=None),
                 max(times, default=None), topics, bag.about, damage)
 

@@ -110,7 +110,12 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
 
 
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[ForceOnLink]) -> Applied:
-    """Return one external force that does the same as a constant one and others on a link."""
+    """
+    Return one external force that does the same as a constant one and others on its link.
+
+    It acts at the point of the constant one, which is fixed to the link, so the moments of the
+    others about that point are added.
+    """
     at = point_of(link, constant.along, constant.across)
     couple, force_x, force_y = 0.0, 0.0, 0.0
     for force in acting:                  # one by one: sum() rounds otherwise from Python 3.12 on

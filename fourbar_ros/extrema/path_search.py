@@ -95,24 +95,26 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
     """
     Return {row: (value, error)} of the quantities that are constant along a path.
 
-    Next to flat positions numbers of many digits tell. Where a quantity varies by no more than its
-    rounding errors may, the error is their bound, and zero elsewhere; if it is itself less, its
-    value is zero.
+    That is, of those whose samples differ by no more than their last bits, error 0, or than their
+    rounding errors may: then the error is the bound of these, and the value is zero if all samples
+    are within it. Where a path ends at a flat position of a change point, formulas are next to
+    0/0 and their rounding unknown; there 80 digits tell whether a quantity is constant, and that
+    counts for the whole path.
     """
-    middle = np.median(samples.values, axis=1)
-    away = np.abs(samples.values - middle[:, None])
-    varies = (away > 64.0 * EPS * np.abs(middle)[:, None]).any(axis=1)
-    is_noise = varies & (away <= samples.noise).all(axis=1)
+    value = np.median(samples.values, axis=1)
+    away = np.abs(samples.values - value[:, None])
+    is_exact = ~(away > 64.0 * EPS * np.abs(value)[:, None]).any(axis=1)
+    is_noise = ~is_exact & (away <= samples.noise).all(axis=1)
     is_zero = is_noise & (np.abs(samples.values) <= samples.noise).all(axis=1)
-    middle, varies = np.where(is_zero, 0.0, middle), varies & ~is_noise
+    value = np.where(is_zero, 0.0, value)
     for side in sampler.flats:
-        limits = sampler.same_turn(middle, sampler.limits(side), np.arange(middle.size))
-        is_fixed = ~sampler.varies_next_to(side)
-        middle, varies = np.where(is_fixed, limits, middle), varies & ~is_fixed
-        is_noise &= ~is_fixed
-    noise = np.where(is_noise, samples.noise.max(axis=1), 0.0)
-    return {row: (float(middle[row]), float(noise[row]))
-            for row in np.flatnonzero(~varies).tolist()}
+        is_constant = ~sampler.varies_next_to(side)
+        limits = sampler.same_turn(value, sampler.limits(side), np.arange(value.size))
+        value = np.where(is_constant, limits, value)
+        is_exact |= is_constant
+    error = np.where(is_exact, 0.0, samples.noise.max(axis=1))
+    return {row: (float(value[row]), float(error[row]))
+            for row in np.flatnonzero(is_exact | is_noise).tolist()}
 
 
 class Roots(NamedTuple):

@@ -56,6 +56,7 @@ def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
         Rate and acceleration of the input, if ``link`` is its motion at unit rate.
 
     """
+    # what hangs on data alone comes first: for a step of floats it is computed once
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
     inertia = body.inertia / unit + mass * (along * along + across * across)
     along, across = mass * along, mass * across
@@ -64,7 +65,8 @@ def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
     f_x, f_y = applied.force_x, applied.force_y
     p_along, p_across = applied.along / unit, applied.across / unit
     held = Vector(-mass * g_x - f_x, -mass * g_y - f_y)      # [N] -W
-    # -C = couple + by_cosine cos(angle) + by_sine sin(angle), that turns with the link
+    # -C: the arms of weight and applied force turn with the link, so
+    # -C = couple + by_cosine cos(angle) + by_sine sin(angle)
     couple = -applied.couple / unit
     by_cosine = across * g_x - along * g_y + p_across * f_x - p_along * f_y
     by_sine = across * g_y + along * g_x + p_across * f_y + p_along * f_x

@@ -293,10 +293,11 @@ class InvertedSlider(OffsetSlide):
 
     def read_coordinate(self, numbers: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the input and its two derivatives from coefficients of the links."""
+        """Return the input and its two derivatives; ``curves``: motions of the links by it."""
         if not self.is_driven_by_slide:
             return super().read_coordinate(numbers, curves)
-        # the slide is the part of O4-A along the bar, which turns
+        # the slide is the part of O4-A along the bar; the block has its joint at A and turns
+        # with the bar
         link = curves[1]
         x, cosine, sine, turn = link.x - self.a4, link.cosine, link.sine, link.omega
         along, across = x * cosine + link.y * sine, link.y * cosine - x * sine

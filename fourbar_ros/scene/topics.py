@@ -172,7 +172,7 @@ ANSWERS = {'output_trajectory': ('drive_trajectory', 'to_input'),
 def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
               ) -> dict[str, Topic]:
     """
-    Return {name: Topic} of the outputs of a scene, without pictures.
+    Return {name: Topic} of the outputs of a scene that hold numbers: not of PICTURES.
 
     Each member of a family, as points, has its own topic points/NAME; ``members``: {family: {name:
     text}}.
@@ -182,12 +182,13 @@ def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
         if output in PICTURES:
             continue
         topic = OUTPUTS[output]
-        if output in FAMILIES:
-            topics |= {f'{output}/{name}': topic._replace(name=f'{output}/{name}', text=text,
-                                                          topic=topic.topic.replace('NAME', name))
-                       for name, text in members[output].items()}
-        else:
+        if output not in FAMILIES:
             topics[output] = topic
+            continue
+        for name, text in members[output].items():
+            short = f'{output}/{name}'
+            topics[short] = topic._replace(name=short, text=text,
+                                           topic=topic.topic.replace('NAME', name))
     return topics
 
 

@@ -191,7 +191,7 @@ def test_a_chunk_hit_in_a_cut_file_is_named_and_the_others_are_kept(whole, tmp_p
     spoiled = bytearray(data[:chunks[29][2]])
     spoiled[chunks[0][1] + CRC] ^= 1
     file.write_bytes(spoiled)
-    assert not raws(file) and len(info(file, check=True).damage.split(', and 2 more places')) == 2
+    assert not raws(file) and len(info(file, check=True).damage.split(' (and 2 more)')) == 2
 
 
 def test_larger_damage_costs_what_it_hits(whole, tmp_path):

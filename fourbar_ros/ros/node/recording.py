@@ -91,14 +91,16 @@ class Recording:
                   *scene.topics.values(), *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
-        names = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
-        # A topic can be in a bag once: a relay answers on the topic of its input, whose motion is
-        # in the bag as the motion of the driven joint.
+        full_name = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
+        # A topic can be in a bag once. A relay, which adds passive joints to the joint states that
+        # it hears, answers on the topic of its input: the answer is recorded, and the input as the
+        # motion of the driven joint.
+        answers = [full_name[topic.name] for topic in topics if topic not in INPUTS.values()]
         topics = [topic for topic in topics if topic not in INPUTS.values()
-                  or list(names.values()).count(names[topic.name]) == 1]
-        names = {topic.name: names[topic.name] for topic in topics}
+                  or full_name[topic.name] not in answers]
+        names = {topic.name: full_name[topic.name] for topic in topics}
         about = about_of(scene, names, self._node.get_fully_qualified_name())
-        if scene.dynamics:
+        if scene.dynamics:               # only the same version of the steps recomputes them
             from fourbar_ros.dynamics import node_step
             about[node_step.KEY] = node_step.NAME
         writer = BagWriter(directory_of(scene), name,
@@ -115,8 +117,8 @@ class Recording:
         return path
 
     def state(self) -> tuple[dict[str, Any], list[str]]:
-        """Return (values, problems) for the diagnostics."""
-        bag = self._bag
+        """Return (values, problems) for the diagnostics; a bag that failed is told until closed."""
+        bag = self._bag                  # another thread may stop the recording meanwhile
         if not bag:
             return {'recording': 'off'}, [self._refused] if self._refused else []
         writer, _ = bag

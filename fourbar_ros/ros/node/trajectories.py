@@ -129,9 +129,10 @@ class Trajectories:
         """Subscribe to a topic of trajectories, which are answered in the worker."""
         read = entities.reader(TRAJECTORIES[name], partial(self._answer, name),
                                partial(self._refuse, 'trajectories_refused'))
-        lost = 0
+        lost = 0             # by the middleware on this topic, as far as it is counted
 
         def take(data: bytes) -> None:
+            """Have a message answered; count those of both topics that were lost."""
             nonlocal lost
             self._troubles.count('trajectories')
             self._troubles.counts['trajectories_lost'] += sequence.lost - lost
@@ -139,6 +140,7 @@ class Trajectories:
             if not self._worker.do(partial(read, data)):
                 self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
                              'others wait for an answer')
+        # bound before the first call of take: the node spins later
         _, sequence = subscribe(node, TRAJECTORIES[name], take, is_reliable=True)
 
     def stop(self, patience: float) -> None:
