@@ -27,6 +27,7 @@ LETTER = 8.6                       # [px] width of a letter, in wide fonts
 LESS = 0.75                        # size of a subscript
 # A label looks for room in these directions from its own [rad], so far from its place [px].
 AROUND, FARTHER = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1), (5.0, 22.0, 44.0, 70.0)
+FIRST, LAST = np.array([2.0, 1.0]), np.array([WIDTH - 2.0, HEIGHT - 4.0])     # [px] for labels
 FAR, TURN = np.repeat(FARTHER, len(AROUND)), np.tile(AROUND, len(FARTHER))
 ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay free, [px] around
 LEAST = 4.0                        # [px] shorter arrows are left out
@@ -162,13 +163,12 @@ class Room:
 
         The first free box is taken, or the one that covers least of what is there.
         """
-        width = LETTER * len(plain(words))
+        size = np.array([LETTER * len(plain(words)), LINE])
         angle = atan2(away[1], away[0]) + TURN
-        x = at[0] + np.cos(angle) * (FAR + 0.5 * width) - 0.5 * width
-        y = at[1] + np.sin(angle) * (FAR + 0.5 * LINE) - 0.5 * LINE
-        x = np.clip(x, 2.0, max(2.0, WIDTH - 2.0 - width))          # moved into the picture
-        y = np.clip(y, 1.0, HEIGHT - 4.0 - LINE)
-        boxes = np.stack((x, y, x + width, y + LINE), axis=1)
+        ways = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+        corners = at + ways * (FAR[:, None] + 0.5 * size) - 0.5 * size      # left, above
+        corners = np.clip(corners, FIRST, np.maximum(FIRST, LAST - size))   # into the picture
+        boxes = np.concatenate((corners, corners + size), axis=1)
         shared = (np.minimum(boxes[:, None, 2:], self._taken[:, 2:])
                   - np.maximum(boxes[:, None, :2], self._taken[:, :2])).clip(0.0)
         best = boxes[int(np.argmin(shared.prod(axis=-1).sum(axis=1)))]
