@@ -144,7 +144,11 @@ class DesignBlock:
         state = designs.step(self.study.acceleration, with_loads, names)
 
         def evaluate(x: Array, which: Array) -> Array:
-            """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of designs."""
+            """
+            Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs.
+
+            All designs are columns of one mechanism: those that are not asked for get any input.
+            """
             of_all = x
             if which.size < designs.size:
                 of_all = np.ones((designs.size, x.shape[1]), x.dtype)
