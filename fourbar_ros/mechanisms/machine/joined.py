@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import atan2, fsum, hypot, pi, remainder
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, other_of, turned_by
@@ -83,26 +83,10 @@ def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: KnownJoints) -> Pa
     return pair if PairRange(stage, own).evenness < CLOSE else None
 
 
-class Factor(NamedTuple):
-    """
-    A factor of the discriminant of a pair, by exact sums of its lengths.
-
-    Of an angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line;
-    of a slide: plus sigma^2 + minus.
-    """
-
-    plus: float
-    minus: float
-
-    @property
-    def is_limit(self) -> bool:
-        """Return whether it changes its sign."""
-        return self.plus * self.minus < 0.0
-
-    @property
-    def is_impossible(self) -> bool:
-        """Return whether it is positive nowhere."""
-        return max(self.plus, self.minus) <= 0.0
+# (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an angle
+# x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line; of a slide:
+# plus sigma^2 + minus.
+Factor = tuple[float, float]
 
 
 class PairRange:
@@ -131,8 +115,8 @@ class PairRange:
         if not self.slides:         # with the arms of the pin, a and g; RRP has no g
             rods += own.shape[:1 if self.is_sine else 2]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)     # [m]
-        self.is_impossible = any(factor.is_impossible for factor in self._factors)
-        self.has_limits = any(factor.is_limit for factor in self._factors)
+        self.is_impossible = any(max(factor) <= 0.0 for factor in self._factors)
+        self.has_limits = any(plus * minus < 0.0 for plus, minus in self._factors)
         self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
         # those that vanish at toggles, real or complex, and not at flat positions
         self._toggles = [factor for factor in self._factors if not self._flats_of(factor)]
@@ -147,9 +131,10 @@ class PairRange:
 
     def _flats_of(self, factor: Factor) -> list[float]:
         """Return the directions in which a factor vanishes, as in ``flats``."""
+        plus, minus = factor
         if self.slides:
-            return [0.0] if factor.minus == 0.0 < factor.plus else []
-        return [sign for sign, value in ((1.0, factor.plus), (-1.0, factor.minus)) if value == 0.0]
+            return [0.0] if minus == 0.0 < plus else []
+        return [sign for sign, value in ((1.0, plus), (-1.0, minus)) if value == 0.0]
 
     def place(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
         """
@@ -225,16 +210,18 @@ def _factors(stage: Stage, own: Numbers) -> list[Factor]:
     first, second = [length / unit for length in own.shape[:2]]
     if stage.pair.slides:
         if stage.kind == 'RPR':
-            return [Factor(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
-        return [Factor(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
-                Factor(unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
+            return [(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
+        return [(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
+                (unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
     if stage.kind == 'RRP':
         r = sizes[0]
-        return [Factor(fsum((r, -second, first)), fsum((r, -second, -first))),
-                Factor(fsum((r, second, -first)), fsum((r, second, first)))]
+        return [(fsum((r, -second, first)), fsum((r, -second, -first))),
+                (fsum((r, second, -first)), fsum((r, second, first)))]
     near, far = (first, -second), (first, second)
     if stage.kind == 'RPR':
-        return [Factor(*[difference_of_squares(*apart, sizes[0], 0.0) for apart in (near, far)])]
-    return [Factor(*[difference_of_squares(sizes[0], sizes[1], *apart) for apart in (near, far)]),
-            Factor(*[difference_of_squares(*apart, sizes[0], -sizes[1])
-                     for apart in (near, far)])]
+        return [(difference_of_squares(*near, sizes[0], 0.0),
+                 difference_of_squares(*far, sizes[0], 0.0))]
+    return [(difference_of_squares(sizes[0], sizes[1], *near),
+             difference_of_squares(sizes[0], sizes[1], *far)),
+            (difference_of_squares(*near, sizes[0], -sizes[1]),
+             difference_of_squares(*far, sizes[0], -sizes[1]))]
