@@ -182,16 +182,15 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
 
 # --- bags of rosbag2 -----------------------------------------------------------------------------
 
-def as_recorded_by_rosbag2(bag, directory, name='rosbag2', jitter=0, late_scene=0, seed=1,
-                           keep=lambda topic: True):
+def as_recorded_by_rosbag2(bag, directory, jitter=0, late_scene=0, keep=lambda topic: True):
     """Write a bag again as ``ros2 bag record -a`` does: in the order of arrival, no scene."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(1)
     raws = [raw for raw in content(bag) if keep(raw[0])]
     moved = [(time + int(rng.integers(0, jitter + 1)) + (late_scene if topic.endswith('/scene')
                                                          else 0), i)
              for i, (topic, _, time) in enumerate(raws)]
-    return rewritten(bag, directory, [(*raws[i][:2], time) for time, i in sorted(moved)], name,
-                     about={})
+    return rewritten(bag, directory, [(*raws[i][:2], time) for time, i in sorted(moved)],
+                     'rosbag2', about={})
 
 
 @pytest.mark.parametrize('jitter, late_scene', [(0, 0), (3_000_000, 10_000_000)])

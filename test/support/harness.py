@@ -153,7 +153,7 @@ class Client(NodeClient):
         self.handshake(lambda: publisher.publish(kind(**fields or {'position': 0.1})))
         return publisher.publish
 
-    def handshake(self, send, inbox='state'):
+    def handshake(self, send):
         """
         Send until an answer comes on every listened topic; return the answers, then forgotten.
 
