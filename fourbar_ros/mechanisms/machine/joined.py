@@ -83,9 +83,9 @@ def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: KnownJoints) -> Pa
     return pair if PairRange(stage, own).evenness < CLOSE else None
 
 
-# (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an angle
-# x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line; of a slide:
-# plus sigma^2 + minus.
+# (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an
+# angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line; of a
+# slide: plus sigma^2 + minus.
 Factor = tuple[float, float]
 
 
