@@ -111,28 +111,31 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
 
     ``is_machine``: the scene is of the kind that has dyads.
     """
-    parts = name.split('.')
-    below = list(dict.fromkeys(known.removeprefix(f'{name}.').split('.')[0]
-                               for known in PARAMETERS if known.startswith(f'{name}.')))
+    family, *rest = name.split('.')
+    is_member = member_of(name) is not None
+    if family in FAMILIES and len(rest) > 1 and not is_member:
+        of_what = 'link' if family in OF_LINKS else family[:-1]
+        return (f'{rest[0]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
+                'digits and _, starting with a letter')
+    if family == 'dyads' and not is_machine:
+        return f'linkage.kind {MACHINE} alone has dyads'
+    known = ([each.name for each in _parameters_of(family, rest[0])] if is_member
+             else [*PARAMETERS, *FAMILIES['points']])
+    group, _, last = name.rpartition('.')
+    below, beside = _below(name, known), _below(group, known)
     if below and isinstance(value, str) and ':' in value:
         return f'a blank is missing behind the colon: {value.replace(":", ": ", 1)}'
     if below:
         return f'is a group of parameters, not a value{nearest("", below)}'
-    if parts[0] in FAMILIES and len(parts) > 2 and not member_of(name):
-        of_what = 'link' if parts[0] in OF_LINKS else parts[0][:-1]
-        return (f'{parts[1]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
-                'digits and _, starting with a letter')
-    if parts[0] == 'dyads' and not is_machine:
-        return f'linkage.kind {MACHINE} alone has dyads'
-    known = [*PARAMETERS, *FAMILIES['points']]
-    if member_of(name):
-        known = [p.name for p in _parameters_of(parts[0], parts[1])]
-    group, _, last = name.rpartition('.')
-    beside = list(dict.fromkeys(other.removeprefix(f'{group}.').split('.')[0] for other in known
-                                if other.startswith(f'{group}.')))
-    if group and beside:
+    if beside:
         return f'unknown parameter of {group}{nearest(last, beside)}'
     return f'unknown parameter{nearest(name, known)}'
+
+
+def _below(group: str, known: Iterable[str]) -> list[str]:
+    """Return the names directly below a group: link and along of points.P."""
+    rests = [name.removeprefix(f'{group}.') for name in known if name.startswith(f'{group}.')]
+    return list(dict.fromkeys(rest.split('.')[0] for rest in rests))
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
