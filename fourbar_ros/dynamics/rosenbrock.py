@@ -39,7 +39,6 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.write import straight_line
 
 State = tuple[float, ...]        # five numbers
-PieceAt = Callable[[Scalar, Scalar], Piece]      # (speed, own state) -> law next to them
 BASE = 'base'              # name of the base among what acts, beside those of links
 GAMMA = 0.25
 # u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
@@ -179,8 +178,7 @@ class StepFormulas:
         """Return the formula of :attr:`place`."""
         def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any, *acting: Any) -> Any:
             terms = StepTerms(*self._make_terms(n, acting)(p))
-            change, on_input, of_motor, piece = self._rates(
-                terms, (p, u, s, v, z), self._law(n, command))
+            change, on_input, of_motor, piece = self._rates(n, terms, (p, u, s, v, z), command)
             acceleration = (change[1] if self._equation.is_input else
                             terms.ratio * change[1] + terms.ratio_slope * u * u)            # (T3)
             slope = change[3] if self._shaft else acceleration
@@ -196,14 +194,14 @@ class StepFormulas:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
         def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
                     *given: Any) -> Any:
-            x, law = (p, u, s, v, z), self._law(n, command)
+            x = p, u, s, v, z
             terms_there = self._make_step_terms(n, given[LINEAR:])
-            solve = self._solver(n, x, law, given, 1.0 / (GAMMA * h), terms_there)
+            solve = self._solver(n, x, command, given, 1.0 / (GAMMA * h), terms_there)
             stages = [solve(given[:5])]
 
             def add_stage(at: State, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                change, *_ = self._rates(terms_there(at[0]), at, law)
+                change, *_ = self._rates(n, terms_there(at[0]), at, command)
                 stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
                 at = _sum(x, a, stages)
@@ -221,15 +219,11 @@ class StepFormulas:
                   *given: Any) -> Any:
             x = p, u, s, v, z
             terms_there = self._make_step_terms(n, given[LINEAR:])
-            solve = self._solver(n, x, self._law(n, command), given, 1.0 / h, terms_there)
+            solve = self._solver(n, x, command, given, 1.0 / h, terms_there)
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
             whole = n.where(n.fabs(given[1]) < HUGE, 1.0, nan)
             return _plus(x, whole, solve(given[:5]))
         return euler
-
-    def _law(self, n: NumberType, command: Scalar) -> PieceAt:
-        """Return the law of the source during a step."""
-        return lambda speed, own: self._source.piece(speed, own, n, command)
 
     def _to_bend(self, n: NumberType, command: Scalar, at: Sequence[Scalar],
                  slopes: Sequence[Scalar]) -> Scalar:
@@ -251,14 +245,14 @@ class StepFormulas:
         found: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
         return found
 
-    def _rates(self, terms: Sequence[Any], x: State, law: PieceAt
+    def _rates(self, n: NumberType, terms: Sequence[Any], x: State, command: Scalar
                ) -> tuple[State, Scalar, Scalar, Piece]:
         """Return dx/dt by (N1), the torques on the input and of the source, and its law there."""
         _, u, s, v, z = x
         inertia, half_slope, force, damping, _, r, *_ = terms
         w, shaft = r * u, self._shaft
         speed = v if shaft else w
-        piece = law(speed, z)
+        piece = self._source.piece(speed, z, n, command)
         motor = on_input = piece.torque_at(speed, z)
         if shaft:
             on_input = shaft.stiffness * s + shaft.damping * (v - w)
@@ -267,14 +261,14 @@ class StepFormulas:
                   piece.change_at(speed, z) if 4 in self._order else 0.0)
         return change, on_input, motor, piece
 
-    def _solver(self, n: NumberType, x: State, law: PieceAt, linear: Sequence[Scalar], g: Scalar,
-                terms_at: Function) -> Callable[[State], State]:
+    def _solver(self, n: NumberType, x: State, command: Scalar, linear: Sequence[Scalar],
+                g: Scalar, terms_at: Function) -> Callable[[State], State]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step = DIFFERENCE * self.unit
         if self._equation.tables:                  # in the piece that lies ahead
             step = n.where(x[1] < 0.0, -step, step)
         aside = x[0] + step
-        (_, change, *_), *_ = self._rates(terms_at(aside), (aside, *x[1:]), law)
+        (_, change, *_), *_ = self._rates(n, terms_at(aside), (aside, *x[1:]), command)
         jacobian = self._jacobian(x, linear, (change - linear[1]) / (aside - x[0]))
         solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]
                              for i in self._order])
