@@ -14,7 +14,7 @@ from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.schemas import channel, definition, type_hash
+from fourbar_ros.ros.schemas import channel as channel_of, definition, type_hash
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -219,7 +219,7 @@ def trip(tmp_path_factory):
     """Return (path of a bag with every type, {topic: [message, ...]} as sent)."""
     names = [f'/test/{topic.name}' for topic in TOPICS]
     writer = BagWriter(tmp_path_factory.mktemp('round'), 'trip',
-                       [channel(t, n) for t, n in zip(TOPICS, names)], {})
+                       [channel_of(t, n) for t, n in zip(TOPICS, names)], {})
     sent, numbers = {name: [] for name in names}, count(1)
     for nan_at in (0, 3, 1):
         for i, topic in enumerate(TOPICS):
