@@ -14,7 +14,8 @@ from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.schemas import channel as channel_of, definition, type_hash
+from fourbar_ros.ros.schemas import channel as channel_of
+from fourbar_ros.ros.schemas import definition, type_hash
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
