@@ -167,7 +167,7 @@ def _together(lengths: Array, mode: Array, rate: Array,
     The search is at 1 rad/s; values are then scaled by the rate (omega4) or its square (alpha4).
     """
     trace = _trace()
-    once, each, done = order_of(trace, range_of(trace))
+    _, once, each, done = order_of(trace, range_of(trace))
     # values by place in the trace; what needs no input is computed here, once
     known: list[Any] = [step.value for step in trace.steps]
     known[trace.count:trace.count + trace.size] = (

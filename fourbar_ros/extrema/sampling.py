@@ -122,6 +122,8 @@ class Sampler:
 
     def _refuse_nan(self, x: Array, values: Array) -> None:
         """Refuse functions of users that are NaN somewhere; the message names the input."""
+        if self._wanted is not None:             # there are none
+            return
         for quantity, row in zip(self.quantities, np.isnan(values)):
             if row.any() and not is_published(quantity):
                 raise not_real(quantity, f'NaN at the input {self.unit * float(x[row.argmax()])}')

@@ -102,11 +102,11 @@ def _inputs(names: Sequence[str], given: Sequence[ArrayLike]
 
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
 def order_of(trace: Trace, wanted: tuple[int, ...]
-             ) -> tuple[list[int], list[int], dict[int, list[int]]]:
+             ) -> tuple[list[int], list[int], list[int], dict[int, list[int]]]:
     """
-    Return the steps that some results need, of data alone and of inputs, and what is done with.
+    Return the places of some results, and of the steps they need: of data alone, and of inputs.
 
-    {place of a step: places that it is the last one to need}, of inputs.
+    And what is done with, of inputs: {place of a step: places that it is the last one to need}.
     """
     results = flat(trace.results)
     places = [results[i] for i in wanted]
@@ -118,7 +118,7 @@ def order_of(trace: Trace, wanted: tuple[int, ...]
     done: dict[int, list[int]] = {}
     for i in last.keys() - places:
         done.setdefault(last[i], []).append(i)
-    return once, varying, done
+    return places, once, varying, done
 
 
 def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
@@ -131,9 +131,9 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
     """
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
-    places = flat(trace.results)
+    count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else wanted
-    once, steps, done = order_of(trace, tuple(wanted))
+    places, once, steps, done = order_of(trace, tuple(wanted))
     if data is not None:
         known = [trace.steps[i].value for i in range(len(known))]
         known[trace.count:trace.count + trace.size] = numbers_of(
@@ -143,9 +143,9 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
 
     def step(*inputs: Values) -> list[Values]:
         values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
-        fields: list[Values] = [nan] * len(places)
-        for i in wanted:
-            fields[i] = values[places[i]]
+        fields: list[Values] = [nan] * count
+        for i, place in zip(wanted, places):
+            fields[i] = values[place]
         return fields
     return step
 
