@@ -40,7 +40,7 @@ if TYPE_CHECKING:      # only the scenes that want it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
-PAUSE = 5e-5           # [s] between two pieces of a change, where inputs that came meanwhile go first
+PAUSE = 5e-5           # [s] between two pieces of a change: inputs that came meanwhile go first
 LOOK = 0.1             # [s] between two looks whether the node stops
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 

@@ -117,7 +117,7 @@ class Recording:
         return path
 
     def state(self) -> tuple[dict[str, Any], list[str]]:
-        """Return (values, problems) for the diagnostics; a bag that failed is told until closed."""
+        """Return (values, problems) for the diagnostics, of a bag that failed too."""
         bag = self._bag                  # another thread may stop the recording meanwhile
         if not bag:
             return {'recording': 'off'}, [self._refused] if self._refused else []
