@@ -40,9 +40,9 @@ from collections.abc import Iterable
 
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanics.rods import round_rod
+from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.points import Point
 
 __all__ = ['Cylinder', 'Dyad', 'Machine', 'Point', 'rods']
 

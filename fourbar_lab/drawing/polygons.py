@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from fourbar_ros.machine import Machine
-from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.picture import ORIGIN
-from fourbar_ros.mechanisms.points import point_motion, PointMotion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

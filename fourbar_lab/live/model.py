@@ -15,10 +15,11 @@ from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, Quantity
 from fourbar_ros.mechanisms.picture import diagram_of
-from fourbar_ros.mechanisms.points import point_motion, PointMotion
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import evaluate

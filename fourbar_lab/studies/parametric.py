@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
-from fourbar_ros.scene.linkage import BodiesOfLinks, external_of
+from fourbar_ros.scene.linkage import BodiesOfLinks, external_of, SECTIONS
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
 import numpy as np
@@ -31,13 +31,10 @@ class _BodiesOfAnyNumbers(BodiesOfLinks):
 
     body = staticmethod(partial(unchecked, Body))
 
-    @staticmethod
-    def rod(length: Scalar, density: Scalar, radius: Scalar) -> Body:
-        return unchecked(Body, *rod_numbers(length, density, radius))
-
-    @staticmethod
-    def bar(length: Scalar, density: Scalar, width: Scalar, thickness: Scalar) -> Body:
-        return unchecked(Body, *bar_numbers(length, density, width, thickness))
+    def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
+        is_round = self._section == SECTIONS[0]
+        numbers = rod_numbers if is_round else bar_numbers
+        return unchecked(Body, *numbers(length, density, *section))
 
 
 def is_machine(scene: Scene) -> bool:

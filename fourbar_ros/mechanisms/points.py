@@ -11,10 +11,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from math import atan2, nan
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.mechanisms.curves import point_of, vector
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.curves import LinkFields, point_of, PointMotion
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL, Scalar
 import numpy as np
@@ -24,72 +23,10 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.parts import NamedFields
 
 
-class Point(NamedTuple):
-    """
-    A point fixed to a link or the 'ground'.
-
-    ``along``, ``across`` [m]: from the first joint of the link, along it and to its left; of the
-    ground x and y.
-    """
-
-    link: str
-    along: float = 0.0
-    across: float = 0.0
-
-
-class LinkFields(NamedTuple):
-    """A :class:`LinkMotion` by its direction as an angle, as messages have it."""
-
-    angle: float              # [rad] in (-pi, pi]
-    angular_velocity: float   # [rad/s]
-    angular_acceleration: float     # [rad/s^2]
-    x: float                  # [m] of the first joint
-    y: float
-    velocity_x: float         # [m/s]
-    velocity_y: float
-    acceleration_x: float     # [m/s^2]
-    acceleration_y: float
-
-
 def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
     """Return the :class:`LinkFields` of a link in one sample of a motion."""
     own = mechanism.link_motion(motion, link)
     return LinkFields(atan2(own.sine, own.cosine), own.omega, own.alpha, *own[:6])
-
-
-class PointMotion(NamedTuple):
-    """
-    Motion of a point; each field a float, or an array of the input's shape.
-
-    The tangential and normal acceleration are the parts along the velocity and to its left; they
-    and the curvature are NaN where the point rests.
-    """
-
-    x: float                  # [m]
-    y: float
-    velocity_x: float         # [m/s]
-    velocity_y: float
-    acceleration_x: float     # [m/s^2]
-    acceleration_y: float
-    speed: float              # [m/s]
-    tangential_acceleration: float     # [m/s^2] d speed / dt, Eq. (2)
-    normal_acceleration: float         # [m/s^2] speed^2 times curvature
-    curvature: float          # [1/m] of the path, positive where it turns left
-
-    @property
-    def place(self) -> Array:
-        """Return the place as a vector of shape (..., 2) [m]."""
-        return vector(self.x, self.y)
-
-    @property
-    def velocity(self) -> Array:
-        """Return the velocity as a vector of shape (..., 2) [m/s]."""
-        return vector(self.velocity_x, self.velocity_y)
-
-    @property
-    def acceleration(self) -> Array:
-        """Return the acceleration as a vector of shape (..., 2) [m/s^2]."""
-        return vector(self.acceleration_x, self.acceleration_y)
 
 
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,

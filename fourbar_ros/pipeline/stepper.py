@@ -14,9 +14,9 @@ from math import isfinite, isinf, isnan, nan, nextafter
 from typing import cast, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
+from fourbar_ros.mechanisms.curves import LinkFields, PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
-from fourbar_ros.mechanisms.points import link_fields, LinkFields, make_point, PointMotion
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.scene.message_fields import EQUATION, joint_values, RIGID
 from fourbar_ros.scene.scene import Scene
@@ -116,10 +116,13 @@ class Stepper:
         self.linkage, self._policy = scene.bare_linkage, scene.drive.out_of_range
         # outputs: (name, function of the solved values, its values where nothing is known)
         self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
-                                tuple[float, ...]]] = [
-            (f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
-            for name, point in scene.points.items()]
+                                tuple[float, ...]]] = []
+        if scene.points:
+            from fourbar_ros.mechanisms.points import make_point  # other scenes do without
+            self._parts += [(f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
+                            for name, point in scene.points.items()]
         if 'links' in scene.outputs:
+            from fourbar_ros.mechanisms.points import link_fields  # other scenes do without
             self._parts += [(f'links/{link.name}',
                              partial(link_fields, scene.linkage, link=link.name), _NO_LINK)
                             for link in scene.linkage.LINKS]

@@ -9,7 +9,6 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
-from fourbar_ros.mechanics.rods import flat_bar, round_rod
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link, SLIDE
@@ -159,8 +158,7 @@ class BodiesOfLinks:
     ``values``: all parameters; ``lengths``: {name of a length: its value [m]}.
     """
 
-    # The functions that make a body of its numbers; a subclass may take arrays.
-    body, rod, bar = staticmethod(Body), staticmethod(round_rod), staticmethod(flat_bar)
+    body = staticmethod(Body)        # makes a body of its numbers; a subclass may take arrays
 
     def __init__(self, values: ParameterValues, links: Sequence[Link],
                  lengths: Mapping[str, Scalar]) -> None:
@@ -208,12 +206,17 @@ class BodiesOfLinks:
                 if given:
                     raise InvalidParameter(given[0], self._values[given[0]], 'needs the mass of '
                                            'the link: it is a rod (bodies.rods)')
-                make = self.rod if self._section == SECTIONS[0] else self.bar
-                bodies[link.name] = make(self._lengths[link.length], *(
+                bodies[link.name] = self.rod(self._lengths[link.length], *(
                     self._values[RODS + field] for field in ('density', *self._section)))
             elif given or are_all_needed:
                 bodies[link.name] = self._one(link)
         return bodies
+
+    def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
+        """Return the body of a rod of the scene's section, round or flat."""
+        from fourbar_ros.mechanics.rods import flat_bar, round_rod  # other scenes do without
+        make: Callable[..., Body] = round_rod if self._section == SECTIONS[0] else flat_bar
+        return make(length, density, *section)
 
     def _one(self, link: Link) -> Body:
         """Return the body of a link by its own parameters, its centre half-way by default."""

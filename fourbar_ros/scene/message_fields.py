@@ -12,10 +12,10 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import nan
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms.curves import LinkFields, PointMotion
 from fourbar_ros.mechanisms.kinds import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
-from fourbar_ros.mechanisms.points import LinkFields, PointMotion
 from fourbar_ros.numerics.arrays import Array
 
 # Fields of LinkageState, which like LinkageLoads is made for four joints. Those that a mechanism

@@ -11,9 +11,9 @@ import re
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.scene.settings import (
     FAMILIES,
     MACHINE,

@@ -17,8 +17,8 @@ from types import SimpleNamespace
 from typing import Any, cast, NoReturn, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
+from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in

@@ -18,6 +18,7 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
@@ -26,7 +27,6 @@ from fourbar_ros.mechanisms.machine.structure import (
     OF_ONE_MODE,
 )
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
-from fourbar_ros.mechanisms.points import Point
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import direction
 
