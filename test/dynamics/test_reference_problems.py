@@ -4,6 +4,7 @@
 
 from math import pi
 
+from fourbar_ros import SliderCrank
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
@@ -63,6 +64,15 @@ def test_what_cannot_be_reached_is_not_called_a_success():
     run = simulate(system, 0.5, 1e-12)
     other = simulate(system, 0.5, 1e-12, method='RK45', check=False)
     assert run.status != REACHED or abs(run.position[-1] - other.position[-1]) <= 1e-9
+
+
+def test_rigid_limit_of_the_flexible_slider_crank():
+    """P5, crank.f of the IVP Test Set: printed values of the elastic rod, 1e-4 from the rigid."""
+    motion = SliderCrank(0.15, 0.30).motion(15.0, 150.0)
+    assert motion.beta == pytest.approx(-0.3311734987910881, abs=1e-4)
+    assert motion.slide == pytest.approx(0.1697373326718410, abs=1e-4)
+    assert motion.omega_beta == pytest.approx(60.25346682645789, rel=1e-3)
+    assert motion.slide_velocity == pytest.approx(-8.753116989887888, rel=1e-3)
 
 
 @some('stiffness', [10**3, 10**5, 10**7, 10**9], (10**7,))
