@@ -73,9 +73,9 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
 
 def axis_angle(linkage: Mechanism) -> Function:
     """
-    Return the quantity 'angle from coupler to axis', from 0 to 180 deg; NaN where there is none.
+    Return the quantity 'angle from coupler to axis', 0 to 180 deg; NaN where there is no axis.
 
-    There it is smooth at 90 deg, the place that matters; it jumps where the axis is along the
+    So it is smooth at 90 deg, the place that matters, and jumps where the axis is along the
     coupler.
     """
     def angle(motion: NamedFields, loads: NamedFields) -> Array:

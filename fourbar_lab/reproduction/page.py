@@ -98,9 +98,9 @@ def example_7_7() -> Captioned:
                    (8.0 if extremum.quantity == 'omega4' else 1.0) * extremum.value)
                   for extremum in find_extrema(linkage, ('alpha4', 'omega4'), 10.0)
                   for turn in (0.0, tau)]
-    return _curves(theta1, [('', curves, marks)]), (
-        'Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: the '
-        'extrema found.')
+    caption = ('Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: '
+               'the extrema found.')
+    return _curves(theta1, [('', curves, marks)]), caption
 
 
 def paper_figure_3() -> Captioned:
@@ -114,23 +114,24 @@ def paper_figure_3() -> Captioned:
         circles = [(extremum.theta1, extremum.value)
                    for extremum in find_extrema(linkage, (name,), speed)]
         panels.append((title, [(getattr(motion, name), no_label, '-', color)], circles))
-    return (_curves(theta1, panels),
-            "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2.")
+    caption = "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2."
+    return _curves(theta1, panels), caption
 
 
 def paper_figure_4() -> Captioned:
     """Draw the shaking force and moment, right and as the paper prints them."""
     theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
-    panels = [('shaking force [N]', loads.shaking_force, force, 'm a', 'm v, as printed'),
-              ('|shaking moment| [N m]', np.abs(loads.shaking_moment), moment, 'm a, arm a4',
-               'm v, arm 0.01 m, as printed')]
-    return _curves(theta1, [
-        (title, [(right, label, '-', 'k'), (wrong, of_wrong, '--', 'C3')],
-         [(theta1[y.argmax()], y.max()) for y in (right, wrong)])
-        for title, right, wrong, label, of_wrong in panels], scales=('linear', 'log')), (
-        "The paper's Figure 4: computed correctly (solid) and as printed (dashed); above linear, "
-        'below logarithmic scale. Circles: the largest values.')
+    panels = []
+    for title, right, wrong, label, of_wrong in (
+            ('shaking force [N]', loads.shaking_force, force, 'm a', 'm v, as printed'),
+            ('|shaking moment| [N m]', np.abs(loads.shaking_moment), moment, 'm a, arm a4',
+             'm v, arm 0.01 m, as printed')):
+        circles = [(theta1[y.argmax()], y.max()) for y in (right, wrong)]
+        panels.append((title, [(right, label, '-', 'k'), (wrong, of_wrong, '--', 'C3')], circles))
+    caption = ("The paper's Figure 4: computed correctly (solid) and as printed (dashed); above "
+               'linear, below logarithmic scale. Circles: the largest values.')
+    return _curves(theta1, panels, scales=('linear', 'log')), caption
 
 
 def _curves(theta1: Array, panels: Sequence[Panel], scales: Sequence[str] = ('linear',)) -> Figure:

@@ -89,7 +89,8 @@ def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
                 counts[channel.topic] += statistics.channel_message_counts.get(number, 0)
             if statistics.message_count:
                 times += statistics.message_start_time, statistics.message_end_time
-    return [TopicInfo(topic, type_name, counts[topic], None)
+    unread = None        # how many are missing is only seen by reading
+    return [TopicInfo(topic, type_name, counts[topic], unread)
             for topic, type_name in bag.types.items()], times
 
 

@@ -85,16 +85,18 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     """
     Return the two assembly modes between which steps go through toggles, or () where they do not.
 
-    They do not if the input has no toggles, or no other coordinate leads through them, at an exact
-    change point, or if the modes do not fit into a message.
+    A stroke is left out: its ends are limits of their own.
     """
     mechanism = mechanism.without_stroke()
-    if mechanism.turns_fully or mechanism.change_point_margin == 0.0:
+    if mechanism.turns_fully:                            # it has no toggles
+        return ()
+    if mechanism.change_point_margin == 0.0:             # both modes meet at its change points too
+        return ()
+    if not mechanism.driven_otherwise():                 # no other coordinate leads through them
         return ()
     modes: tuple[int, ...] = mechanism.modes_passed
-    passes = (len(modes) == 2 and max(modes) <= LARGEST_MODE
-              and bool(mechanism.driven_otherwise()))
-    return modes if passes else ()
+    fits = len(modes) == 2 and max(modes) <= LARGEST_MODE        # into the byte of a message
+    return modes if fits else ()
 
 
 class Mover:

@@ -41,6 +41,8 @@ PART_OF_NOISE = 0.25
 SMALLEST = 2.0**-1022
 # Distance from a root at which slopes tell a kink from a smooth minimum, in samples.
 KINK = 2.0**-12
+# Part of a square that a step leaves over, below which it has lost its digits: beside a kink.
+MOSTLY_CANCELLED = 2.0**-12
 # Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
@@ -147,13 +149,15 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
 
     def solved(which: Array) -> tuple[Array, Array]:
         """Return the roots in some of the brackets, and the values there."""
-        root, step, value, f = newton_roots(
+        root, step, value, slope = newton_roots(
             at, which, *(v[which] for v in (xa, xb, fa, guess)))
-        square, fall = value * value, f * step
-        is_root = is_positive[which]
-        at_root = np.where(is_root, np.sqrt(np.maximum(square - fall, 0.0)), value - 0.5 * fall)
-        near = np.flatnonzero(is_root & (square - fall < KINK * square))
-        if near.size:           # beside a kink the difference cancels
+        # the slope, of Q or where Q > 0 of Q^2/2, falls to 0 over the last step: by the mean
+        # slope, half of this one, Q changes by half of slope * step, Q^2 by twice that
+        change, is_of_square = slope * step, is_positive[which]
+        square = value * value - change
+        at_root = np.where(is_of_square, np.sqrt(np.maximum(square, 0.0)), value - 0.5 * change)
+        near = np.flatnonzero(is_of_square & (square < MOSTLY_CANCELLED * value * value))
+        if near.size:
             at_root[near] = sampler.values(root[near])[row[which[near]], np.arange(near.size)]
         return root, at_root
 

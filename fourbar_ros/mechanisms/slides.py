@@ -135,32 +135,31 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     The crank a1 at the angle x to the line, the rod a2 from its pin at the angle b; e is the
     distance of the line from the pivot of the crank, to its left, and s the place of the end of
     the rod along it: a1 e^{ix} + a2 e^{ib} = s + i e (slides, before Eq. (7)); theta2 = b - x,
-    primes are derivatives with respect to x. The end is where a circle meets the line; with n = e
-    - a1 sin x:
+    primes are derivatives with respect to x. The end is where a circle meets the line; with the
+    height h = e - a1 sin x of the line above the pin:
 
-        (R1)  u w = (a2 cos b)^2 = root^2,   u = a2 - n,   w = a2 + n,   a2 sin b = n
+        (R1)  u w = (a2 cos b)^2 = root^2,   u = a2 - h,   w = a2 + h,   a2 sin b = h
         (R2)  s = a1 cos x + root = gap / (root - a1 cos x),
               gap = a2^2 - a1^2 - e^2 + 2 a1 e sin x
         (R3)  b' = -a1 cos x / root
         (R4)  theta2' = b' - 1 = -s / root
         (R5)  s' = a1 (e cos x - s sin x) / root
         (R6)  b'' = a1 ((a2^2 - a1^2 - e^2) sin x + a1 e (1 + sin^2 x)) / root^3
-        (R7)  s'' = a1 cos x theta2' - n b''
+        (R7)  s'' = a1 cos x theta2' - h b''
 
-    All is expanded about sin x = 0, 1 or -1, whichever is nearest: sin x = start + d, and near +-1
-    d = -+(1 - |sin x|) = -+cos^2 x / (1 + |sin x|), so that limits and change points keep their
-    digits:
+    u, w and gap are linear in sin x. Their exact values at sin x = 0, 1 or -1, whichever is
+    nearest, are the start, so that they keep their digits next to limits and change points, which
+    lie there: sin x = start + d, and near +-1 d = -+(1 - |sin x|) = -+cos^2 x / (1 + |sin x|):
 
         (R8)  u = u(start) + a1 d,   w = w(start) - a1 d,   gap = gap(start) + 2 a1 e d
               b'' root^3 / a1 = gap(start) sin x + a1 e (1 + d^2 about 0, d^2 about +-1)
 
-    s' and s'' are as small as s and e where crank and rod are nearly equal. A crank with
-    its pin near the level of the line, |n| < a2/2, is treated by n alone,
+    Where the pin is near the level of the line, |h| < a2/2, all follows from h instead,
 
-        (R9)  u w = (a2 - n)(a2 + n),   b'' = a1 (u w sin x + a1 n cos^2 x) / root^3
+        (R9)  u w = (a2 - h)(a2 + h),   b'' = a1 (u w sin x + a1 h cos^2 x) / root^3
 
-    because n of a long crank is there rounded by up to eps a1, which is much beside a2, and all
-    must be rounded by the same.
+    because h of a long crank has an error of up to eps a1, which is much beside a2: u, w and b''
+    then have the same error, and fit together.
 
     Lengths within a few powers of two of one; ``sign``: of cos b.
     """
@@ -177,25 +176,26 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
     u, w, gap, start = where(is_about_0, about_0,
                              where(sin_x.real > 0.0, about_up, about_down))
-    bulge = a1_e * (1.0 + sin_x * sin_x)
-    d, curve = where(is_about_0, (sin_x, bulge), (-start * low, a1_e * low * low))
-    at_x, step, nn = a1 * cos_x, a1 * d, e - a1 * sin_x
-    u, w, by_sine, sine = u + step, w - step, gap, start + d                            # (R8)
-    up, down = a2 - nn, a2 + nn
-    u, w, by_sine, sine, curve = where(                                                 # (R9)
-        (nn * nn).real < level_square, (up, down, up * down, sin_x, at_x * nn * cos_x),
-        (u, w, by_sine, sine, curve))
+    d, rest = where(is_about_0, (sin_x, a1_e * (1.0 + sin_x * sin_x)),
+                    (-start * low, a1_e * low * low))
+    at_x, step, h = a1 * cos_x, a1 * d, e - a1 * sin_x
+    # b'' root^3 / a1 = factor sine + rest
+    u, w, factor, sine = u + step, w - step, gap, start + d                             # (R8)
+    up, down = a2 - h, a2 + h
+    u, w, factor, sine, rest = where(                                                   # (R9)
+        (h * h).real < level_square, (up, down, up * down, sin_x, at_x * h * cos_x),
+        (u, w, factor, sine, rest))
     root = sign * sqrt(u * w)                                                           # (R1)
     # NaN too where nothing is real
-    cos_b, sin_b = root * per_a2, nn * per_a2 + (root - root)
+    cos_b, sin_b = root * per_a2, h * per_a2 + (root - root)
     cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
     over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
                         (gap + two_a1_e * d, root - at_x))
     s, per = over / under, 1.0 / root                                                   # (R2)
     d_b, d_theta2 = -at_x * per, -s * per                                         # (R3), (R4)
     d_s = a1 * (e * cos_x - s * sin_x) * per                                            # (R5)
-    dd_b = a1 * (by_sine * sine + curve) * per * per * per                              # (R6)
-    dd_s = at_x * d_theta2 - nn * dd_b                                                  # (R7)
+    dd_b = a1 * (factor * sine + rest) * per * per * per                                # (R6)
+    dd_s = at_x * d_theta2 - h * dd_b                                                   # (R7)
     return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
 
 

@@ -132,7 +132,7 @@ class Trajectories:
         lost = 0             # by the middleware on this topic, as far as it is counted
 
         def take(data: bytes) -> None:
-            """Have a message answered; count those of both topics that were lost."""
+            """Have a message answered; add new losses to the count that both topics share."""
             nonlocal lost
             self._troubles.count('trajectories')
             self._troubles.counts['trajectories_lost'] += sequence.lost - lost
