@@ -52,7 +52,7 @@ def add(verbs: Verbs) -> None:
     verb.add_argument('--radius', nargs='+', type=_radius, default=[], metavar='[LINK=]M',
                       help='greatest distance of a counterweight from the first joint of its '
                            'link: M for every link that turns (default: half the longest '
-                           'length), or LINK=M for each of those that get one')
+                           'length), or instead LINK=M for each of those that get one')
     verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
     verb.add_argument('--plot', metavar='PICTURE',
                       help=f'force, moment and torque before and after: {PICTURE_HELP}')

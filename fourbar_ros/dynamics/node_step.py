@@ -85,7 +85,7 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     """
     Return the two assembly modes between which steps go through toggles, or () where they do not.
 
-    A stroke is left out: its ends are limits of their own.
+    A stroke is left out: it would hide that the input turns fully.
     """
     mechanism = mechanism.without_stroke()
     if mechanism.turns_fully:                            # it has no toggles
@@ -95,7 +95,8 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     if not mechanism.driven_otherwise():                 # no other coordinate leads through them
         return ()
     modes: tuple[int, ...] = mechanism.modes_passed
-    fits = len(modes) == 2 and max(modes) <= LARGEST_MODE        # into the byte of a message
+    # a machine may pass more than two; and a mode must fit into the byte of a message
+    fits = len(modes) == 2 and max(modes) <= LARGEST_MODE
     return modes if fits else ()
 
 
