@@ -6,7 +6,7 @@
 export default {
   template: `
     <div>
-      <svg :viewBox="'0 0 ' + size.join(' ')" :class="{ 'fb-held': pointer !== null }" class="fb-picture"
+      <svg :viewBox="'0 0 ' + size.join(' ')" :class="{ 'fb-held': pointer !== null, 'fb-ready': inputs.length }" class="fb-picture"
            role="img" aria-label="the mechanism in its pose" @touchstart="hold" @pointerdown="take"
            @pointermove="move" @pointerup="leave" @lostpointercapture="leave">
         <g v-html="under"></g><g v-html="picture"></g>

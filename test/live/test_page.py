@@ -105,9 +105,13 @@ def test_the_other_assembly_mode(tab):
 
 
 def crank(tab):
-    """Return the places of O1 and A in the window, at theta1 = 0."""
+    """Return the places of O1 and A in the window, at theta1 = 0, once A can be dragged."""
     (left, top, scale), pins = tab.frame(), tab.pins()
-    return [(left + scale * x, top + scale * y) for x, y in pins[:2]]
+    places = [(left + scale * x, top + scale * y) for x, y in pins[:2]]
+    tab.until(lambda: tab.driver.execute_script(
+        'return getComputedStyle(document.elementFromPoint(...arguments)).cursor',
+        *places[1]) == 'grab', 'a joint to drag')
+    return places
 
 
 def upright(tab, arm):
@@ -120,9 +124,6 @@ def test_a_joint_is_dragged_also_where_the_pointer_leaves_the_picture(tab):
     from selenium.webdriver.common.action_chains import ActionChains
     (x1, y1), (xa, ya) = crank(tab)
     arm = xa - x1
-    assert tab.driver.execute_script(
-        'return getComputedStyle(document.elementFromPoint(...arguments)).cursor', xa,
-        ya) == 'grab'
     actions = ActionChains(tab.driver, duration=50)
     actions.w3c_actions.pointer_action.move_to_location(int(xa), int(ya))
     actions.click_and_hold()
