@@ -175,18 +175,24 @@ def converted(record: Any, number: Callable[[float], Any]) -> Any:
 
 def numbers_of(record: Any) -> list[float]:
     """Return the numbers of a nested record in the order in which :func:`converted` meets them."""
-    if record is None:
-        return []
-    if not isinstance(record, tuple) and not is_dataclass(record):
-        return [record]
-    kind: Any = type(record)
-    parts = (record if isinstance(record, tuple)
-             else [getattr(record, name) for name in _names_of(kind)])
-    return [number for part in parts
-            for number in ((part,) if type(part) is float else numbers_of(part))]
+    numbers: list[float] = []
+
+    def collect(part: Any) -> None:
+        """Append the numbers of a part of the record."""
+        names = _names_of(type(part))
+        if isinstance(part, tuple) or names:
+            for inner in part if isinstance(part, tuple) else [getattr(part, n) for n in names]:
+                if type(inner) is float:       # most are
+                    numbers.append(inner)
+                else:
+                    collect(inner)
+        elif part is not None:
+            numbers.append(part)
+    collect(record)
+    return numbers
 
 
 @cache
 def _names_of(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass."""
-    return tuple([field.name for field in fields(kind)])
+    """Return the names of the fields of a dataclass, none of another type."""
+    return tuple([field.name for field in fields(kind)]) if is_dataclass(kind) else ()
