@@ -179,7 +179,8 @@ def numbers_of(record: Any) -> list[float]:
 
     def collect(part: Any) -> None:
         """Append the numbers of a part of the record."""
-        names = _names_of(type(part))
+        kind: Any = type(part)
+        names = _names_of(kind)
         if isinstance(part, tuple) or names:
             for inner in part if isinstance(part, tuple) else [getattr(part, n) for n in names]:
                 if type(inner) is float:       # most are
