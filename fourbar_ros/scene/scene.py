@@ -55,6 +55,10 @@ if TYPE_CHECKING:      # other scenes do without
 Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
 
 
+def no_pause() -> None:
+    """Do nothing between two pieces of work."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """
@@ -95,15 +99,16 @@ class Scene:
                                    f'{" or ".join(map(str, known))}: {self.linkage.description}')
         return self.linkage.in_mode(mode or self.linkage.mode)
 
-    def with_values(self, changes: ParameterValues) -> Scene:
+    def with_values(self, changes: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
         """
         Return this scene with other values of parameters that may change while a node runs.
 
         InvalidParameter as of :func:`from_values`. What does not change is not checked again: of a
-        live change that would take half the time.
+        live change that would take half the time. ``pause()`` is called between its pieces.
         """
         checked = {name: check_value(of_name(name), value) for name, value in changes.items()}
-        return _of_checked({**self.values, **checked})
+        pause()
+        return _of_checked({**self.values, **checked}, pause)
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
@@ -374,13 +379,14 @@ def _groups_in(values: ParameterValues) -> dict[str, Group]:
     return {group: Group(**own) for group, own in found.items()}
 
 
-def _of_checked(values: ParameterValues) -> Scene:
+def _of_checked(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
     """Return the Scene of all its parameters, each of which is good by itself."""
     groups = _groups_in(values)
     points = {}
     if 'points' in groups:
         points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
     linkage = linkage_of(values)
+    pause()
     links = [link.name for link in linkage.LINKS]
     for name, point in points.items():
         if point.link not in links:

@@ -18,12 +18,12 @@ from pathlib import Path
 import time
 from fourbar_ros.scene.scene import Scene
 make = Scene.with_values
-def make_late(scene, changes):
+def make_late(scene, changes, pause):
     if changes.get('gravity.y') == -2.0:
         print('at work', flush=True)
         while not Path('go').exists():
             time.sleep(0.01)
-    return make(scene, changes)
+    return make(scene, changes, pause)
 Scene.with_values = make_late
 """
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:      # only the scenes that want it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
-PAUSE = 5e-5           # [s] between two pieces of a change: inputs that came meanwhile go first
+PAUSE = 5e-5           # [s] between two pieces of a change
 LOOK = 0.1             # [s] between two looks whether the node stops
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
@@ -121,9 +121,9 @@ class FourBarNode(Node):
         callbacks of the executor and two steps, so that no input waits.
         """
         self._check(scene)
-        time.sleep(PAUSE)
-        run = RunningScene(scene, self.stream.run, self.stream.run.stepper.acting)
-        time.sleep(PAUSE)
+        let_inputs_pass()
+        run = RunningScene(scene, self.stream.run, self.stream.run.stepper.acting, let_inputs_pass)
+        let_inputs_pass()
 
         def swap() -> None:
             self.stream.swap(run)
@@ -326,8 +326,7 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
             elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
-            time.sleep(PAUSE)
-            apply(current().with_values(changes))
+            apply(current().with_values(changes, let_inputs_pass))
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
@@ -345,6 +344,11 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
         return SetParametersResult(successful=True)
 
     node.add_on_set_parameters_callback(answer)
+
+
+def let_inputs_pass() -> None:
+    """Let inputs go first that came while a piece of a change was made."""
+    time.sleep(PAUSE)
 
 
 def descriptor(parameter: Parameter) -> ParameterDescriptor:

@@ -31,7 +31,7 @@ from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.message_fields import FieldMap
-from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.scene import no_pause, Scene
 from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 from rclpy.node import Node
@@ -382,12 +382,13 @@ class RunningScene:
     ``topics`` are all that it publishes. Each step is answered on those of ``writers``, and drawn
     by ``makers``; ``latched`` are messages that do not change. ``mover`` integrates the motion
     where it follows from torque. ``acting``: what acts from the first step on. ``before`` is the
-    run whose writers are used again where nothing in their bytes has changed. FourBarError for a
-    scene whose pictures cannot be drawn.
+    run whose writers are used again where nothing in their bytes has changed; ``pause()`` is
+    called between two pieces of the work. FourBarError for a scene whose pictures cannot be drawn.
     """
 
     def __init__(self, scene: Scene, before: RunningScene | None = None,
-                 acting: Mapping[str, ActingInput] | None = None) -> None:
+                 acting: Mapping[str, ActingInput] | None = None,
+                 pause: Callable[[], None] = no_pause) -> None:
         self.scene, self.layout = scene, scene.layout
         if before and before.layout == scene.layout:
             self.layout = before.layout      # writers compare it: as the same object at once
@@ -420,6 +421,7 @@ class RunningScene:
         if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
             self.conversion = Conversion(scene)
+        pause()
         self.renew(acting)
 
     def renew(self, acting: Mapping[str, ActingInput] | None = None) -> None:
