@@ -263,8 +263,9 @@ class Transmission:
 
     def _ratio(self, inputs: Array) -> tuple[Array, Array]:
         """Return r = dy/dx and r' = d2y/dx2 at inputs: the output's motion at unit rate."""
-        return self.mechanism.motion(inputs, 1.0, 0.0, fields=(self._output.rate,
-                                                               self._output.acceleration))
+        fields = self._output.rate, self._output.acceleration
+        ratio: tuple[Array, Array] = self.mechanism.motion(inputs, 1.0, 0.0, fields=fields)
+        return ratio
 
     def _effort_of_links(self, position: Array, rate: Array,
                          acceleration: Array | None) -> Array:

@@ -481,7 +481,7 @@ class Equation:
             if self._flats:
                 found = np.where(self.is_alternate(positions), of(self.links_in(True)), found)
         result: Any = found if positions.shape else float(found)
-        return result
+        return result       # type: ignore[no-any-return]  # of the type of the position
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential, as of couples."""

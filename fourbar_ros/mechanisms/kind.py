@@ -325,7 +325,8 @@ class Kind(Mechanism):
     def transmission_sine(self, motion: Any) -> Scalar:
         """Return the sine of the dyad's transmission angle, but for its sign: zero at toggles."""
         field, _ = self.drive.sine
-        return getattr(motion, field) if field else 1.0 + (motion.cos_x - motion.cos_x)
+        sine: Scalar = getattr(motion, field) if field else 1.0 + (motion.cos_x - motion.cos_x)
+        return sine
 
     # --- loads ----------------------------------------------------------------------------------
 

@@ -335,7 +335,8 @@ class Mechanism(ABC):
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]."""
-        return motion.theta1
+        angle: Scalar = motion.theta1
+        return angle
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
@@ -486,7 +487,8 @@ class Mechanism(ABC):
 
     @cached_by_lengths
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
-        return self.MOTION._make
+        make: Callable[[Iterable[Any]], NamedFields] = self.MOTION._make
+        return make
 
     def prepare(self) -> Function:
         """
@@ -635,7 +637,8 @@ class Mechanism(ABC):
         """Return (motion, loads) as :meth:`step` does; without masses the loads are None."""
         if self.bodies is None:
             return self.motion(position, rate, acceleration), None
-        return self.step(position, rate, acceleration)
+        both: tuple[NamedFields, NamedFields] = self.step(position, rate, acceleration)
+        return both
 
     def _refuse(self, *values: float) -> NoReturn:
         """Raise the error for the first of position, rate and acceleration that is not finite."""

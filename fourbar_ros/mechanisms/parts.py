@@ -112,7 +112,8 @@ class Quantity(NamedTuple):
 
     def of(self, motion: NamedFields, loads: NamedFields | NoLoads | None) -> Scalar:
         """Return its value from what :meth:`.Mechanism.step` returns."""
-        return getattr(loads if self.is_load else motion, self.name)
+        value: Scalar = getattr(loads if self.is_load else motion, self.name)
+        return value
 
 
 class Length(NamedTuple):

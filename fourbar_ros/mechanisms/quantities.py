@@ -24,7 +24,7 @@ class UnknownQuantity(FourBarError, KeyError):
         super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
 
     def __str__(self) -> str:
-        return self.args[0]
+        return str(self.args[0])
 
 
 class Function(NamedTuple):
@@ -60,7 +60,8 @@ def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: 
           motion: NamedFields, loads: NamedFields) -> Scalar:
     """Return the length of two ``fields`` (x, y) of the :class:`.MovingPoint` of a point."""
     x, y = tuple(point_of(mechanism.link_motion(motion, link), along, across))[fields]
-    return np.sqrt(x * x + y * y)
+    size: Scalar = np.sqrt(x * x + y * y)
+    return size
 
 
 Asked = Union[Quantity, Function]      # what may be asked for

@@ -312,7 +312,8 @@ class InvertedSlider(OffsetSlide):
         size = max(map(abs, self.lengths))
         slide, aside = motion.slide / size, self.offset / size
         opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
-        return opposite / (slide * slide + aside * aside)**0.5
+        sine: Scalar = opposite / (slide * slide + aside * aside)**0.5
+        return sine
 
 
 class YokeDeadPoint(NamedTuple):

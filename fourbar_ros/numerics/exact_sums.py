@@ -20,7 +20,8 @@ import numpy as np
 def difference_of_squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar,
                           exact_sum: Function = fsum) -> Scalar:
     """Return (a + b)^2 - (c + d)^2 as the product of two exact sums: it keeps digits near zero."""
-    return exact_sum((a, b, c, d)) * exact_sum((a, b, -c, -d))
+    product: Scalar = exact_sum((a, b, c, d)) * exact_sum((a, b, -c, -d))
+    return product
 
 
 def scaled(lengths: Sequence[float]) -> list[float]:

@@ -99,7 +99,7 @@ def _method(name: str, is_reflected: bool) -> Function:
     """Return the method of Number that records an operator; reflected: 2.0 - x, of x."""
     def method(self: Number, *others: Recordable) -> Recordable:
         if not all(isinstance(other, (Number, float, int)) for other in others):
-            return NotImplemented
+            return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
         return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
     return method
 

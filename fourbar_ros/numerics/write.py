@@ -160,5 +160,5 @@ def compiled(text: str, name: str) -> Function:
         linecache.cache.pop(_files.popleft(), None)
     _files.append(file)
     linecache.cache[file] = len(text), None, text.splitlines(True), file     # for tracebacks
-    make: Any = names['make']
+    make: Function = names['make']      # type: ignore[assignment]  # exec has put it there
     return make

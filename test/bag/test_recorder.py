@@ -335,10 +335,21 @@ def test_a_disk_that_does_not_answer_holds_up_no_message_at_a_split(tmp_path, mo
         writer.write(0, motion(k))
         until(lambda: not writer.waiting, 'a flush')
     until(lambda: numbers(writer.path) == [0, 1, 2, 3], 'the messages in four files')
-    assert not answers.is_set()
     answers.set()
     until(lambda: not writer._ended, 'the next sync')
     assert numbers(writer.close()) == [0, 1, 2, 3]
+
+
+def test_files_of_splits_do_not_stay_open_until_the_next_sync(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder, 'SYNC', PATIENCE)
+    monkeypatch.setattr(recorder, 'MOST_FILES', 2)
+    writer = open_bag(tmp_path, split_size=1)
+    for k in range(8):
+        writer.write(0, motion(k))
+        until(lambda: not writer.waiting, 'a flush')
+    until(lambda: writer._part.path.name == 'run_7.mcap', 'the splits')
+    assert len(writer._ended) <= 2
+    assert numbers(writer.close()) == list(range(8))
 
 
 def test_a_sync_that_fails_stops_the_recording_with_what_was_flushed(tmp_path, monkeypatch):

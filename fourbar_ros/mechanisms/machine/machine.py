@@ -234,7 +234,8 @@ class Machine(Mechanism):
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
-        return motion.theta_crank if self.input != SLIDE else nan * motion.rate
+        angle: Scalar = motion.theta_crank if self.input != SLIDE else nan * motion.rate
+        return angle
 
     # --- where it closes -------------------------------------------------------------------------
 
@@ -453,7 +454,7 @@ class Machine(Mechanism):
     def transmission_sine(self, motion: NamedFields) -> Scalar:
         """Return the product of the sines of all dyads: zero where one is in line."""
         fields = tuple(motion)
-        product = 1.0 + (fields[-1] - fields[-1])
+        product: Scalar = 1.0 + (fields[-1] - fields[-1])
         for sine in fields[len(fields) - len(self.stages):]:
             product = product * sine
         return product

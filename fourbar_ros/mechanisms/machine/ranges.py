@@ -154,7 +154,7 @@ class _Path(NamedTuple):
         if self.is_closed:
             return np.linspace(-pi, pi, PIECES + 1) + SEAM
         part = np.linspace(-1.0, 1.0, PIECES + 1)
-        return 0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7)
+        return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
 
 
 def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,
