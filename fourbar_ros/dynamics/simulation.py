@@ -16,9 +16,9 @@ rougher run; the finer one is returned.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isfinite, nan, nextafter
 from threading import Lock
@@ -91,15 +91,18 @@ class Leg(NamedTuple):
 
 @dataclass
 class Work:
-    """What all runs of a simulation may use, and have used."""
+    """What a simulation is asked for, what all of its runs may use, and what they have used."""
 
+    system: System
     until: float                   # end of a run [s]
-    evaluations: float = inf       # most evaluations of the equation of motion
-    seconds: float = inf           # most time [s]
-    progress: Callable[[float], None] | None = None     # called with the share of a run, 0 to 1
+    asked: Array | None            # times at which it is wanted [s]
+    stop_when: Stop | None
+    evaluations: float             # most evaluations of the equation of motion
+    seconds: float                 # most time [s]
+    progress: Callable[[float], None] | None     # called with the share of a run, 0 to 1
     most: float = inf              # evaluations after which the run at hand ends
     used: int = 0                  # evaluations so far
-    began: float = 0.0
+    began: float = field(default_factory=clock.monotonic)
     reason: str = ''               # why a run was given up
 
     def is_spent(self, time: float) -> bool:
@@ -327,39 +330,21 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
         raise InvalidParameter('method', method, f'must be one of {", ".join(METHODS)}')
     if stop_when is not None and not callable(stop_when):
         raise InvalidParameter('stop_when', stop_when, 'must be a function of time and state')
-    wanted = None if times is None else _checked_times(times, until)
     _check_start(system)
-    work = Work(until, _most('evaluations', evaluations), _most('seconds', seconds), progress,
-                began=clock.monotonic())
+    work = Work(system, until, None if times is None else _checked_times(times, until), stop_when,
+                _most('evaluations', evaluations), _most('seconds', seconds), progress)
+    if check:
+        return _checked(work, method, tolerance)
+    only = _first_run(work, method, max(tolerance, TIGHTEST))
+    return only if only.status == STOPPED else replace(only, status=NOT_CHECKED, error=nan)
 
-    def run(method: str, tolerance: float, is_finer: bool = False, share: float = 1.0) -> Run:
-        work.most = share * work.evaluations
-        legs = tuple(_integrate(system, method, tolerance, work, stop_when, is_finer))
-        found = Run(system, legs, wanted, legs[-1].end, inf, nan, method, tolerance,
-                    work.used, work.reason)
-        return replace(found, drift=energy_drift(found))
 
-    def begun(tolerance: float) -> Run:
-        """Return the first run, by LSODA if DOP853 struggles."""
-        if method != 'auto':
-            return run(method, tolerance)
-        if not _is_stiff(system, until):
-            # many short legs are no sign of a stiff system: half is left for the finer run
-            found = run('DOP853', tolerance, share=0.5 if system.equation.tables else FIRST_TRY)
-            if found.status != STOPPED:
-                return found
-            work.reason = ''
-            other = run('LSODA', tolerance)
-            return found if other.status == STOPPED and found._end > other._end else other
-        return run('LSODA', tolerance)
-
-    if not check:
-        only = begun(max(tolerance, TIGHTEST))
-        return only if only.status == STOPPED else replace(only, status=NOT_CHECKED, error=nan)
-    allowed = tolerance * system.mechanism.input_unit
-    rough = begun(max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
+def _checked(work: Work, method: str, tolerance: float) -> Run:
+    """Return the finer of two runs that agree within the tolerance, or why there are none."""
+    system, allowed = work.system, tolerance * work.system.mechanism.input_unit
+    rough = _first_run(work, method, max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
-        fine = run(rough.method, max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
+        fine = _run(work, rough.method, max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
         fine = replace(fine, error=_difference(rough, fine))
         if fine.status == STOPPED or fine.error <= allowed and fine.drift <= tolerance:
             return fine
@@ -371,8 +356,34 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
         # the finer run is the next rough one, unless both would take the same steps
         is_next = (TIGHTEST / TIGHTER <= fine.tolerance <= 2.0 * tighter
                    and not (system.drive and system.drive.source.breaks))
-        rough = fine if is_next else run(rough.method, tighter)
+        rough = fine if is_next else _run(work, rough.method, tighter)
     return rough
+
+
+def _first_run(work: Work, method: str, tolerance: float) -> Run:
+    """Return a run by a method; of 'auto' by LSODA, if the system is stiff or DOP853 struggles."""
+    if method != 'auto':
+        return _run(work, method, tolerance)
+    if _is_stiff(work.system, work.until):
+        return _run(work, 'LSODA', tolerance)
+    # many short legs are no sign of a stiff system: half is left for the finer run
+    share = 0.5 if work.system.equation.tables else FIRST_TRY
+    found = _run(work, 'DOP853', tolerance, share=share)
+    if found.status != STOPPED:
+        return found
+    work.reason = ''
+    other = _run(work, 'LSODA', tolerance)
+    return found if other.status == STOPPED and found._end > other._end else other
+
+
+def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, share: float = 1.0
+         ) -> Run:
+    """Return one run, not compared yet; it may use a ``share`` of the evaluations."""
+    work.most = share * work.evaluations
+    legs = tuple(_integrate(work, method, tolerance, is_finer))
+    found = Run(work.system, legs, work.asked, legs[-1].end, inf, nan, method, tolerance,
+                work.used, work.reason)
+    return replace(found, drift=energy_drift(found))
 
 
 def _most(name: str, value: float) -> float:
@@ -432,13 +443,13 @@ def _is_stiff(system: System, until: float) -> bool:
 # --- one integration -----------------------------------------------------------------------------
 
 
-def _integrate(system: System, method: str, tolerance: float, work: Work, stop_when: Stop | None,
-               is_finer: bool) -> Iterator[Leg]:
+def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Iterator[Leg]:
     """
     Yield the legs of one integration from time 0, to the end or to where the run stops.
 
     ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
     """
+    system, stop_when = work.system, work.stop_when
     breaks = _restarts(system, work.until, is_finer)
     (coordinate, state), first = system.coordinates.at(system.start), 0.0
     stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
@@ -476,43 +487,47 @@ def _integrate(system: System, method: str, tolerance: float, work: Work, stop_w
 def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
          tolerance: float, work: Work, events: list[Event], step: float | None) -> Leg:
     """Return the leg from a state on, to the end of its span or an event; ``step``: its first."""
-    try:
-        from scipy.integrate import solve_ivp
-    except ModuleNotFoundError as error:
-        raise MissingPackage('simulation', error) from error
-    functions, start = [_remembered(event, span[0]) for event in events], np.array(state)
+    start = np.array(state)
     rates = work.counted(coordinate.derivative, span[1])
-    tolerances = {'rtol': max(tolerance, 100.0 * EPS), 'atol': tolerance}
-    with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
-        warnings.simplefilter('ignore')      # of what the end of the leg says
-        try:
-            found = solve_ivp(rates, span, start, method, dense_output=True, events=functions,
-                              first_step=min(step, span[1] - span[0]) if step else None,
-                              **tolerances)
-            ends = [event.end for event, at in zip(events, found.t_events) if at.size]
-            length = found.t[-1] - found.t[-2] if found.t.size > 1 else 0.0
-            if length > 0.0 and (HANDED_OVER in ends or AT_KINK in ends):
-                # where the run goes on a step is more exact than the interpolant
-                last = solve_ivp(rates, found.t[-2:], found.y[:, -2], method, first_step=length,
-                                 **tolerances)
-                if last.status == 0:
-                    found.y[:, -1] = last.y[:, -1]
-        except ArithmeticError:
-            found = None
-        except ValueError as error:          # of a Jacobian
-            if 'infs or NaNs' not in str(error):
-                raise
-            found = None
+    found = _solved(rates, span, start, method, tolerance, dense_output=True,
+                    events=[_remembered(event, span[0]) for event in events],
+                    first_step=min(step, span[1] - span[0]) if step else None)
     if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
         work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
         return Leg(coordinate, np.array(span[:1]), start[:, None],
                    lambda times: np.repeat(start[:, None], times.size, 1), STOPPED)
     end = REACHED
     if found.status == 1:
-        end = ends[0]
+        end = next(event.end for event, at in zip(events, found.t_events) if at.size)
     elif found.status == -1:
         end, work.reason = STOPPED, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
+    length = found.t[-1] - found.t[-2]
+    if end in (HANDED_OVER, AT_KINK) and length > 0.0:
+        # where the run goes on a step is more exact than the interpolant
+        last = _solved(rates, found.t[-2:], found.y[:, -2], method, tolerance, first_step=length)
+        if last is not None and last.status == 0:
+            found.y[:, -1] = last.y[:, -1]
     return Leg(coordinate, found.t, found.y, found.sol, end)
+
+
+def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, method: str,
+            tolerance: float, **options: Any) -> Any:
+    """Return the result of solve_ivp, or None where numbers overflow."""
+    try:
+        from scipy.integrate import solve_ivp
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
+        warnings.simplefilter('ignore')      # of what the end of the leg says
+        try:
+            return solve_ivp(rates, span, start, method, rtol=max(tolerance, 100.0 * EPS),
+                             atol=tolerance, **options)
+        except ArithmeticError:
+            return None
+        except ValueError as error:          # of a Jacobian
+            if 'infs or NaNs' in str(error):
+                return None
+            raise
 
 
 def _restarts(system: System, until: float, is_finer: bool) -> Array:
