@@ -30,16 +30,17 @@ def test_a_wrong_energy_is_seen():
 
 
 @some('name', EXTREMES, ['light rods 1e-8'])
-@pytest.mark.parametrize('method', ['auto', 'LSODA'])
-def test_a_wrong_answer_is_never_a_success(name, method):
+@pytest.mark.parametrize('method', ['auto', 'LSODA', 'Radau'])
+@pytest.mark.parametrize('tolerance', [1e-6, 1e-9])
+def test_a_wrong_answer_is_never_a_success(name, tolerance, method):
     """J changes by up to 1e12 within a small angle; what is asked for holds, or is refused."""
-    system, tolerance = EXTREMES[name](), 1e-6
+    system = EXTREMES[name]()
     run = simulate(system, 3.0, tolerance, method)
     time = exact_free_time(system, float(run.position[-1]))
     error = float(abs(time - mp.mpf(float(run.time[-1])))) * abs(run.rate[-1])
     assert run.status in (NOT_CONVERGED, STOPPED) or (
         run.status == REACHED and error <= tolerance)
-    if method == 'auto' and name != 'near a change point 1e-10':
+    if method == 'auto' and tolerance == 1e-6 and name != 'near a change point 1e-10':
         assert run.status == REACHED
 
 
