@@ -26,7 +26,7 @@ VERDICTS = {
     'wrong computation': 'the document computed something else; the reason is given',
     'assumption of ours': 'not printed; what we took for it',
     'definition': 'of symbols, or a step that a numbered equation sums up',
-    'answered here': 'the document asks; what must hold for the answer was computed',
+    'answered here': 'the document asks, and the reason answers',
     'not compared': 'and why',
     'DIFFERS': 'without a known reason',
 }
@@ -46,13 +46,6 @@ class Row(NamedTuple):
     verdict: str
     reason: str
 
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Return the texts under :data:`COLUMNS`, but for the last: where its reason is."""
-        return (self.what, self.printed, '' if isnan(self.ours) else f'{self.ours:.10g}',
-                '' if isnan(self.difference) else f'{self.difference:.3g}', self.unit,
-                self.verdict)
-
 
 class Section(NamedTuple):
     """
@@ -71,25 +64,31 @@ class Section(NamedTuple):
         reasons = dict.fromkeys(row.reason for row in self.rows if row.reason)
         return {reason: number for number, reason in enumerate(reasons, 1)}
 
+    @property
+    def cells(self) -> list[tuple[str, ...]]:
+        """Return the texts of each row, under :data:`COLUMNS`."""
+        notes = self.footnotes
+        return [(row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
+                 '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict,
+                 f'({notes[row.reason]})' if row.reason else '') for row in self.rows]
+
 
 def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREES, why: str = '',
-           *, within: float = 0.0, scale: float = nan, own: float = nan) -> Row:
+           *, within: float = 0.0) -> Row:
     """
     Return the Row of a printed number, as text: its digits say how exact it is.
 
-    ``within``: the largest difference that the verdict explains, as a share of ``scale``, by
-    default of our value; ``own``: the printed number from others that are printed, which must
-    agree too. A garbled number without ``within`` must not agree: it is a doubt.
+    ``within``: the largest difference that the verdict explains, as a share of our value. A
+    garbled number without it must not agree: it is a doubt.
     """
-    ours = float(ours)                          # of numpy
-    is_right, difference = agrees(ours, printed), abs(ours - float(printed or nan))
-    is_near = difference <= within * abs(ours if isnan(scale) else scale)
+    ours, printed_value = float(ours), float(printed or nan)        # ours: of numpy
+    is_right = agrees(ours, printed)
+    is_near = abs(ours - printed_value) <= within * abs(ours)
     is_earned = {
         AGREES: is_right, DRAWN: is_near and not is_right, ROUNDED: is_near and not is_right,
-        MISPRINT: not is_right, WRONG: not is_right, ASSUMED: True, DEFINED: True, MISSING: True,
-        GARBLED: is_near if within else not is_right}[verdict] and (
-            isnan(own) or agrees(own, printed))
-    return Row(what, unit, printed, ours, ours - float(printed or nan),
+        MISPRINT: not is_right, WRONG: not is_right,
+        GARBLED: is_near if within else not is_right}.get(verdict, True)
+    return Row(what, unit, printed, ours, ours - printed_value,
                verdict if is_earned else DIFFERS, why)
 
 
@@ -107,16 +106,16 @@ def agrees(value: float, text: str) -> bool:
     return -0.5 <= beyond < 1.0
 
 
-def zero(what: str, *terms: float, verdict: str = AGREES, why: str = '',
-         correct: Sequence[float] = ()) -> Row:
+def zero(what: str, *terms: complex, verdict: str = AGREES, why: str = '',
+         correct: Sequence[complex] = ()) -> Row:
     """
     Return the Row of an equation whose terms, as printed, must add up to zero.
 
-    The sum is taken relative to that of their magnitudes. If the verdict is a misprint, the terms
-    must not add up to zero, and those of ``correct`` must.
+    The size of the sum is taken relative to those of its terms; vectors are complex numbers. If
+    the verdict is a misprint, the terms must not add up to zero, and those of ``correct`` must.
     """
-    def relative_sum(numbers: Sequence[float]) -> float:
-        return sum(numbers) / sum(map(abs, numbers)) if numbers else nan
+    def relative_sum(numbers: Sequence[complex]) -> float:
+        return abs(sum(numbers)) / sum(map(abs, numbers)) if numbers else nan
 
     row = equal(what, '', printed=relative_sum(terms), ours=0.0, verdict=verdict, why=why,
                 correct=relative_sum(correct))
@@ -157,11 +156,8 @@ def print_tables(sections: Sequence[Section]) -> None:
     """Print a table for each section, the reasons below it."""
     console = make_console()
     for section in sections:
-        notes = section.footnotes
-        console.print(make_table(section.title, COLUMNS, (
-            (*row.cells, f'({notes[row.reason]})' if row.reason else '')
-            for row in section.rows)))
-        for reason, number in notes.items():
+        console.print(make_table(section.title, COLUMNS, section.cells))
+        for reason, number in section.footnotes.items():
             console.print(f'({number}) {reason}', style='dim', markup=False)
         console.print()
     console.print(summary(sections))

@@ -3,7 +3,7 @@
 """The page of ``fourbar reproduce --html``: all rows, and the figures from computed values."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from html import escape
 from io import StringIO
@@ -13,8 +13,8 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import (
     make_figure,
+    make_panels,
     need_matplotlib,
-    new_figure,
     STYLE,
     Units,
     writing,
@@ -31,16 +31,14 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 Captioned = tuple['Figure', str]                # with its caption
-PlottedCurve = tuple[Array, str, str, str]      # values over theta1, label, line style, colour
-Panel = tuple[str, list[PlottedCurve], list[tuple[float, float]]]  # title, curves, circled points
 
 PAGE = """\
 <!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>The two source documents, recomputed</title>
 <style>
 body {{ font-family: sans-serif; margin: 2em auto; max-width: 64em; }}
-th, td {{ padding-right: 1em; text-align: left; vertical-align: top; }}
-.number {{ text-align: right; white-space: nowrap; }} .part {{ padding-left: 1.2em; }}
+th, td {{ padding-right: 1em; text-align: left; vertical-align: top; white-space: pre-wrap; }}
+:is(th, td):is(:nth-child(2), :nth-child(3), :nth-child(4)) {{ text-align: right; }}
 svg {{ max-width: 100%; height: auto; }}
 </style></head>
 <body><h1>The two source documents, recomputed</h1>
@@ -86,70 +84,55 @@ def figure_of(name: str) -> Captioned:
 
 def example_7_7() -> Captioned:
     """Draw alpha4, and omega4 eight times as large as in the slides, over two turns."""
-    theta1 = np.linspace(-tau, tau, 1441)
-    curves: list[PlottedCurve] = []
-    marks = []
-    for mode, style in ((CROSSED, '-'), (OPEN, '--')):
+    theta1, curves, circles = np.linspace(-tau, tau, 1441), [], []
+    for mode in (CROSSED, OPEN):
         linkage = published.EXAMPLE_7_7.in_mode(mode)
         motion = linkage.motion(theta1, 10.0)
-        curves += [(motion.alpha4, rf'$\alpha_4$, mode {mode} [rad/s$^2$]', style, 'C3'),
-                   (8.0 * motion.omega4, rf'$8\,\omega_4$, mode {mode} [rad/s]', style, 'C0')]
-        marks += [(extremum.theta1 - turn,
-                   (8.0 if extremum.quantity == 'omega4' else 1.0) * extremum.value)
-                  for extremum in find_extrema(linkage, ('alpha4', 'omega4'), 10.0)
-                  for turn in (0.0, tau)]
+        curves += [(rf'$\alpha_4$, mode {mode} [rad/s$^2$]', theta1, motion.alpha4),
+                   (rf'$8\,\omega_4$, mode {mode} [rad/s]', theta1, 8.0 * motion.omega4)]
+        for extremum in find_extrema(linkage, ('alpha4', 'omega4'), 10.0):
+            size = 8.0 if extremum.quantity == 'omega4' else 1.0
+            circles += [(extremum.theta1 - turn, size * extremum.value) for turn in (0.0, tau)]
     caption = ('Where ω4 is extreme, α4 is zero; mode 2 is the mirror image of mode 1. Circles: '
                'the extrema found.')
-    return _curves(theta1, [('', curves, marks)]), caption
+    return _circled({'': curves}, [circles]), caption
 
 
 def paper_figure_3() -> Captioned:
     """Draw omega4 and alpha4 of the paper's linkage over a turn."""
-    theta1, linkage, speed = (np.linspace(0.0, tau, 1441), published.PAPER,
-                              published.PAPER_SPEED)
-    motion, panels = linkage.motion(theta1, speed), []
-    for name, title, color in (('omega4', r'$\omega_4$ [rad/s]', 'C0'),
-                               ('alpha4', r'$\alpha_4$ [rad/s$^2$]', 'C3')):
-        no_label = ''
-        circles = [(extremum.theta1, extremum.value)
-                   for extremum in find_extrema(linkage, (name,), speed)]
-        panels.append((title, [(getattr(motion, name), no_label, '-', color)], circles))
+    theta1, linkage, speed = np.linspace(0.0, tau, 1441), published.PAPER, published.PAPER_SPEED
+    motion = linkage.motion(theta1, speed)
+    panels = {r'$\omega_4$ [rad/s]': [('', theta1, motion.omega4)],
+              r'$\alpha_4$ [rad/s$^2$]': [('', theta1, motion.alpha4)]}
+    circles = [[(extremum.theta1, extremum.value)
+                for extremum in find_extrema(linkage, (name,), speed)]
+               for name in ('omega4', 'alpha4')]
     caption = "The paper's Figure 3: assembly mode 2 at 25 rad/s. Circles: the extrema of Table 2."
-    return _curves(theta1, panels), caption
+    return _circled(panels, circles), caption
 
 
 def paper_figure_4() -> Captioned:
     """Draw the shaking force and moment, right and as the paper prints them."""
     theta1, force, moment, _ = published.wrong_curves()
     loads = published.THIN.loads(theta1, published.PAPER_SPEED)
-    panels = []
-    for title, right, wrong, label, of_wrong in (
-            ('shaking force [N]', loads.shaking_force, force, 'm a', 'm v, as printed'),
-            ('|shaking moment| [N m]', np.abs(loads.shaking_moment), moment, 'm a, arm a4',
-             'm v, arm 0.01 m, as printed')):
-        circles = [(theta1[y.argmax()], y.max()) for y in (right, wrong)]
-        panels.append((title, [(right, label, '-', 'k'), (wrong, of_wrong, '--', 'C3')], circles))
-    caption = ("The paper's Figure 4: computed correctly (solid) and as printed (dashed); above "
-               'linear, below logarithmic scale. Circles: the largest values.')
-    return _curves(theta1, panels, scales=('linear', 'log')), caption
+    panels = {'shaking force [N]': [('m a', theta1, loads.shaking_force),
+                                    ('m v, as printed', theta1, force)],
+              '|shaking moment| [N m]': [('m a, arm a4', theta1, np.abs(loads.shaking_moment)),
+                                         ('m v, arm 0.01 m, as printed', theta1, moment)]}
+    figure = _circled(panels, [[(x[y.argmax()], y.max()) for _, x, y in curves]
+                               for curves in panels.values()])
+    for axes in figure.axes:
+        axes.set(yscale='log', ylim=(1.0, None))
+    return figure, ("The paper's Figure 4: computed correctly and as printed, on a logarithmic "
+                    'scale. Circles: the largest values.')
 
 
-def _curves(theta1: Array, panels: Sequence[Panel], scales: Sequence[str] = ('linear',)) -> Figure:
-    """Return a Figure of panels over theta1 [rad], a row of them for each scale."""
-    with new_figure('reproduce --html', figsize=(12.6, 4.2 * len(scales)),
-                    layout='constrained') as figure:
-        for row, scale in zip(figure.subplots(len(scales), len(panels), squeeze=False), scales):
-            for axes, (title, curves, points) in zip(row, panels):
-                for y, label, style, color in curves:
-                    axes.plot(theta1, y, style, color=color, lw=1.5, label=label)
-                axes.plot(*zip(*points), 'o', ms=6, mfc='none', mec='k')
-                axes.set(title=title, xlabel=r'$\theta_1$ [rad]', xlim=(theta1[0], theta1[-1]),
-                         yscale=scale)
-                axes.grid(alpha=0.3)
-                if curves[0][1]:
-                    axes.legend(loc='best')
-                if scale == 'log':
-                    axes.set_ylim(1.0)
+def _circled(panels: Mapping[str, Sequence[tuple[str, Array, Array]]],
+             circles: Sequence[Sequence[tuple[float, float]]]) -> Figure:
+    """Return a Figure of panels over theta1 [rad], with circles at points of each."""
+    figure = make_panels(panels, r'$\theta_1$ [rad]', '')
+    for axes, points in zip(figure.axes, circles):
+        axes.plot(*zip(*points), 'o', ms=6, mfc='none', mec='k')
     return figure
 
 
@@ -174,18 +157,13 @@ def page(sections: Sequence[Section], when: str) -> str:
 def _section(section: Section) -> str:
     """Return a section as HTML: its table, numbered reasons below, and its figure."""
     def row(tag: str, cells: Sequence[str]) -> str:
-        kinds = [' class="number"' if head.endswith('>') else
-                 ' class="part"' if cell.startswith(' ') else ''
-                 for head, cell in zip(COLUMNS, cells)]
-        return '<tr>' + ''.join(f'<{tag}{kind}>{escape(cell)}</{tag}>'
-                                for kind, cell in zip(kinds, cells)) + '</tr>'
+        return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
 
-    notes = section.footnotes
     text = [f'<h2>{escape(section.title)}</h2>', '<table>',
             row('th', [head.rstrip('>') for head in COLUMNS]),
-            *(row('td', [*its.cells, f'({notes[its.reason]})' if its.reason else ''])
-              for its in section.rows),
-            '</table>', '<ol>', *(f'<li>{escape(reason)}</li>' for reason in notes), '</ol>']
+            *(row('td', cells) for cells in section.cells),
+            '</table>', '<ol>', *(f'<li>{escape(reason)}</li>' for reason in section.footnotes),
+            '</ol>']
     if section.figure:
         picture, caption = svg(section.figure)
         text.append(f'<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>')

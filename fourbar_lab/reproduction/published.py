@@ -8,7 +8,7 @@ Examples given in inches, feet and degrees are computed in SI units and converte
 from __future__ import annotations
 
 from dataclasses import replace
-from math import degrees, pi, radians, tau
+from math import pi, radians
 
 from fourbar_lab.reproduction.documents import equal, Row
 from fourbar_lab.reproduction.equations import output_by_steps
@@ -85,28 +85,6 @@ def steps(linkage: FourBar, speed: float, names: tuple[str, str, str]) -> list[R
               why='the same over the largest value')]
 
 
-def axis_at_extrema(linkage: FourBar) -> tuple[float, float]:
-    """
-    Return how far the collineation axis is off what docs/extrema.md states, in both modes.
-
-    The angle [deg] between axis and coupler at the extrema of omega4 that is farthest from a right
-    one; the largest d(tan l)/d(theta1) + 2 R - 1 over its terms at those of alpha4.
-    """
-    from fourbar_lab.drawing import collineation_axis
-    square, bend = [90.0], [0.0]
-    for its in (linkage.in_mode(CROSSED), linkage.in_mode(OPEN)):
-        for extremum in find_extrema(its, ('omega4', 'alpha4'), 1.0):
-            motion = its.motion(np.array([extremum.theta1 + 1j * STEP]), 1.0)
-            line = collineation_axis(its, motion)       # its direction along the coupler
-            if extremum.quantity == 'omega4':
-                square.append(90.0 - degrees(np.arctan((line.along / line.across).real[0])))
-            else:
-                growth = float((line.across / line.along).imag[0]) / STEP
-                ratio = float(motion.omega4.real[0])
-                bend.append((growth + 2.0 * ratio - 1.0) / (abs(growth) + 1.0 + abs(ratio)))
-    return max(square, key=lambda angle: abs(angle - 90.0)), max(bend, key=abs)
-
-
 def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = False) -> Array:
     """
     Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
@@ -153,53 +131,6 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     along = THIN_RODS.output.cg_along
     literal = along * (motion.cos_y * f43[:, 1] - motion.sin_y * f43[:, 0]) - torque
     return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
-
-
-def least_moment(linkage: FourBar, speed: float
-                 ) -> tuple[tuple[float, float], float, float]:
-    """
-    Return the point [m] about which the largest shaking moment over a turn is least.
-
-    With that peak [N m], and a bound that no point's peak is below, both of evenly spaced poses.
-    The moment about (x, y) is M - x F_y + y F_x; a linear programme minimizes the largest |.|, and
-    its dual, which weighs the poses, is the bound.
-    """
-    from scipy.optimize import linprog
-    samples = 1440
-    theta1 = np.linspace(0.0, tau, samples, endpoint=False)
-    x, y, moment = linkage.step(theta1, speed, 0.0, fields=(
-        'shaking_force_x', 'shaking_force_y', 'shaking_moment'))
-    force, size = np.hypot(x, y).max(), np.abs(moment).max()
-    of_point, ones = np.stack((y, -x), axis=-1) / force, np.ones((samples, 1))
-    limits = np.concatenate((-moment, moment)) / size
-    solution = linprog([0.0, 0.0, 1.0], np.block([[-of_point, -ones], [of_point, -ones]]), limits,
-                       bounds=[(None, None), (None, None), (0.0, None)])
-    point_x, point_y = (solution.x[:2] * size / force).tolist()
-    return ((point_x, point_y), solution.fun * size,
-            float(solution.ineqlin.marginals @ limits) * size)
-
-
-def small_share(e: float) -> FourBar:
-    """
-    Return the family whose shaking force at its largest alpha4 is a share sqrt(e) of its peak.
-
-    The paper's rods, 1, 2 - 1.5 e, 1 m long, on a ground of e: a double-crank near a change point.
-    With theta4 = theta1 + pi - u its loop gives, as e goes to 0,
-
-        (Q1)  u = sqrt(e) g,   g = 2 sqrt(3/2 - cos(theta1))
-
-    and the rods, 7750 kg/m^3 and l kg/m, their shaking force at unit rate
-
-        (Q2)  F = 3/2 l sqrt(e) (2 g' + i (g - g'')) e^{i theta1}
-
-    alpha4 = -u'' is largest at theta1 = 0. There g' = 0 and g = g'' = sqrt(2), so F vanishes in
-    this order; the next one leaves 15/4 l e. F peaks at pi: 18/sqrt(10) l sqrt(e). The share is
-
-        (Q3)  5 sqrt(10)/24 sqrt(e)
-    """
-    lengths = (1.0, 2.0 - 1.5 * e, 1.0)
-    return FourBar(*lengths, e, bodies=Bodies(*(round_rod(length, 7750.0, 0.01)
-                                                for length in lengths)))
 
 
 def force_share(linkage: FourBar) -> float:

@@ -11,7 +11,7 @@ from cmath import phase
 from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt
 
-from fourbar_lab.drawing.polygons import acceleration_terms, turned
+from fourbar_lab.drawing.polygons import acceleration_terms
 from fourbar_lab.reproduction.documents import (
     ANSWERED,
     ASSUMED,
@@ -31,7 +31,6 @@ from fourbar_lab.reproduction.documents import (
 from fourbar_lab.reproduction.equations import equations, half_angle, SLIDES
 from fourbar_lab.reproduction.published import (
     at_extrema,
-    axis_at_extrema,
     EXAMPLE_7_2,
     EXAMPLE_7_3,
     EXAMPLE_7_5,
@@ -45,7 +44,6 @@ from fourbar_lab.reproduction.published import (
     GIVEN_7_6,
     INCH,
     largest,
-    PAPER,
     POINTS_7_3,
     slope,
     steps,
@@ -53,10 +51,10 @@ from fourbar_lab.reproduction.published import (
 )
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
 from fourbar_ros.mechanisms.picture import ORIGIN
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 FOUR_EXTREMA = (1.0, 2.0, 2.0, 2.0)    # a crank-rocker whose alpha4 has four in each mode
@@ -79,15 +77,15 @@ def example_7_2() -> Section:
         number('crank speed', 'rad/s', '188.5', -m.omega1),
         number('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
         number('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT, ROUNDED,
-               'from 188.5 rad/s', within=1e-3, own=188.5**2 * 2.5 / 12),
+               'from 188.5 rad/s', within=1e-3),
         number('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, DRAWN,
                within=0.02),
         number('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, DRAWN,
-               'from 68.8 rad/s, which is squared', within=0.04, own=68.8**2 * 0.5),
+               'from 68.8 rad/s, which is squared', within=0.04),
         number('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, DRAWN,
-               within=0.02, own=1.66 * 2000 / 0.5),
+               within=0.02),
         number('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, DRAWN,
-               within=0.02, own=4 * 2000),
+               within=0.02),
         number('acceleration of D', 'ft/s^2', '8260', nan, MISSING,
                'where D is on the coupler is in the drawing only'),
     ], figure='example_7_2')
@@ -111,24 +109,24 @@ def example_7_3() -> Section:
         number('crank speed (900 rpm, in the drawing only)', 'rad/s', '94.2', m.omega1),
         number('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT, ROUNDED,
                'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, in the slides or in '
-               'our copy only', within=0.002, own=94.2**2 * 4 / 12),
+               'our copy only', within=0.002),
         number('angular velocity of the coupler', 'rad/s', '25.6', m.omega_beta, DRAWN,
                within=0.01),
         number('angular velocity of the output link', 'rad/s', '49.6', m.omega4, DRAWN,
                within=0.01),
         number('normal part of A_C/B', 'ft/s^2', '983', m.omega_beta**2 * linkage.a2 / FOOT,
-               DRAWN, 'from 25.6 rad/s', within=0.02, own=25.6**2 * 18 / 12),
+               DRAWN, 'from 25.6 rad/s', within=0.02),
         number('normal part of A_C/D', 'ft/s^2', '2255', m.omega4**2 * linkage.a3 / FOOT, DRAWN,
-               'from 49.6 rad/s', within=0.01, own=49.6**2 * 11 / 12),
+               'from 49.6 rad/s', within=0.01),
         number('tangential part of A_C/B', 'ft/s^2', '160',
                abs(m.alpha_beta) * linkage.a2 / FOOT, DRAWN,
-               'the smallest arrow of a polygon of 2958 ft/s^2', within=0.01, scale=2958.0),
+               'the smallest arrow of a polygon of 2958 ft/s^2', within=0.2),
         number('tangential part of A_C/D', 'ft/s^2', '1670', abs(m.alpha4) * linkage.a3 / FOOT,
                DRAWN, within=0.01),
         number('angular acceleration of the coupler', 'rad/s^2', '107', m.alpha_beta, DRAWN,
-               'from 160 ft/s^2', within=0.01, scale=1972.0, own=160 / (18 / 12)),
+               'from 160 ft/s^2', within=0.2),
         number('angular acceleration of the output link, cw', 'rad/s^2', '1822', -m.alpha4,
-               DRAWN, within=0.01, own=1670 / (11 / 12)),
+               DRAWN, within=0.01),
         number('acceleration of E', 'ft/s^2', '2580', a_e, DRAWN, within=0.02),
         number('acceleration of F', 'ft/s^2', '1960', a_f, DRAWN, within=0.02),
     ], figure='example_7_3')
@@ -167,44 +165,41 @@ def example_7_5() -> Section:
                '11.5 in (E3)', within=0.01),
         number('acceleration of A', 'ft/s^2', '324', m.omega1**2 * linkage.a1 / FOOT),
         number('normal part of A_Q/D', 'ft/s^2', '54.6', m.omega4**2 * m.slide / FOOT, DRAWN,
-               within=0.03, own=7.55**2 * 11.5 / 12),
-        number('Coriolis acceleration', 'ft/s^2', '83.4', coriolis / FOOT, DRAWN, within=0.03,
-               own=2 * 7.55 * 5.52),
+               within=0.03),
+        number('Coriolis acceleration', 'ft/s^2', '83.4', coriolis / FOOT, DRAWN, within=0.03),
         number('tangential part of A_Q/D', 'ft/s^2', '274', m.alpha4 * m.slide / FOOT, DRAWN,
                within=0.03),
         number('angular acceleration of the bar', 'rad/s^2', '283', m.alpha4, DRAWN,
-               within=0.03, own=274 / (11.6 / 12)),
+               within=0.03),
     ], figure='example_7_5')
 
 
-def _both(what: str, *terms: Array, of: str = '', why: str = '') -> list[Row]:
-    """Return the Rows of a vector equation whose terms, as printed, must add up to zero."""
-    return [zero(f'{what}, {axis}', *(float(term[i]) for term in terms), why=why)
-            for i, axis in enumerate((f'x{of}', 'y'))]
-
-
 def vectors() -> Section:
-    """Both sides of an equation reach their points over different links."""
+    """Both sides of an equation, as complex numbers, reach their points over different links."""
     title = ('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
              'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5')
     return Section(title, [*_circle_and_link(), *_polar(), *_moving_frame()])
 
 
+def _in_complex(linkage: Mechanism, motion: NamedFields, link: str, along: float
+                ) -> tuple[complex, complex, complex]:
+    """Return place, velocity and acceleration of a point of a link, x + i y each."""
+    point = point_motion(linkage, motion, link, along)
+    return complex(*point.place), complex(*point.velocity), complex(*point.acceleration)
+
+
 def _circle_and_link() -> list[Row]:
     """Return the Rows of (1)-(3), C on its circle about D, and (6), B and C, in Example 7.3."""
     linkage, m = EXAMPLE_7_3, EXAMPLE_7_3.motion(*GIVEN_7_3)
-    b, c = (point_motion(linkage, m, link, length)
-            for link, length in (('crank', linkage.a1), ('output', linkage.a3)))
-    of_coupler = point_motion(linkage, m, 'coupler', linkage.a2)
-    tangent, speed = np.array([-m.sin_y, m.cos_y]), m.omega4 * linkage.a3
-    r = c.place - b.place
+    b, _, a_b = _in_complex(linkage, m, 'crank', linkage.a1)
+    c, _, a_c = _in_complex(linkage, m, 'output', linkage.a3)
+    _, v_of_coupler, a_of_coupler = _in_complex(linkage, m, 'coupler', linkage.a2)
+    arm, r = c - linkage.a4, c - b
     return [
-        *_both('Eq. (1)', of_coupler.velocity, -speed * tangent,
-               of=', of C of Example 7.3 on its circle about D'),
-        *_both('Eqs. (2) and (3)', of_coupler.acceleration, -m.alpha4 * linkage.a3 * tangent,
-               turned(-speed**2 / linkage.a3, tangent)),
-        *_both('Eq. (6)', c.acceleration, -b.acceleration, turned(-m.alpha_beta, r),
-               m.omega_beta**2 * r, of=', of C and B'),
+        zero('Eq. (1), of C of Example 7.3 on its circle about D', v_of_coupler,
+             -1j * m.omega4 * arm),
+        zero('Eqs. (2) and (3)', a_of_coupler, -1j * m.alpha4 * arm, m.omega4**2 * arm),
+        zero('Eq. (6), of C and B', a_c, -a_b, -1j * m.alpha_beta * r, m.omega_beta**2 * r),
     ]
 
 
@@ -214,17 +209,16 @@ def _polar() -> list[Row]:
     r2, r3, w2, w3, al2, al3 = (linkage.a1, linkage.a2, m.omega1, m.omega_beta, m.alpha1,
                                 m.alpha_beta)
     s2, c2, s3, c3 = m.sin_x, m.cos_x, m.sin_b, m.cos_b
-    b, c = (point_motion(linkage, m, 'coupler', along) for along in (0.0, r3))
-    image = (complex(m.slide_acceleration - b.acceleration[0], -b.acceleration[1])
-             / complex(*(c.place - b.place)))
+    (b, _, a_b), (c, _, _) = (_in_complex(linkage, m, 'coupler', along) for along in (0.0, r3))
+    image = (m.slide_acceleration - a_b) / (c - b)
     return [
         equal('acceleration image of Example 7.2, its angle delta', 'deg',
               180 - degrees(atan(al3 / w3**2)), degrees(phase(image)) % 360.0,
               why='7.2 asks for it and prints no number: the angle from C/B to A_C/B'),
         equal('acceleration image, its factor', '1/s^2', sqrt(w3**4 + al3**2), abs(image),
               why='A_C/B over C/B; the slides send to Example 7.1, which our copy lacks'),
-        zero('Eq. (7), real', -r2 * w2 * s2, -r3 * w3 * s3, -m.slide_velocity),
-        zero('Eq. (7), imaginary', r2 * w2 * c2, r3 * w3 * c3),
+        zero('Eq. (7)', 1j * r2 * w2 * complex(c2, s2), 1j * r3 * w3 * complex(c3, s3),
+             -m.slide_velocity),
         equal('alpha3 of a slider-crank', '',
               (r2 * w2**2 * s2 - r2 * al2 * c2 + r3 * w3**2 * s3) / (r3 * c3), al3),
         equal('a4 of a slider-crank', '',
@@ -236,20 +230,19 @@ def _polar() -> list[Row]:
 def _moving_frame() -> list[Row]:
     """Return the Rows of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
     linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
-    a, q = (point_motion(linkage, m, link, along)
-            for link, along in (('crank', linkage.a1), ('output', m.slide)))
-    bar, arm = linkage.link_motion(m, 'output').direction, a.place - (linkage.a4, 0.0)
-    coriolis = turned(-2.0 * m.omega4, m.slide_velocity * bar)
-    rel, tangential = m.slide_acceleration * bar, turned(-m.alpha4, arm)
+    a, _, a_a = _in_complex(linkage, m, 'crank', linkage.a1)
+    _, _, a_q = _in_complex(linkage, m, 'output', m.slide)
+    bar, arm = complex(*linkage.link_motion(m, 'output').direction), a - linkage.a4
+    coriolis, rel = -2j * m.omega4 * m.slide_velocity * bar, m.slide_acceleration * bar
+    tangential, normal = -1j * m.alpha4 * arm, m.omega4**2 * arm
     return [
-        *_both('Eqs. (9), (10)', a.acceleration, tangential, m.omega4**2 * arm, coriolis, -rel),
-        *_both('Eq. (11)', a.acceleration, -q.acceleration, coriolis, -rel),
-        *_both('Eq. (E1)', a.acceleration, -q.acceleration, coriolis, -rel,
-               why='E1 is Eq. (11), although the slides name Eq. (10)'),
-        *_both('Eq. (E2)', a.acceleration, m.omega1**2 * a.place),
-        *_both('Eq. (E3)', q.acceleration, m.omega4**2 * arm, tangential),
-        equal('Eq. (E4)', 'm/s^2', 2 * m.omega4 * hypot(*(m.slide_velocity * bar)),
-              2.0 * abs(m.omega4 * m.slide_velocity)),
+        zero('Eqs. (9), (10)', a_a, tangential, normal, coriolis, -rel),
+        zero('Eq. (11)', a_a, -a_q, coriolis, -rel),
+        zero('Eq. (E1)', a_a, -a_q, coriolis, -rel,
+             why='E1 is Eq. (11), although the slides name Eq. (10)'),
+        zero('Eq. (E2)', a_a, m.omega1**2 * a),
+        zero('Eq. (E3)', a_q, normal, tangential),
+        equal('Eq. (E4)', 'm/s^2', abs(coriolis), 2.0 * abs(m.omega4 * m.slide_velocity)),
     ]
 
 
@@ -257,21 +250,18 @@ def contact() -> Section:
     title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
              'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
     m, radius, w, al = EXAMPLE_7_6.motion(*GIVEN_7_6), 0.3, 4.0, 2.0
-    c_x, c_y = centre = np.array((-al * radius, 0.0))
-    p2_x, p2_y = np.sum(acceleration_terms(centre, w, al, np.array((0.0, -radius))), axis=0)
+    centre, p2 = -al * radius, -1j * radius             # acceleration of C; P2 seen from C
     # of the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0
-    cycloid_x, cycloid_y = 0.0, radius * w**2
+    cycloid = 1j * radius * w**2
     return Section(title, [
         zero('Eq. (12), of crank 2 and coupler 3', m.alpha_beta, -m.alpha1, -m.alpha2),
-        equal('Eqs. (13) and (14), along the ground', 'm/s^2', p2_x, cycloid_x,
-              why='ours is the second derivative of the cycloid'),
-        equal('Eqs. (13) and (14), square to it: the rolling acceleration', 'm/s^2', p2_y,
-              cycloid_y),
-        zero('Eq. (15), along the ground', c_x, al * radius,
+        zero('Eqs. (13) and (14): the rolling acceleration', centre, 1j * al * p2, -w**2 * p2,
+             -cycloid, why='against the second derivative of the cycloid'),
+        zero('Eq. (15), along the ground', centre, al * radius,
              why='on the ground both points have none'),
-        zero('Eq. (15), square to it', 0.0, -c_y, -w**2 * radius, verdict=MISPRINT,
+        zero('Eq. (15), square to it', -w**2 * radius, verdict=MISPRINT,
              why="P1 for P2: the disc's point has the right side, P1 of the ground rests",
-             correct=[cycloid_y, -c_y, -w**2 * radius]),
+             correct=[cycloid, w**2 * p2]),
     ])
 
 
@@ -453,23 +443,13 @@ def method() -> Section:
 
 
 def axis() -> Section:
-    (square_7_7, bend_7_7), (square_paper, bend_paper) = map(axis_at_extrema,
-                                                             (EXAMPLE_7_7, PAPER))
-    square = ('omega4 is extreme exactly where the collineation axis, through the poles P13 and '
-              'P24, is square to the coupler (docs/extrema.md); shown: the angle farthest from 90 '
-              'deg, both modes')
-    bend = ('alpha4 is extreme exactly where d(tan l)/d(theta1) = 1 - 2 R, but for R = 0 and 1, l '
-            'the angle from coupler to axis, R = omega4/omega1; shown: the largest miss over the '
-            'terms, both modes')
+    proof = '; docs/extrema.md derives it, test_collineation.py finds no exception'
     return Section('Slides, items 16 and 17 - why the extremes lie where they lie', [
-        equal('item 16: axis against coupler at the extrema of omega4, Example 7.7', 'deg',
-              square_7_7, 90.0, ANSWERED, square),
-        equal('item 16: the same, linkage of the paper', 'deg', square_paper, 90.0, ANSWERED,
-              square),
-        equal('item 16: d(tan l)/d(theta1) + 2 R - 1 at those of alpha4, Example 7.7', '',
-              bend_7_7, 0.0, ANSWERED, bend),
-        equal('item 16: the same sum, linkage of the paper', '', bend_paper, 0.0, ANSWERED, bend),
-        equal('item 17: the research asked for', '', bend_paper, 0.0, ANSWERED,
-              'docs/extrema.md derives both statements; test_collineation.py finds no extremum '
-              'without them and none of them, R = 0 and 1 apart, without an extremum'),
+        remark('item 16: at the extrema of omega4', ANSWERED,
+               'the collineation axis, through the poles P13 and P24, is square to the coupler'
+               + proof),
+        remark('item 16: at the extrema of alpha4', ANSWERED,
+               'd(tan l)/d(theta1) = 1 - 2 R, but for R = 0 and 1, l the angle from coupler to '
+               'axis, R = omega4/omega1' + proof),
+        remark('item 17: the research asked for', ANSWERED, 'both statements of item 16'),
     ])

@@ -37,6 +37,7 @@ from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
 from support import ROOT
+from support.cartesian import EPS
 from support.samples import some
 
 
@@ -131,13 +132,11 @@ def test_every_numbered_thing_of_both_documents_has_its_row(sections):
         assert expected == found[document], document
 
 
-def test_the_open_questions_are_answered_by_what_holds(sections):
-    answers = {row.what: row for section in sections for row in section.rows
-               if row.verdict == ANSWERED}
-    assert sum('item 16' in what for what in answers) == 4 and any('item 17' in what
-                                                                   for what in answers)
-    square = [row.ours for what, row in answers.items() if 'extrema of omega4' in what]
-    np.testing.assert_allclose(square, 90.0, rtol=0.0, atol=1e-12)
+def test_the_open_questions_are_answered(sections):
+    answers = [row.what for section in sections for row in section.rows
+               if row.verdict == ANSWERED]
+    assert sum('item 16' in what for what in answers) == 2
+    assert any('item 17' in what for what in answers)
 
 
 def test_the_misprinted_equations_are_these(sections):
@@ -164,7 +163,6 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
     number('v4', '', '0.9094', 0.90945, GARBLED, 'none'),
     number('a', '', '3250', 3250.0, WRONG, 'none'),
     number('v4', '', '0.9094', 0.90945, DRAWN, within=0.1),         # it agrees
-    number('normal part', '', '2255', 2260.0, DRAWN, within=0.01, own=49.7**2 * 11 / 12),
     number('alpha4', '', '-462.6986675', -462.69865742, GARBLED, within=1e-9),
     zero('Eq.', 1.0, -2.0, 1.1), equal('Eq.', '', 1.0, 1.0 + 1e-9),
     zero('Eq.', 1.0, -1.0, verdict=MISPRINT, why='none', correct=[1.0, -1.0]),
@@ -223,6 +221,14 @@ def test_the_arm_of_f34_is_from_o1_to_o4():
     printed = -loads.driving_torque + ((-0.4 * output).conjugate() * f34).imag
     assert loads.shaking_moment == pytest.approx(-rate, rel=1e-13)
     assert abs(printed + rate) > 0.1 * abs(rate)
+
+
+def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
+    weighted = published.counterweighted(published.THIN)
+    at, x = published.place_of_largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
+    forces = weighted.loads(x, 1.0).shaking_force
+    assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
+    assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass
 
 
 # --- what is written -----------------------------------------------------------------------------
