@@ -96,13 +96,6 @@ class Code:
         self.preparation = self.formulas.preparation()
         self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
 
-    @property
-    def stack(self) -> int:
-        """Return a bound of the bytes of stack of any call: each name in a place of its own."""
-        results = len(self.model.motion) + len(self.model.loads)
-        own = 16 * max(map(len, (*self.lines.values(), self.preparation))) + 8 * results + 1024
-        return max(own, self.drive.stack if self.drive else 0)
-
     # --- header ---------------------------------------------------------------------------------
 
     def header(self) -> str:
@@ -135,8 +128,8 @@ class Code:
         both = self.operations.get(True)
         count = (f'Motion takes {self.operations[False]} operations'
                  + (f', motion and loads {both}' if both else '')
-                 + '; they are one line without loops, so the worst case is every case. Stack: at '
-                 f'most {self.stack} bytes. No allocation, no global, no recursion; libm alone.')
+                 + '; they are one line without loops, so the worst case is every case. No allocation, '
+                 'no global, no recursion; libm alone.')
         signs = ('SI units. Angles from x, counter-clockwise positive, [rad]; x from O1 to O4 or '
                  'along the guide, y up. Fij, fij: force of link i on link j, along x and y; '
                  'torques and couples counter-clockwise. docs/conventions.md has all signs.')

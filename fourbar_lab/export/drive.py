@@ -106,11 +106,6 @@ class DriveCode:
         return [*found, f'static int {its_name}(int phase, const double *x, double *to)\n{{',
                 *['  (void)phase;'] * (len(cases) == 1), *cases, '}', '']
 
-    @property
-    def stack(self) -> int:
-        """Return a bound of the bytes of stack of a step."""
-        return 16 * max(text.count('\n') for text in self._functions) + 4096
-
     # --- its text -------------------------------------------------------------------------------
 
     @cached_property
