@@ -17,7 +17,6 @@ from fourbar_lab.export.statements import filled, lines_of, literal, snippet, St
 from fourbar_ros import __version__
 
 FLAGS = '-std=c99 -O2'
-CALLS = {'motion': 'motion_at', 'loads': 'loads_at', 'step': 'step'}
 STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    # as in messages
 
 
@@ -107,14 +106,14 @@ class Code:
         if model.loads:
             records.append(('loads', model.loads, 'Loads; fields as in Python.'))
         loads = filled(snippet('model.c', 'header_of_loads'), {
-            'LOADS_AT': self._signature('loads'), 'STEP': self._signature('step')})
+            'STEP': self._signature(True)})
         modes = filled(snippet('model.c', 'header_of_modes'), {'NAME': name})
         return filled(snippet('model.c', 'header'), {
             'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
             'STATUS': ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
             'RECORDS': '\n'.join(text for record in records for text in self._struct(*record)),
-            'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature('motion'),
-            'LOADS_AT': loads if model.loads else '',
+            'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature(False),
+            'OF_BOTH': loads if model.loads else '',
             'SET_MODE': modes if model.signs else '',
             'DRIVE': self.drive.declarations() if self.drive else '',
             'NAME': name})
@@ -142,9 +141,8 @@ class Code:
                  if name and model.trace.steps[3 + i].operation == 'constant']
         left_out = f'Left out, as zero in the scene: {", ".join(zeros)}.' if zeros else ''
         loads = (f'No loads: {scene.why_no_loads}.' if not model.mechanism.bodies else '')
-        renamed = f'Changed names: {", ".join(model.renamed)}.' if model.renamed else ''
         return ['/*', *(f' * {line}' for part in (text, count, signs, bits, fixed, left_out,
-                                                  loads, renamed) if part
+                                                  loads) if part
                         for line in wrap(part, 92)), ' */']
 
     def _struct(self, which: str, named: Sequence[Named], about: str) -> list[str]:
@@ -162,12 +160,11 @@ class Code:
                   f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
                 f'}} {self.name}_{which};', '']
 
-    def _signature(self, which: str) -> str:
+    def _signature(self, with_loads: bool) -> str:
         name = self.name
-        to = [part for part in ('motion', 'loads') if which in (part, 'step')]
-        return (f'{name}_status {name}_{CALLS[which]}(const {name}_constants *with, '
-                f'const {name}_input *input,\n'
-                f'    {", ".join(f"{name}_{part} *{part}" for part in to)})')
+        which, loads = ('step', f', {name}_loads *loads') if with_loads else ('motion_at', '')
+        return (f'{name}_status {name}_{which}(const {name}_constants *with, '
+                f'const {name}_input *input,\n    {name}_motion *motion{loads})')
 
     # --- source ---------------------------------------------------------------------------------
 
@@ -184,17 +181,12 @@ class Code:
             are_good = '\n        && '.join(bounds)
             preparation = ['int i;', *preparation, f'if (!({are_good}))\n    '
                            f'for (i = 0; i < {count}; ++i) made->k[i] = NAN;']
-        no_gaps = [f'typedef char {part}_has_no_gap[sizeof({name}_{part}) == {len(numbers)} * '
-                   'sizeof(double) ? 1 : -1];'
-                   for part, numbers in (('motion', model.motion), ('loads', model.loads))
-                   if numbers]
         functions = [*self._set_mode(), *self._guards(), *self._functions(),
                      *(self.drive.source() if self.drive else ()), self._self_check()]
         # its pragmas: gcc's vectorizer contracts a * b + c beside a * b - c all the same
         return filled(snippet('model.c', 'source'), {
             'ABOUT': '\n'.join(self._about()), 'NAME': name,
             'RUNTIME': ''.join(f'{text}\n' for text in self._runtime()),
-            'NO_GAPS': ''.join(f'{text}\n' for text in no_gaps),
             'DEFAULTS': lines_of(defaults or ['to->none = 0.0;']),
             'PREPARATION': lines_of(preparation), 'FUNCTIONS\n': '\n'.join(functions)})
 
@@ -263,7 +255,7 @@ class Code:
 
     def _functions(self) -> list[str]:
         """
-        Return the C text of NAME_motion, NAME_step and NAME_loads, each around its formula.
+        Return the C text of NAME_motion_at and NAME_step, each around its formula.
 
         The formula, a static function, is called for finite inputs alone. Without an answer
         results are NaN, but for the inputs, which are copied.
@@ -277,15 +269,12 @@ class Code:
             loads = len(model.loads) if with_loads else 0
             copy = ['memcpy(loads, values + MOTIONS, sizeof *loads);'] if loads else []
             found.append(filled(snippet('model.c', 'function'), {
-                'WHICH': which, 'SIGNATURE': self._signature(which),
+                'WHICH': which, 'SIGNATURE': self._signature(with_loads),
                 'RESULTS': len(model.motion) + loads, 'LOADS': loads, 'NAME': name,
                 'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
                 'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
                 'AT_ZERO': lines_of(self._at_zero(with_loads)),
                 'STATEMENTS': lines_of(self._results[with_loads])}))
-        if model.loads:
-            found.append(filled(snippet('model.c', 'loads'), {
-                'NAME': name, 'SIGNATURE': self._signature('loads')}))
         return found
 
     def _at_zero(self, with_loads: bool) -> list[str]:
@@ -324,7 +313,7 @@ class Code:
             'RESULTS': lines_of(f'{name}_{part} {part};' for part in expected),
             'INPUTS': lines_of(f'input.{one.field} = {literal(value)};'
                                for one, value in zip(model.inputs, given)),
-            'CALL': CALLS['step' if model.loads else 'motion'],
+            'CALL': 'step' if model.loads else 'motion_at',
             'POINTERS': ', &'.join(expected),
             'COMPARED': lines_of(compared) + (self.drive.self_check() if self.drive else ''),
             'NAME': name})

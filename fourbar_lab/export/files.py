@@ -22,7 +22,7 @@ class Generated(NamedTuple):
 
     files: tuple[Path, ...]
     operations: int             # of the longest function, per sample
-    notes: tuple[str, ...]      # for the user: changed names and omissions; a line each
+    notes: tuple[str, ...]      # for the user: a changed name, omissions; a line each
 
 
 def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
@@ -51,9 +51,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     model.check()
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    notes = list(model.renamed)
-    if model.name != stem:
-        notes.append(f'{stem} is {model.name}')
+    notes = [f'{stem} is {model.name}'] if model.name != stem else []
     if not model.loads and outputs is None:
         notes.append(f'no loads: {found.why_no_loads}')
     if as_ != 'c':

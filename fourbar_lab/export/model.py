@@ -304,13 +304,6 @@ class GeneratedModel:
             found.append(one._replace(field=field))
         return tuple(found)
 
-    @property
-    def renamed(self) -> list[str]:
-        """Return the changes of names besides dots, as text."""
-        return [f'{one.name} is {one.field}'
-                for one in (*self.tunable, *self.motion, *self.loads)
-                if one.field != one.name.replace('.', '_')]
-
     # --- when there is no answer ----------------------------------------------------------------
 
     @cached_property

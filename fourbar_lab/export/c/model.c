@@ -25,7 +25,7 @@ void NAME_defaults(NAME_parameters *to);
 void NAME_prepare(const NAME_parameters *from, NAME_constants *made);
 /* The motion. */
 MOTION_AT;
-LOADS_ATSET_MODE/* Return how many results differ in any bit from those of Python: 0. */
+OF_BOTHSET_MODE/* Return how many results differ in any bit from those of Python: 0. */
 int NAME_self_check(void);
 
 DRIVE#ifdef __cplusplus
@@ -33,9 +33,7 @@ DRIVE#ifdef __cplusplus
 #endif
 #endif
 // --- header_of_loads
-/* The loads. */
-LOADS_AT;
-/* Both, at the cost of the loads. */
+/* Motion and loads. */
 STEP;
 // --- header_of_modes
 /* Take an assembly mode, as of a drive that has passed a toggle. */
@@ -56,9 +54,7 @@ ABOUT
 #include <stdint.h>
 #include <string.h>
 
-RUNTIME/* Doubles alone: a struct is as long as its list of numbers. */
-NO_GAPS
-void NAME_defaults(NAME_parameters *to)
+RUNTIMEvoid NAME_defaults(NAME_parameters *to)
 {
 DEFAULTS}
 
@@ -98,12 +94,6 @@ AT_ZERO    status = judged(status, refused, closes, x0, values, LOADS);
 INPUTS  }
   memcpy(motion, values, sizeof *motion);
 COPY  return (NAME_status)status;
-}
-// --- loads
-SIGNATURE
-{
-  NAME_motion motion;
-  return NAME_step(with, input, &motion, loads);
 }
 // --- self_check
 int NAME_self_check(void)

@@ -27,7 +27,6 @@ public:
   explicit Linkage(const Parameters & given = defaults()) {set(given);}
   void set(const Parameters & given) {NAME_prepare(&given, &constants_);}
   Status motion(const Input & at, Motion & to) const {return NAME_motion_at(&constants_, &at, &to);}
-  Status loads(const Input & at, Loads & to) const {return NAME_loads_at(&constants_, &at, &to);}
   Status step(const Input & at, Motion & to, Loads & loads) const
   {
     return NAME_step(&constants_, &at, &to, &loads);
