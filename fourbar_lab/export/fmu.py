@@ -28,10 +28,6 @@ from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 
-# exponents of kg, m, s, rad and A in the units of which others are products
-BASES = {'kg': (1, 0, 0, 0, 0), 'm': (0, 1, 0, 0, 0), 's': (0, 0, 1, 0, 0), 'rad': (0, 0, 0, 1, 0),
-         'A': (0, 0, 0, 0, 1), 'N': (1, 1, -2, 0, 0), 'J': (1, 2, -2, 0, 0), 'W': (1, 2, -3, 0, 0),
-         'V': (1, 2, -3, 0, -1), '1': (0, 0, 0, 0, 0)}
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 COMPILERS = ('cc', 'gcc', 'clang')
@@ -145,8 +141,6 @@ def _source(code: Code, version: int) -> str:
     # the versions differ in the type of flags and in a letter
     flag = '#include <stdbool.h>\ntypedef bool Flag;\n' if version == 3 else 'typedef int Flag;\n'
     shared = (snippet('fmu.c') + snippet(f'fmu{version}.c')).replace('FMI_', f'fmi{version}')
-    if version == 2:
-        shared = shared.replace('FMUState', 'FMUstate')
     text = code.source().replace(f'#include "{name}.h"\n', header)
     return text + defined + flag + shared.replace('NAME', name)
 
@@ -200,24 +194,11 @@ def _unit(unit: str) -> str:
     return unit.replace(' ', '.').replace('^', '')
 
 
-def _exponents(unit: str) -> list[int]:
-    """Return the exponents of kg, m, s, rad and A in a unit such as N m or kg m^2."""
-    found = [0] * 5
-    above, _, below = unit.partition('/')
-    for part, sign in ((above, 1), (below, -1)):
-        for name, _, power in (factor.partition('^') for factor in part.split()):
-            found = [total + sign * int(power or 1) * own
-                     for total, own in zip(found, BASES[name])]
-    return found
-
-
 def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
-    """Add the definitions of all units in use, by exponents of kg, m, s, rad and A."""
+    """Add all units in use, by name."""
     units = _element(root, 'UnitDefinitions')
     for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
         own = _element(units, 'Unit', name=_unit(unit))
-        exponents = zip(('kg', 'm', 's', 'rad', 'A'), _exponents(unit))
-        _element(own, 'BaseUnit', **{name: value for name, value in exponents if value})
         if unit == 'rad':
             _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
 
@@ -235,11 +216,10 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
                     version=__version__, generationTool=f'fourbar_ros {__version__}',
                     variableNamingConvention='structured',
                     **{'guid' if is_2 else 'instantiationToken': guid})
-    state = 'FMUstate' if is_2 else 'FMUState'
     # model exchange is for motion by its inputs, which has no state: it is solved with the model
     # around it, without the delay of a step; motion by torque has steps of its own
     for tag in ('CoSimulation',) if model.moves_by_torque else ('ModelExchange', 'CoSimulation'):
-        kind = _element(root, tag, modelIdentifier=model.name, **{f'canGetAndSet{state}': 'true'})
+        kind = _element(root, tag, modelIdentifier=model.name)
         if tag == 'CoSimulation':
             kind.set('canHandleVariableCommunicationStepSize', 'true')
         if is_2:

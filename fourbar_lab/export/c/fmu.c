@@ -134,9 +134,10 @@ static int set_numbers(State *state, const unsigned *references, size_t count,
 #define REFUSED(name) EXPORT Status name(void) { return ERROR; }
 #define PLAIN(name) EXPORT Status name(Instance instance) { (void)instance; return OK; }
 
-static Instance new_instance(void)
+/* NULL where description and binary are not of one unit. */
+static Instance new_instance(Text token)
 {
-  State *state = (State *)calloc(1, sizeof *state);
+  State *state = token && strcmp(token, "GUID") == 0 ? (State *)calloc(1, sizeof *state) : NULL;
   if (state) reset(state);
   return state;
 }
@@ -152,29 +153,6 @@ EXPORT Status FMI_SetTime(Instance instance, double time) { STATE->time = time; 
 EXPORT Status FMI_SetDebugLogging(Instance instance, Flag on, size_t count, const Text *which)
 {
   (void)instance; (void)on; (void)count; (void)which;
-  return OK;
-}
-
-/* A copy of the whole state, kept by the master; `to` is made if it is not there. */
-EXPORT Status FMI_GetFMUState(Instance instance, void **to)
-{
-  if (*to == NULL) *to = malloc(sizeof(State));
-  if (*to == NULL) return ERROR;
-  memcpy(*to, instance, sizeof(State));
-  return OK;
-}
-
-EXPORT Status FMI_SetFMUState(Instance instance, void *from)
-{
-  memcpy(instance, from, sizeof(State));
-  return OK;
-}
-
-EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
-{
-  (void)instance;
-  free(*kept);
-  *kept = NULL;
   return OK;
 }
 

@@ -1,29 +1,13 @@
-typedef void (*Log)(void *, Text, Status, Text, Text, ...);
-typedef struct {
-  Log logger;
-  void *(*allocate)(size_t, size_t);
-  void (*release)(void *);
-  void (*finished)(void *, Status);
-  void *environment;
-} Callbacks;
-
 EXPORT Text fmi2GetTypesPlatform(void);
 EXPORT Text fmi2GetTypesPlatform(void) { return "default"; }
 EXPORT Text fmi2GetVersion(void);
 EXPORT Text fmi2GetVersion(void) { return "2.0"; }
 
 EXPORT Instance fmi2Instantiate(Text name, int type, Text guid, Text resources,
-                                const Callbacks *callbacks, int visible, int logs)
+                                const void *callbacks, int visible, int logs)
 {
-  (void)resources; (void)visible; (void)logs;
-  if ((type != 1 && !EXCHANGES) || guid == NULL || strcmp(guid, "GUID") != 0) {
-    if (callbacks && callbacks->logger)
-      callbacks->logger(callbacks->environment, name, ERROR, "logStatusError",
-                        EXCHANGES ? "NAME: another guid"
-                                  : "NAME: co-simulation only, or another guid");
-    return NULL;
-  }
-  return new_instance();
+  (void)name; (void)resources; (void)callbacks; (void)visible; (void)logs;
+  return type == 1 || EXCHANGES ? new_instance(guid) : NULL;
 }
 
 EXPORT Status fmi2SetupExperiment(Instance instance, int with_tolerance, double tolerance,
@@ -77,6 +61,9 @@ NONE(fmi2GetString)
 NONE(fmi2SetInteger)
 NONE(fmi2SetBoolean)
 NONE(fmi2SetString)
+REFUSED(fmi2GetFMUstate)
+REFUSED(fmi2SetFMUstate)
+REFUSED(fmi2FreeFMUstate)
 REFUSED(fmi2SerializedFMUstateSize)
 REFUSED(fmi2SerializeFMUstate)
 REFUSED(fmi2DeSerializeFMUstate)

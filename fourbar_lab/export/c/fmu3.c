@@ -1,41 +1,23 @@
 EXPORT Text fmi3GetVersion(void) { return "3.0"; }
 
-typedef void (*Log)(void *, Status, Text, Text);
-
-static Instance instance_of(Text token, void *environment, Log logger)
-{
-  if (token == NULL || strcmp(token, "GUID") != 0) {
-    if (logger) logger(environment, ERROR, "logStatusError", "NAME: another token");
-    return NULL;
-  }
-  return new_instance();
-}
-
 EXPORT Instance fmi3InstantiateCoSimulation(
   Text name, Text token, Text resources, bool visible, bool logs, bool events, bool early,
-  const unsigned *variables, size_t count, void *environment, Log logger, void *update)
+  const unsigned *variables, size_t count, void *environment, void *logger, void *update)
 {
   (void)name; (void)resources; (void)visible; (void)logs; (void)events; (void)early;
-  (void)variables; (void)count; (void)update;
-  return instance_of(token, environment, logger);
+  (void)variables; (void)count; (void)environment; (void)logger; (void)update;
+  return new_instance(token);
 }
 
 /* Motion by torque is for co-simulation only. */
 EXPORT Instance fmi3InstantiateModelExchange(Text name, Text token, Text resources, bool visible,
-                                             bool logs, void *environment, Log logger)
+                                             bool logs, void *environment, void *logger)
 {
-  (void)name; (void)resources; (void)visible; (void)logs;
-  return EXCHANGES ? instance_of(token, environment, logger) : NULL;
+  (void)name; (void)resources; (void)visible; (void)logs; (void)environment; (void)logger;
+  return EXCHANGES ? new_instance(token) : NULL;
 }
 
-EXPORT Instance fmi3InstantiateScheduledExecution(
-  Text name, Text token, Text resources, bool visible, bool logs, void *environment,
-  void *logger, void *update, void *lock, void *unlock)
-{
-  (void)name; (void)token; (void)resources; (void)visible; (void)logs; (void)environment;
-  (void)logger; (void)update; (void)lock; (void)unlock;
-  return NULL;
-}
+EXPORT Instance fmi3InstantiateScheduledExecution(void) { return NULL; }
 
 EXPORT Status fmi3EnterInitializationMode(Instance instance, bool with_tolerance,
                                           double tolerance, double start, bool with_end,
@@ -101,6 +83,9 @@ NONE(UInt64)
 NONE(Boolean)
 NONE(String)
 
+REFUSED(fmi3GetFMUState)
+REFUSED(fmi3SetFMUState)
+REFUSED(fmi3FreeFMUState)
 REFUSED(fmi3SerializedFMUStateSize)
 REFUSED(fmi3SerializeFMUState)
 REFUSED(fmi3DeserializeFMUState)
