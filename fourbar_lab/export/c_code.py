@@ -127,8 +127,8 @@ class Code:
         both = self.operations.get(True)
         count = (f'Motion takes {self.operations[False]} operations'
                  + (f', motion and loads {both}' if both else '')
-                 + '; they are one line without loops, so the worst case is every case. No allocation, '
-                 'no global, no recursion; libm alone.')
+                 + '; they are one line without loops, so the worst case is every case. '
+                 'No allocation, no global, no recursion; libm alone.')
         signs = ('SI units. Angles from x, counter-clockwise positive, [rad]; x from O1 to O4 or '
                  'along the guide, y up. Fij, fij: force of link i on link j, along x and y; '
                  'torques and couples counter-clockwise. docs/conventions.md has all signs.')

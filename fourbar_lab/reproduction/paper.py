@@ -205,7 +205,7 @@ def last_question() -> Section:
     title = ('Paper, its question - do extreme angular velocity and acceleration '
              'imply extreme shaking?')
     return Section(title, [
-        equal("force at the largest alpha4 over its peak, with a counterweight on the crank", '',
+        equal('force at the largest alpha4 over its peak, with a counterweight on the crank', '',
               published.force_share(published.counterweighted(THIN)), 0.0, ANSWERED,
               'no: 5 kg on the crank of any linkage can cancel the force in one pose '
               '(docs/extrema.md)'),

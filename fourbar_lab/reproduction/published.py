@@ -17,7 +17,7 @@ from fourbar_ros.mechanics.bodies import Bodies, Body
 from fourbar_ros.mechanics.rods import round_rod
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array, Values

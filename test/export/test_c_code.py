@@ -32,7 +32,7 @@ from support.exported import (
     STRICT,
 )
 from support.random_machines import random_machines
-from support.samples import more, some
+from support.samples import more
 from support.scenes import file_of
 
 pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
