@@ -1,3 +1,5 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
 """Roots: intervals that have them, Newton's method in brackets, in floats and arrays."""
 
 from math import pi
