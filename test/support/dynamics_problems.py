@@ -12,7 +12,9 @@ P2 is of SUNDIALS, after E. J. Haug, Computer Aided Kinematics and Dynamics of M
 whose community accepts errors of 1e-1 to 1e-3. P4 is Haug's 4.9.2, with 1.98 for a crank; at a
 tolerance of 1e-6 scipy reports success with errors of 3e-4 (LSODA) to 1e-3 (BDF).
 """
+from collections.abc import Callable
 from math import pi
+from typing import NamedTuple
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.elements import Attachment, Spring
@@ -128,74 +130,27 @@ def light_rods(mass=1e-8):
     return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.5, 1.0)
 
 
-EXTREMES = {'light crank 1e-6': light_crank, 'light crank 1e-12': lambda: light_crank(1e-12),
-            'light rods 1e-8': light_rods, 'near a change point 1e-6': near_change_point,
-            'near a change point 1e-10': lambda: near_change_point(1e-10),
-            'near lock-up 1e-2': near_lock_up,
-            'near lock-up 1e-8': lambda: near_lock_up(2.0 * (1.0 - 1e-8))}
+class Extreme(NamedTuple):
+    """A free linkage of which J changes suddenly, and its position after 2 s and 3 s."""
+
+    make: Callable
+    at: dict
 
 
-def exact_free_time(system, position):
-    """
-    Return the time at which a free linkage without gravity gets to a position, to 10 digits.
-
-    By (F1) in 20 digits, with an inertia from the rates of the bodies' centres: by the angles of
-    the loop, not by the formulas under test. Peaks are where a link is at rest or a dyad in line.
-    """
-    mechanism, (start, rate) = system.mechanism, system.start
-    with mp.workdps(20):
-        first = exact_speeds_inertia(mechanism, mp.mpf(start)) * mp.mpf(rate)**2
-
-        def per_angle(q):
-            return mp.sqrt(exact_speeds_inertia(mechanism, q) / first)
-        turns, rest = divmod(position - start, 2.0 * pi)
-        total = mp.mpf(0)
-        if turns:
-            total += int(turns) * _peaked(per_angle, mp.mpf(start), 2 * mp.pi, mechanism)
-        # the turns are of 2 pi as a float; what is missing to the exact ones belongs to the rest
-        rest = mp.mpf(position) - mp.mpf(start) - int(turns) * 2 * mp.pi
-        return total + _peaked(per_angle, mp.mpf(start), rest, mechanism)
-
-
-def _peaked(function, start, length, mechanism):
-    """Return the integral over an angle, in parts that crowd at the singular inputs."""
-    places = []
-    dead = [point.theta1 for point in getattr(mechanism, 'dead_points', ())]
-    for value in (*(complex(z).real for z in mechanism.singular_inputs), *dead, 0.0, pi):
-        base = start + mp.fmod(mp.mpf(value) - start, 2 * mp.pi) % (2 * mp.pi)
-        for peak in (base - 2 * mp.pi, base, base + 2 * mp.pi):
-            places.append(peak)
-            for i in range(1, 22, 2):
-                places += [peak - mp.mpf(2)**-i, peak + mp.mpf(2)**-i]
-    inside = sorted({place for place in places if start < place < start + length})
-    return mp.quad(function, [start, *inside, start + length], maxdegree=3)
-
-
-def exact_speeds_inertia(mechanism, q):
-    """Return J(q) of a driven crank from positions in the current precision."""
-    a1, bodies = mp.mpf(mechanism.a1), mechanism.bodies
-    a_rate = a1 * mp.mpc(0, 1) * mp.expj(q)
-    if isinstance(mechanism, FourBar):
-        a2, a3 = mp.mpf(mechanism.a2), mp.mpf(mechanism.a3)
-        d = mp.mpf(mechanism.a4) - a1 * mp.expj(q)
-        along = (a2**2 - a3**2 + abs(d)**2) / (2 * abs(d))
-        rod = d / abs(d) * mp.mpc(along, mechanism.sign * mp.sqrt(a2**2 - along**2))
-        b, y = mp.arg(rod), mp.arg(rod - d)
-        # a1 i e^{iq} + a2 b' i e^{ib} = a3 y' i e^{iy}
-        determinant = a2 * a3 * mp.sin(b - y)
-        b1 = a1 * a3 * mp.sin(y - q) / determinant
-        y1 = a1 * a2 * mp.sin(b - q) / determinant
-        rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(0), y1, y))
-    else:
-        b = -mp.asin(a1 * mp.sin(q) / mechanism.a2)
-        b1 = -a1 * mp.cos(q) / (mp.mpf(mechanism.a2) * mp.cos(b))
-        slide = -a1 * mp.sin(q) - mp.mpf(mechanism.a2) * mp.sin(b) * b1
-        rates = ((mp.mpc(0), 1, q), (a_rate, b1, b), (mp.mpc(slide), 0, mp.mpf(0)))
-    total = mp.mpf(0)
-    for body, (joint, turn, angle) in zip(bodies, rates):
-        arm = mp.mpc(body.cg_along, body.cg_across) * mp.expj(angle)
-        total += body.mass * abs(joint + mp.mpc(0, 1) * arm * turn)**2 + body.inertia * turn**2
-    return total
+# By quadrature of (F1) in 40 digits, with the rates of the bodies from the angles of the loop.
+EXTREMES = {
+    'light crank 1e-6': Extreme(light_crank, {
+        2.0: 1.9151624315388963, 3.0: 4.1330009533757003}),
+    'light crank 1e-12': Extreme(lambda: light_crank(1e-12), {
+        2.0: 1.9151587246847359, 3.0: 4.1330829651592008}),
+    'light rods 1e-8': Extreme(light_rods, {2.0: 1.0899490728257863, 3.0: 1.2837462071995263}),
+    'near a change point 1e-6': Extreme(near_change_point, {
+        2.0: 6.2831861117089765, 3.0: 8.2681015999691376}),
+    'near a change point 1e-10': Extreme(lambda: near_change_point(1e-10), {
+        2.0: 6.2831853072594648, 3.0: 8.2613077553201190}),
+    'near lock-up 1e-2': Extreme(near_lock_up, {2.0: 11.294986445254462, 3.0: 16.804867726026118}),
+    'near lock-up 1e-8': Extreme(lambda: near_lock_up(2.0 * (1.0 - 1e-8)), {
+        2.0: 11.116176647707732, 3.0: 15.819194659816398})}
 
 
 def samples(linkage, seed, count=20):
