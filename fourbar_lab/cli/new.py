@@ -4,19 +4,39 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
+from collections.abc import Mapping
 from math import pi
 from pathlib import Path
 import re
 
 from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
-from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.scene.units import measured, of
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
-BAR = re.compile(r'([\d.]+) *([a-z]*) *x *([\d.]+) *([a-z]*)')
+BAR = re.compile(r'([\d.]+)x([\d.]+)([a-z]*)')
 NAMES = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
+SCENE = """\
+# A {title}. Lengths in m, angles in rad, masses in kg.
+/**:
+  ros__parameters:
+    linkage:
+      kind: {kind}
+{lengths}
+      mode: {mode}              # 1 crossed, 2 open
+{bodies}    drive:
+      source: timer
+      speed: {speed:<14}# [rad/s], {rpm:.6g} rpm
+      rate: 200.0          # [Hz] of the samples
+    outputs: [state, output, joint_states{loads}]
+"""
+BODIES = """\
+    bodies:
+      rods: {{density: {density}, {section}}}
+{slides}    # gravity: {{x: 0.0, y: -9.81}}     # [m/s^2]; without it weight is left out
+"""
 DESCRIPTION = """\
 Write a scene from a few numbers: lengths, speed, and bars or rods of one section. The scene is
 in SI, with comments; change it as you like. No file is overwritten.
@@ -57,135 +77,65 @@ def add(verbs: Verbs) -> None:
     new.set_defaults(run=_new)
 
 
-def _bar(text: str) -> tuple[str, str]:
-    """Return words and YAML of '20x5mm' or '2cmx5mm': a unit given once is that of both."""
+def _bar(text: str) -> str:
+    """Return the YAML of '20x5mm': a unit is that of both."""
     match = BAR.fullmatch(text)
     if not match:
         raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
-    width, unit_of_width, thickness, unit = match.groups()
-    width, thickness = (_positive(text, measured(size, 'length')) for size in (
-        width + (unit_of_width or unit), thickness + (unit or unit_of_width)))
-    return (f'bars {width:g} x {thickness:g} m',
-            f'width: {_text(width)}, thickness: {_text(thickness)}')
+    width, thickness = (measured(size + match[3], 'length') for size in match.groups()[:2])
+    return f'width: {_text(width)}, thickness: {_text(thickness)}'
 
 
-def _rod(text: str) -> tuple[str, str]:
-    """Return words and YAML of rods of a diameter."""
-    diameter = _positive(text, measured(text, 'length'))
-    return f'rods of {diameter:g} m diameter', f'radius: {_text(0.5 * diameter)}'
-
-
-def _positive(text: str, size: float) -> float:
-    if size <= 0.0:
-        raise ArgumentTypeError(f'{text!r}: must be positive')
-    return size
+def _rod(text: str) -> str:
+    """Return the YAML of rods of a diameter."""
+    return f'radius: {_text(0.5 * measured(text, "length"))}'
 
 
 def _density(text: str) -> float:
     """Return the density [kg/m^3] for the name of a material or a number with a unit."""
-    if text in MATERIALS:
-        return MATERIALS[text]
-    try:
-        return _positive(text, measured(text, 'density'))
-    except ArgumentTypeError:
-        raise ArgumentTypeError(f'{text!r}: is no density and no material'
-                                f'{nearest(text, MATERIALS)}') from None
+    return MATERIALS[text] if text in MATERIALS else measured(text, 'density')
 
 
 def _new(arguments: Namespace) -> None:
-    """Write the scene file; delete it again if it does not load, as with impossible lengths."""
-    from fourbar_ros.scene.linkage import LONGEST
-    from fourbar_ros.scene.scene import load
+    """Write the scene file, unless there is one or it would not load, as with wrong lengths."""
+    from fourbar_ros.scene.files import flatten
+    from fourbar_ros.scene.scene import from_values
+    import yaml
     path = Path(arguments.file)
     if not path.suffix:
         path = path.with_suffix('.yaml')
     if path.suffix not in ('.yaml', '.yml'):
         raise InvalidParameter('FILE', arguments.file, 'must end in .yaml')
-    if path.exists():
-        raise InvalidParameter('FILE', str(path), 'exists already: give another name')
-    lengths = _lengths(arguments)
+    lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
     text = scene_text(arguments.kind, lengths, arguments.mode, arguments.speed,
-                      arguments.bar or arguments.rod, arguments.material)
+                      arguments.bar or arguments.rod or '', arguments.material)
+    scene = from_values(flatten(yaml.safe_load(text)['/**']['ros__parameters'], path))
     with open(path, 'x', encoding='utf-8') as file:
         file.write(text)
-    try:
-        scene = load(path)
-    except InvalidParameter as error:
-        path.unlink()
-        meant = [f'; did you mean {value:g}mm?' for name, value in lengths.items()
-                 if abs(value) > LONGEST and error.name == f'linkage.{name}']
-        raise InvalidParameter(error.name, error.value,
-                               ''.join((error.allowed, *meant))) from None
-    except FourBarError:
-        path.unlink()
-        raise
     print(f'{path}: {scene.linkage.description}')
     print(f'next:  fourbar show {path}')
     warn(scene)
 
 
-def _lengths(arguments: Namespace) -> dict[str, float]:
-    """
-    Return {name: length [m]} of the kind, all as given.
-
-    Signed lengths, as the offset of a guide, are 0 unless given.
-    """
-    given = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
-    lengths = {length.name: length for length in FACTS[arguments.kind].lengths}
-    for name, value in given.items():
-        if name not in lengths:
-            raise InvalidParameter(f'--{name}', value, f'is no length of a {arguments.kind}')
-    for name, length in lengths.items():
-        if length.signed:
-            given.setdefault(name, 0.0)
-        elif name not in given:
-            raise InvalidParameter(f'--{name}', None,
-                                   f'must be given: {length.text} [m], or 50mm')
-    return given
-
-
-def scene_text(kind: str, lengths: dict[str, float], mode: int, speed: float,
-               section: tuple[str, str] | None, density: float) -> str:
+def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float, section: str,
+               density: float) -> str:
     """
     Return a scene as YAML text with comments; lengths [m], speed [rad/s], density [kg/m^3].
 
-    ``section``: words and YAML of bars or rods; without it there are no masses, and the node sends
-    no loads.
-    """
-    lines = [f'# A {kind.replace("_", "-")}. Lengths in m, angles in rad, masses in kg.', '/**:',
-             '  ros__parameters:', '    linkage:', f'      kind: {kind}']
-    lines += [_line(f'{length.name}: {_text(lengths[length.name])}', f'{length.text} [m]')
-              for length in FACTS[kind].lengths]
-    lines += [_line(f'mode: {mode}', '1 crossed, 2 open')]
-    if section:
-        lines += ['    bodies:', *_bodies(kind, section, density),
-                  '    # gravity: {x: 0.0, y: -9.81}     # [m/s^2]; without it weight is left out']
-    lines += ['    drive:', '      source: timer',
-              _line(f'speed: {_text(speed)}', f'[rad/s], {speed * 30.0 / pi:.6g} rpm'),
-              _line('rate: 200.0', '[Hz] of the samples'),
-              '    outputs: [state, output, joint_states'
-              + (', loads, shaking_wrench]' if section else ']'), '']
-    return '\n'.join(lines)
-
-
-def _line(entry: str, comment: str) -> str:
-    return f'{"      " + entry:<27}# {comment}'
-
-
-def _bodies(kind: str, section: tuple[str, str], density: float) -> list[str]:
-    """
-    Return the YAML lines that give all bars or rods their masses.
-
+    ``section``: YAML of bars or rods; without it there are no masses, and the node sends no loads.
     Links without a length, as slides, get zeros, for which the user puts in their own.
     """
-    text, size = section
-    lines = [f'      # {text}, {density:g} kg/m^3',
-             f'      rods: {{density: {_text(density)}, {size}}}']
-    for link in FACTS[kind].links:
-        if not link.length:
-            zeros = 'mass: 0.0, inertia: 0.0' if link.turns else 'mass: 0.0'
-            lines.append(f'      {link.name}: {{{zeros}}}     # {link.text}: give its own')
-    return lines
+    texts = {length.name: length.text for length in FACTS[kind].lengths}
+    slides = [f'      {link.name}: {{mass: 0.0{", inertia: 0.0" * link.turns}}}     '
+              f'# {link.text}: give its own\n' for link in FACTS[kind].links if not link.length]
+    return SCENE.format(
+        title=kind.replace('_', '-'), kind=kind, mode=mode,
+        lengths='\n'.join(f'{f"      {name}: {_text(value)}":<27}# {texts.get(name, "")} [m]'
+                          for name, value in lengths.items()),
+        bodies=BODIES.format(density=_text(density), section=section, slides=''.join(slides))
+        if section else '',
+        speed=_text(speed), rpm=speed * 30.0 / pi,
+        loads=', loads, shaking_wrench' if section else '')
 
 
 def _text(value: float) -> str:

@@ -97,13 +97,6 @@ def test_weight_that_is_left_out_is_told(tmp_path, capsys):
     assert line not in ''.join(capsys.readouterr())
 
 
-def test_a_length_without_its_unit_is_asked_about(tmp_path, capsys):
-    file = tmp_path / 'my.yaml'
-    assert main(['new', str(file), *NEW, '--a4', '180'])
-    assert 'three together (0.41); did you mean 180mm?' in capsys.readouterr().err
-    assert not file.exists()
-
-
 def test_a_margin_of_a_machine_is_no_share_of_its_perimeter():
     rows = {name: dict(facts(load_scene(name).linkage))['change-point margin']
             for name in ('paper', 'watt', 'bucket')}
