@@ -3,8 +3,8 @@
 """Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from functools import partial
 from math import cos, degrees, isnan, nan, remainder, sin
 from pathlib import Path
 import signal
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import time
 
-from fourbar_lab.clients.node_client import NodeClient, opened
+from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
 from fourbar_lab.drawing.tables import mode_name, rates_in_words, what_it_is
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
@@ -23,7 +23,6 @@ from fourbar_ros.ros.messages import Message, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
-from fourbar_ros.scene.topics import INPUTS
 from fourbar_ros.terminal import make_console, make_table
 from rclpy.node import Node
 from rich.console import Console
@@ -31,60 +30,44 @@ from rich.live import Live
 from rich.table import Table
 
 PATIENCE = 20.0        # [s] for the node to start, be found and answer
-SWING = 0.95           # share of a limited input range that the demonstration swings through
+SWING = 0.95           # share of the input range that the demonstration swings through
 REFRESH = 8            # live tables per second
 KINDS = {Extremum.KIND_MINIMUM: 'min', Extremum.KIND_MAXIMUM: 'max',
          Extremum.KIND_CONSTANT: 'const'}
 
 
-class DemoError(FourBarError):
-    """The demonstration cannot go on; the message says why."""
-
-
 class Driver(NodeClient):
-    """Drives the node of a scene, unless the timer does, and keeps its latest outputs."""
+    """Swings the input of a node that listens for motion, and keeps its latest outputs."""
 
     def __init__(self, node: Node, scene: Scene) -> None:
         super().__init__(node, PATIENCE)
         self.scene = scene
         self.latest: dict[str, Message] = {}         # newest message of each output, by its name
-        self.received: dict[str, int] = {}           # how many came
+        self.received = Counter[str]()
         for name, topic in scene.topics.items():
-            self.subscribe(topic, partial(self._take, name))
-        self.input = self.publisher(scene.drive.source) if scene.drive.source in INPUTS else None
+            self.subscribe(topic, lambda message, name=name: self._take(name, message))
+        self.input = self.publisher('motion') if scene.drive.source == 'motion' else None
 
     def _take(self, name: str, message: Message) -> None:
         self.latest[name] = message
-        self.received[name] = self.received.get(name, 0) + 1
-
-    def given(self, seconds: float) -> tuple[float, float, float]:
-        """
-        Return position, rate and acceleration of the input to send at a time.
-
-        The input turns at the scene's speed. Where it cannot turn fully, it swings as a sine
-        through 0.95 of its last range, with the scene's speed in the middle.
-        """
-        drive, linkage = self.scene.drive, self.scene.linkage
-        if linkage.turns_fully:
-            return drive.start + drive.speed * seconds, drive.speed, 0.0
-        low, high = linkage.input_ranges[-1]
-        middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
-        frequency = drive.speed / reach                                  # [rad/s]
-        sine, cosine = reach * sin(frequency * seconds), reach * cos(frequency * seconds)
-        return middle + sine, frequency * cosine, -frequency * frequency * sine
+        self.received[name] += 1
 
     def drive(self, seconds: float) -> None:
-        """Send the input of a time [s] after the start, unless the timer drives the node."""
+        """
+        Send the input of a time [s] after the start, if the node listens for motion.
+
+        It swings as a sine through 0.95 of its last range, with the scene's speed in the middle.
+        """
         if not self.input:
             return
-        drive = self.scene.drive
+        low, high = self.scene.linkage.input_ranges[-1]
+        middle, reach = 0.5 * (low + high), SWING * 0.5 * (high - low)
+        frequency = self.scene.drive.speed / reach                       # [rad/s]
+        sine, cosine = reach * sin(frequency * seconds), reach * cos(frequency * seconds)
         message = self.input.msg_type()
         message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
-        position, rate, acceleration = self.given(seconds)
-        if drive.source == 'joint_state':
-            message.name, message.position, message.velocity = [drive.joint], [position], [rate]
-        else:
-            message.position, message.velocity, message.acceleration = position, rate, acceleration
+        message.position, message.velocity = middle + sine, frequency * cosine
+        message.acceleration = -frequency * frequency * sine
         self.input.publish(message)
 
 
@@ -111,19 +94,23 @@ def live_table(client: Driver, seconds: float) -> Table:
 
 
 def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console: Console) -> None:
-    """Show the stream for some seconds; raises DemoError if no message comes or the node ends."""
-    began = first = time.monotonic()
+    """Show the stream for some seconds; NoAnswer if no message comes or the node ends."""
+    began = time.monotonic()
+
+    def drive() -> bool:
+        """Send the next input; return whether there is something to look at."""
+        client.drive(time.monotonic() - began)
+        return bool(client.received) or node.poll() is not None
+
+    client.until(drive, f'no message from {NODE}')
+    first = time.monotonic()
     with Live(console=console, refresh_per_second=REFRESH, transient=False) as live:
-        while time.monotonic() - first < seconds:
-            if node.poll() is not None:
-                raise DemoError(f'the node ended with exit code {node.returncode}')
-            if not client.received:
-                first = time.monotonic()
-                if first - began > PATIENCE:
-                    raise DemoError(f'no message from {NODE} within {PATIENCE:g} s')
-            client.drive(time.monotonic() - first)
+        while time.monotonic() - first < seconds and node.poll() is None:
+            client.drive(time.monotonic() - began)
             client.spin(0.01 if client.input else 1.0 / REFRESH)
             live.update(live_table(client, time.monotonic() - first))
+    if node.poll() is not None:
+        raise NoAnswer(f'the node ended with exit code {node.returncode}')
     if not console.is_terminal:          # rich ends the last table only on a terminal
         console.print()
 
@@ -146,18 +133,11 @@ def show_extrema(client: Driver, console: Console) -> None:
 
 
 def check_bag(path: str | Path, console: Console) -> bool:
-    """
-    Recompute every output in a bag from the recorded input and print the largest difference.
-
-    Returns whether there are outputs and none differs.
-    """
-    differences = recompute(path).differences
-    messages = {difference.topic: difference.messages for difference in differences}
-    worst = max((difference.largest for difference in differences), default=0.0)
-    console.print(f'bag recomputed: {sum(messages.values())} outputs on {len(messages)} topics '
-                  f'from their recorded input, {len(differences)} fields, largest difference '
-                  f'{worst:g}', soft_wrap=True)
-    return bool(messages) and worst == 0.0
+    """Recompute every output in a bag from its input; return whether it is without fault."""
+    found = recompute(path)
+    console.print(f'bag recomputed: {found.compared} outputs from their recorded input, largest '
+                  f'difference {found.largest:g}', soft_wrap=True)
+    return not found.problems()
 
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
