@@ -11,7 +11,6 @@ import zipfile
 from fourbar_lab.export import fmu, generate
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK
-from fourbar_ros.pipeline.stepper import evaluate, InModes
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -68,76 +67,6 @@ def paper(paper_file, tmp_path):
     return Unit(paper_file, tmp_path / 'paper')
 
 
-@needs_compiler
-def test_a_master_gets_the_bits_of_the_node(paper):
-    linkage = load_scene('paper').linkage
-    names = [name for name, cause in paper.causality.items()
-             if cause == 'output' and name != 'status']
-    paper('SetupExperiment', 1, c_double(1e-6), c_double(0.0), 0, c_double(0.0))
-    paper('EnterInitializationMode')
-    paper('ExitInitializationMode')
-    for i in range(300):
-        given = 0.02 * i, 2.0 * math.sin(i), 0.3 * i
-        paper.set(theta1=given[0], omega1=given[1], alpha1=given[2])
-        paper('DoStep', c_double(0.001 * i), c_double(0.001), 1)
-        _, motion, loads = evaluate(linkage, *given, True)
-        expected = {**motion._asdict(), **loads._asdict()}
-        assert paper.get('status', *names) == [0.0, *map(expected.get, names)]
-    paper('Terminate')
-
-
-@needs_compiler
-def test_in_model_exchange_outputs_follow_inputs_at_once(paper):
-    guid, zero, no_count = paper.root.get('guid').encode(), c_double(), c_size_t(0)
-    paper.instance = paper.instantiate(guid, kind=0)
-    paper('SetupExperiment', 0, zero, zero, 0, zero)
-    paper('EnterInitializationMode')
-    paper('ExitInitializationMode')
-    events = (c_double * 5)(*[math.nan] * 5)
-    paper('NewDiscreteStates', events)
-    assert bytes(events)[:20] == bytes(20)           # five flags, all false
-    paper('EnterContinuousTimeMode')
-    linkage, flags = load_scene('paper').linkage, (c_int(1), c_int(1))
-    for theta1 in np.linspace(-3.0, 3.0, 20).tolist():
-        paper('SetTime', c_double(theta1))
-        paper.set(theta1=theta1, omega1=2.0, alpha1=-1.0)
-        motion, loads = linkage.step(theta1, 2.0, -1.0)
-        assert paper.get('theta4', 'alpha4', 'f32') == [motion.theta4, motion.alpha4, loads.f32]
-        for states in ('GetDerivatives', 'GetEventIndicators', 'GetContinuousStates'):
-            paper(states, None, no_count)            # there are none
-        paper('CompletedIntegratorStep', 1, *map(byref, flags))
-        assert [flag.value for flag in flags] == [0, 0]
-    assert paper.library.fmi2GetDerivatives(c_void_p(paper.instance), byref(zero), c_size_t(1))
-
-
-@needs_compiler
-def test_a_unit_moves_by_torque_as_the_node_does(tmp_path):
-    scene = load_scene('sundials')
-    unit = Unit(generate(scene, tmp_path, 'fmu2', name='sundials').files[0], tmp_path / 'unit')
-    assert unit.root.find('ModelExchange') is None           # for co-simulation only
-    assert unit.instantiate(unit.root.get('guid').encode(), kind=0) is None
-    mover, stepper, step = scene.mover, InModes(scene), 1.0 / scene.drive.rate
-    names = [name for name, cause in unit.causality.items() if cause == 'output']
-    assert {'torque'} == {name for name, cause in unit.causality.items() if cause == 'input'}
-    fields = [*scene.linkage.MOTION._fields, *scene.linkage.LOADS._fields]
-    unit('EnterInitializationMode')
-    unit('ExitInitializationMode')
-    values, status = mover.start(), 0
-    for i in range(60):
-        _, row = stepper.step(mover.mode, values.position, values.velocity, values.acceleration,
-                              True, True)
-        expected = {**dict(zip(fields, row)), 'status': 0.0, 'drive.status': float(status),
-                    **{f'drive.{name}': value for name, value in values._asdict().items()}}
-        assert unit.get(*names) == [expected[name] for name in names]
-        unit.set(torque=0.1 * i)
-        unit('DoStep', c_double(i * step), c_double(step), 1)
-        status, values = mover.next(values, step, 0.1 * i)
-    end = unit.get(*names)
-    for wrong in (-step, math.nan, math.inf):
-        assert unit.library.fmi2DoStep(c_void_p(unit.instance), c_double(0.0), c_double(wrong), 1)
-        assert unit.get(*names) == end
-
-
 DC = {'motor.kind': 'dc', 'motor.voltage': 24.0, 'motor.resistance': 0.5, 'motor.gear': 10.0,
       'motor.torque_constant': 0.3, 'motor.inductance': 0.005, 'shaft.stiffness': 400.0}
 CONTROLLER = {'motor.kind': 'controller', 'motor.speed': 4.0, 'motor.proportional': 20.0,
@@ -152,6 +81,8 @@ def test_voltage_and_speed_wanted_can_be_set_at_every_step(motor, given, tmp_pat
                          'motor.rotor_inertia': 0.1, 'outputs': ['state']})
     unit = Unit(generate(scene, tmp_path, 'fmu2', name='unit').files[0], tmp_path / 'unit')
     assert [given] == [name for name, cause in unit.causality.items() if cause == 'input']
+    assert unit.root.find('ModelExchange') is None           # for co-simulation only
+    assert unit.instantiate(unit.root.get('guid').encode(), kind=0) is None
     assert unit.get(given) == [scene.values[given]]
     unit('EnterInitializationMode')
     unit('ExitInitializationMode')
@@ -166,6 +97,10 @@ def test_voltage_and_speed_wanted_can_be_set_at_every_step(motor, given, tmp_pat
             unit('DoStep', c_double(0.0), c_double(step), 1)
             expected = {**values._asdict(), 'status': float(status)}
             assert unit.get(*names) == [expected[name[6:]] for name in names]
+    end = unit.get(*names)
+    for wrong in (-step, math.nan, math.inf):
+        assert unit.library.fmi2DoStep(c_void_p(unit.instance), c_double(0.0), c_double(wrong), 1)
+        assert unit.get(*names) == end
     for wrong in (math.nan, math.inf):            # held at rest, and goes on afterwards
         unit.set(**{given: wrong})
         unit('DoStep', c_double(0.0), c_double(step), 1)

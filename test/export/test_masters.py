@@ -13,6 +13,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.exported import COMPILERS
+from support.samples import some
 
 ROWS = 200
 
@@ -59,7 +60,7 @@ def master(request):
     return by_fmusim, lambda value: float(f'{value:.16g}')
 
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not COMPILERS, reason='no C compiler'),
+pytestmark = [pytest.mark.skipif(not COMPILERS, reason='no C compiler'),
               pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])]
 
 
@@ -71,7 +72,7 @@ def check(row, expected, rounded):
     assert len(known) > 10
 
 
-@pytest.mark.parametrize('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'])
+@some('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'], 1)
 def test_motion_and_loads(name, as_, master, tmp_path):
     simulated, rounded = master
     linkage, step = load_scene(name).linkage, 1e-3
@@ -87,7 +88,7 @@ def test_motion_and_loads(name, as_, master, tmp_path):
         check(row, {**motion._asdict(), **loads._asdict(), 'status': status}, rounded)
 
 
-@pytest.mark.parametrize('solver', ['Euler', 'CVode'])
+@some('solver', ['Euler', 'CVode'], 1)
 def test_model_exchange_has_no_delay(solver, as_, tmp_path):
     pytest.importorskip('fmpy')
     linkage, step = load_scene('paper').linkage, 2.0**-10
@@ -101,8 +102,8 @@ def test_model_exchange_has_no_delay(solver, as_, tmp_path):
         check(row, {**motion._asdict(), **loads._asdict(), 'status': 0.0}, float)
 
 
-@pytest.mark.parametrize('name,changes', [
-    ('sundials', {}), ('motor', {}), ('motor', {'shaft.stiffness': 1e9, 'shaft.damping': 1e3})],
+@some('name,changes', [
+    ('sundials', {}), ('motor', {}), ('motor', {'shaft.stiffness': 1e9, 'shaft.damping': 1e3})], 1,
     ids=['sundials', 'motor', 'stiff shaft'])
 def test_motion_by_torque(name, changes, as_, master, tmp_path):
     simulated, rounded = master
