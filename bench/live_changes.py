@@ -8,23 +8,15 @@ it a bare rclpy node that answers the same inputs, and takes the same changes of
 means nothing to it; and this node while the bare one is changed, which takes the processor alone.
 """
 import os
-from pathlib import Path
-import statistics
+from statistics import median
 import subprocess
 import sys
-import tempfile
 import time
 
-from bench.processes import bare
-from fourbar_msgs.msg import Motion
-from fourbar_ros.ros.messages import resolve
+from bench.node import running
+from bench.pages import table
+from bench.processes import bare, node_of, percentile, sent, Slice, undisturbed
 from fourbar_ros.scene.files import read_values
-from fourbar_ros.scene.topics import OUTPUTS
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
-
-sys.path.insert(0, str(Path(__file__).parent.parent / 'test'))
-from support.harness import Client, NodeProcess  # noqa: E402
 
 RATES, SECONDS, CHANGES = (100, 500), 4.0, (20, 100)        # [Hz], [s], [Hz]
 # which node answers and which is changed
@@ -32,46 +24,11 @@ ALONE = (('fourbar', ''), ('bare', ''))
 CHANGED = (('fourbar', 'fourbar'), ('bare', 'bare'), ('fourbar', 'bare'))
 
 
-class Stream:
-    """Sends motions on a grid of time; notes when each was sent and answered [ns]."""
-
-    def __init__(self, client, node):
-        self.client, self.sent, self.heard = client, {}, {}
-        self.publisher = client.publisher(node=node)
-        client.node.create_subscription(resolve(OUTPUTS['state'].type), f'/{node}/state',
-                                        self.take, 1000)
-        client.until(lambda: self.send(-1) or -1 in self.heard, 'an answer')
-        client.spin(0.5)
-
-    def take(self, message):
-        """Note when an answer came."""
-        self.heard[message.header.stamp.sec - 10] = time.monotonic_ns()
-
-    def send(self, number):
-        """Send one motion."""
-        message = Motion(position=0.01 * number, velocity=5.0, acceleration=0.0)
-        message.header.stamp.sec = number + 10
-        self.sent[number] = time.monotonic_ns()
-        self.publisher.publish(message)
-
-    def run(self, rate):
-        """Send for some seconds; return the latencies [ms], sorted."""
-        self.sent.clear(), self.heard.clear()
-        begin, number = time.monotonic(), 0
-        while number < rate * SECONDS:
-            if time.monotonic() - begin >= number / rate:
-                self.send(number)
-                number += 1
-            self.client.executor.spin_once(timeout_sec=0.0005)
-        # what was only late is no loss: wait until nothing more has come for a second
-        count = -1
-        while count != (count := len(self.heard)):
-            self.client.spin(1.0)
-        return sorted((self.heard[n] - self.sent[n]) * 1e-6 for n in self.heard if n in self.sent)
-
-
 def change(rate, node):
     """Change gravity of a node so often [Hz]; print how many of how many changes were taken."""
+    from rcl_interfaces.srv import SetParameters
+    from rclpy.parameter import Parameter
+    from support.harness import Client
     os.nice(19)
     client, answers = Client(), []
     setter = client.node.create_client(SetParameters, f'/{node}/set_parameters')
@@ -90,38 +47,33 @@ def change(rate, node):
     client.close()
 
 
+def measured(child, listener, rate, changes, changed):
+    """Return a row of the table: what one node answers while one is changed."""
+    changer = changes and subprocess.Popen(
+        [sys.executable, '-m', 'bench.live_changes', '--change', str(changes), changed],
+        stdout=subprocess.PIPE, text=True)
+    if changer:
+        changer.stdout.readline()
+    with Slice(child, listener) as part:
+        count = sent(rate, SECONDS, [listener.send])
+        time.sleep(1.0)             # what is only late is no loss
+    late = [1e-3 * value for value in part.late]
+    return (rate, child.name, changes, changed,
+            changer.communicate()[0].strip() if changer else '0 of 0',
+            f'{count - len(late)} of {count}',
+            *(f'{value:.2f}' for value in (median(late), percentile(late, 0.99), max(late))))
+
+
 def main(scene='paper'):
     """Print a row for each rate of changes."""
-    print('| inputs [Hz] | answered by | changes [1/s] | of | applied | inputs lost | p50 [ms] '
-          '| p99 | max |')
-    print('| --- | --- | --- | --- | --- | --- | --- | --- | --- |')
-    with tempfile.TemporaryDirectory() as folder:
-        parameters = {**read_values(scene), 'drive.source': 'motion'}
-        nodes = [NodeProcess(parameters, Path(folder)), bare('echo')]
-        client = Client()
-        try:
-            streams = {name: Stream(client, name) for name in ('fourbar', 'bare')}
-            rows = [(rate, *asked) for rate in RATES
-                    for asked in ((0, ALONE), *((changes, CHANGED) for changes in CHANGES))]
-            for rate, changes, answered, changed in (
-                    (rate, changes, *pair) for rate, changes, pairs in rows for pair in pairs):
-                stream, changer = streams[answered], None
-                if changes:
-                    changer = subprocess.Popen(
-                        [sys.executable, '-m', 'bench.live_changes', '--change', str(changes),
-                         changed],
-                        stdout=subprocess.PIPE, text=True)
-                    changer.stdout.readline()
-                late = stream.run(rate)
-                applied = changer.communicate()[0].strip() if changer else '0 of 0'
-                print(f'| {rate} | {answered} | {changes} | {changed} | {applied} | '
-                      f'{len(stream.sent) - len(late)} of {len(stream.sent)} | '
-                      f'{statistics.median(late):.2f} | {late[int(0.99 * len(late))]:.2f} | '
-                      f'{late[-1]:.2f} |', flush=True)
-        finally:
-            client.close()
-            for node in nodes:
-                node.stop()
+    values = {**read_values(scene), 'drive.source': 'motion'}
+    with undisturbed(), running(node_of(values), bare('echo'), poked=True) as pairs:
+        named = {child.name: (child, listener) for child, listener in pairs}
+        table(('inputs [Hz]', 'answered by', 'changes [1/s]', 'of', 'applied', 'inputs lost',
+               'p50 [ms]', 'p99', 'max'),
+              [measured(*named[answers], rate, changes, changed) for rate in RATES
+               for changes, cases in ((0, ALONE), *((each, CHANGED) for each in CHANGES))
+               for answers, changed in cases])
 
 
 if __name__ == '__main__':

@@ -3,7 +3,6 @@
 """Nodes in processes of their own, and one that listens and drives them."""
 from contextlib import contextmanager
 import gc
-import json
 import os
 from pathlib import Path
 import signal
@@ -48,14 +47,18 @@ class Child:
         self.process.wait(20)
 
 
+def node_of(values):
+    """Start fourbar_node with these parameters."""
+    from support.scenes import file_of
+    return Child('fourbar', '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
+                 str(file_of(values, Path(tempfile.mkdtemp()))), '-r',
+                 'joint_states:=/fourbar/joint_states')
+
+
 def ours(outputs=KINEMATICS, **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
-    values = {**PAPER, 'outputs': outputs,
-              **{name.replace('__', '.'): value for name, value in parameters.items()}}
-    file = Path(tempfile.mkdtemp()) / 'scene.yaml'
-    file.write_text(json.dumps({'/**': {'ros__parameters': values}}))
-    return Child('fourbar', '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
-                 str(file), '-r', 'joint_states:=/fourbar/joint_states')
+    return node_of({**PAPER, 'outputs': outputs, **{
+        name.replace('__', '.'): value for name, value in parameters.items()}})
 
 
 def bare(kind, outputs=KINEMATICS, rate=1.0):
@@ -65,14 +68,16 @@ def bare(kind, outputs=KINEMATICS, rate=1.0):
 
 class Listener:
     """
-    Hears one output of a child in raw bytes: arrival times and stamps; drives its input.
+    Hears the state of a child in raw bytes: arrival times and stamps; drives its input.
 
     Its other outputs have a reader too, but of a node that nobody spins: they are delivered, and
     cost this process as little as can be.
     """
 
-    def __init__(self, name, outputs=KINEMATICS, heard='state'):
+    def __init__(self, name, outputs=KINEMATICS):
         from fourbar_msgs.msg import Motion
+        from fourbar_ros.ros.messages import resolve
+        from fourbar_ros.scene.topics import OUTPUTS
         import rclpy
         from rclpy.experimental import EventsExecutor
         from rclpy.serialization import serialize_message
@@ -82,22 +87,16 @@ class Listener:
         self.arrived = []                               # (time of arrival, stamp) [ns]
         self._given = bytearray(serialize_message(Motion(position=0.3, velocity=25.0)))
         for output in outputs:
-            self._subscribe(output, f'/{name}/{output}', output == heard)
+            reader, take, depth = ((self.node, self._take, 1000) if output == 'state' else
+                                   (self._deaf, lambda data: None, 1))
+            reader.create_subscription(resolve(OUTPUTS[output].type), f'/{name}/{output}', take,
+                                       depth, raw=True)
         self._input = self.node.create_publisher(Motion, f'/{name}/input', 10)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._running = True
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
-
-    def _subscribe(self, output, topic, is_heard):
-        from fourbar_ros.ros.messages import resolve
-        from fourbar_ros.scene.topics import OUTPUTS
-        kind = resolve(OUTPUTS[output].type)
-        if is_heard:
-            self.node.create_subscription(kind, topic, self._take, 1000, raw=True)
-        else:
-            self._deaf.create_subscription(kind, topic, lambda data: None, 1, raw=True)
 
     def _spin(self):
         while self._running:
@@ -151,7 +150,6 @@ class Slice:
     def __exit__(self, *_):
         got = self._listener.arrived[self._count:]
         self.seconds, self.cpu = time.monotonic() - self.began, self._child.cpu() - self._cpu
-        self.arrived = [arrived for arrived, _ in got]
         self.late = [(arrived - stamp) * 1e-3 for arrived, stamp in got]      # [us]
 
     @property
