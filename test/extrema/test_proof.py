@@ -32,7 +32,8 @@ def proofs(extrema):
 
 @pytest.mark.parametrize('lengths', [PAPER, (4.0, 2.0, 3.0, 5.5), (1.2, 0.5, 0.8, 1.0),
                                      (2.0, 4.0, 3.0, 5.0),
-                                     (0.5, 0.9, 0.7, 0.5)])
+                                     (0.5, 0.9, 0.7, 0.5), (0.5, 0.4, 0.8, 0.5),
+                                     (1.0, 0.3, 0.8, 1.0)])
 @pytest.mark.parametrize('mode', [1, 2])
 def test_rates_are_proved(lengths, mode):
     for text in proofs(find_extrema(FourBar(*lengths, mode=mode), RATES, 3.0, certify=True)):

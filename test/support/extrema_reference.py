@@ -80,37 +80,6 @@ def roots_between(P, low, high):
         ctx.prec = before
 
 
-def count_roots(P, low, high):
-    """Return the number of roots between low and high; None if one is not simple, or P is 0."""
-    if P.degree() < 0:
-        return None
-    found = roots_between(P, low, high)
-    return len(found) if all(multiplicity == 1 for _, multiplicity in found) else None
-
-
-def count_extrema(lengths):
-    """
-    Return the numbers of extrema of theta4' and theta4'' in one mode, without ends of the range.
-
-    A count is None where it proves nothing: the quantity is constant in a range, or its derivative
-    may touch zero without a change of sign.
-    """
-    a1, a2, a3, a4 = sides = whole(lengths)
-    p, (low, high) = in_q(*sides), limits(*sides)
-    # both signs of theta1 for each root, and theta4''' is also zero at theta1 = pi
-    if a1 == a4:
-        numbers = [count_roots(P, low, high) for P in (p.R2, p.M2)]
-        through_pi = high < (a2 + a3)**2
-        return [number if number is None else 2 * number + extra
-                for number, extra in zip(numbers, (0, through_pi))]
-    rates, accelerations = (count_roots(condition(p, a1**2 - a4**2, order), low, high)
-                            for order in (0, 1))
-    passed = ((a1 - a4)**2, (a2 - a3)**2 < (a1 - a4)**2), ((a1 + a4)**2,
-                                                           (a1 + a4)**2 < (a2 + a3)**2)
-    extra = sum(is_passed and p.R2(at) == 0 for at, is_passed in passed)
-    return [rates if rates is None else rates + extra, accelerations]
-
-
 def exact_roots(lengths, order):
     """
     Return (theta1, value) of all extrema inside the input range, mode 2, input rate 1 rad/s.
