@@ -1,18 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """This version beside an earlier one in one run: single steps, batches, extrema."""
-from contextlib import contextmanager
-import json
 from pathlib import Path
 import shutil
 from statistics import median
 import subprocess
-import sys
 import tempfile
 
 from . import ROOT
 from .pages import table
-from .speed import clean, PEERS
+from .speed import Runner
 
 ROUNDS = 30
 
@@ -28,34 +25,18 @@ def unpack(commit, folder):
     shutil.unpack_archive(archive, folder)
 
 
-@contextmanager
-def version(folder):
-    """Yield what a version can measure, and the function name -> CPU time [s]."""
-    process = subprocess.Popen([sys.executable, str(PEERS / 'version.py'), str(folder)],
-                               text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                               cwd=folder, env=clean())
-
-    def measure(name):
-        process.stdin.write(f'{name}\n')
-        process.stdin.flush()
-        return float(process.stdout.readline())
-    try:
-        yield json.loads(process.stdout.readline()), measure
-    finally:
-        process.stdin.close()
-        process.wait(60)
-
-
 def main(against='HEAD'):
     """Print ratios of both versions; ``against``: the commit of the earlier one."""
     with tempfile.TemporaryDirectory() as folder:
         unpack(against, Path(folder))
-        with version(folder) as (names, before), version(ROOT) as (_, now):
-            times = {name: [] for name in names}
-            for i in range(ROUNDS):
-                for name in names:      # one right after the other, the first of them in turn
-                    times[name].append((before(name), now(name)) if i % 2
-                                       else (now(name), before(name))[::-1])
+        pair = [Runner('version', str(place)) for place in (folder, ROOT)]
+        times = {name: [] for name in pair[0].about['names']}
+        for i in range(ROUNDS):
+            for name, found in times.items():   # one right after the other, the first in turn
+                order = slice(None, None, 1 - 2 * (i % 2))
+                found.append([runner.ask(name)[name] for runner in pair[order]][order])
+        for runner in pair:
+            runner.close()
     print(f'This version beside {against}: CPU time of one, the least of {ROUNDS} rounds of both '
           'in turn; ratios of these, and within the same round.\n')
     rows = []

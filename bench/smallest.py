@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 
+from bench.pages import table
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
 
 ROUNDS, STEPS = 3, 2000
@@ -78,12 +79,12 @@ def main():
     for _ in range(ROUNDS):
         for name, values in scenes.items():
             found[name].append(measured(values))
-    print('| node | our modules | scipy | import [ms] | memory [MB] | CPU a step [us] |')
-    print('| --- | --- | --- | --- | --- | --- |')
-    for name, rows in found.items():
-        took, own, with_scipy, memory, used = map(median, zip(*rows))
-        print(f'| {name} | {own:.0f} | {"yes" if with_scipy else "no"} | {took:.0f} | '
-              f'{memory:.0f} | {used:.0f} |')
+    rows = []
+    for name, runs in found.items():
+        took, own, with_scipy, memory, used = map(median, zip(*runs))
+        rows.append((name, f'{own:.0f}', 'yes' if with_scipy else 'no', f'{took:.0f}',
+                     f'{memory:.0f}', f'{used:.0f}'))
+    table(('node', 'our modules', 'scipy', 'import [ms]', 'memory [MB]', 'CPU a step [us]'), rows)
 
 
 if __name__ == '__main__':

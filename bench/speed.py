@@ -69,19 +69,14 @@ def clean():
 
 
 class Runner:
-    """One of the scripts in bench/peers, waiting to be asked for a round."""
+    """A script of bench/peers in a process: it says what it is, then answers line by line."""
 
-    def __init__(self, script, python, case, folder):
-        self.name = script
-        self.log = Path(folder) / f'{script}.log'
-        with self.log.open('w') as log:
-            self.process = subprocess.Popen([python, str(PEERS / f'run_{script}.py'), str(case)],
-                                            text=True,
-                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                            stderr=log, cwd=folder,
-                                            env=clean())
-        about = self._read()
-        self.errors, self.numpy = about['errors'], about['numpy']
+    def __init__(self, script, *arguments, python=sys.executable):
+        self.name, self.log = script, tempfile.TemporaryFile('w+')
+        self.process = subprocess.Popen([python, str(PEERS / f'{script}.py'), *arguments],
+                                        text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=self.log, cwd=tempfile.gettempdir(), env=clean())
+        self.about = self._read()
 
     def _read(self):
         """
@@ -92,12 +87,13 @@ class Runner:
         for line in self.process.stdout:
             if line.startswith('{'):
                 return json.loads(line)
-        raise RuntimeError((self.log.read_text().strip().splitlines()
+        self.log.seek(0)
+        raise RuntimeError((self.log.read().strip().splitlines()
                             or ['ended without a word'])[-1])
 
-    def one_round(self):
-        """Return {method: CPU time per sample [s]}."""
-        self.process.stdin.write('\n')
+    def ask(self, what=''):
+        """Return the answer, {name: CPU time of one [s]}."""
+        self.process.stdin.write(f'{what}\n')
         self.process.stdin.flush()
         return self._read()
 
@@ -113,22 +109,22 @@ def measure(rounds):
         case = Path(folder) / 'case.json'
         write_case(case)
         runners = []
-        for script in sorted(file.stem[4:] for file in PEERS.glob('run_*.py')):
-            python = sys.executable if script == OURS else str(ENVIRONMENT / 'bin' / 'python')
+        for script in sorted(file.stem for file in PEERS.glob('run_*.py')):
+            python = sys.executable if script.endswith(OURS) else ENVIRONMENT / 'bin' / 'python'
             try:
-                runners.append(Runner(script, python, case, folder))
+                runners.append(Runner(script, str(case), python=python))
             except RuntimeError as error:
-                left_out.setdefault(script, str(error))
-        errors = {name: values for runner in runners for name, values in runner.errors.items()}
+                left_out.setdefault(script[4:], str(error))
+        errors = {name: values for runner in runners
+                  for name, values in runner.about['errors'].items()}
         times = {name: [] for name in errors}
         for _ in range(rounds):     # in turn, so that all see the same machine
             for runner in runners:
-                for name, took in runner.one_round().items():
+                for name, took in runner.ask().items():
                     times[name].append(took)
         for runner in runners:
             runner.close()
-        versions = {runner.name: runner.numpy for runner in runners}
-    return errors, times, left_out, versions
+    return errors, times, left_out, {runner.name[4:]: runner.about['numpy'] for runner in runners}
 
 
 # --- what is printed -----------------------------------------------------------------------------

@@ -94,7 +94,7 @@ def best(work, count, least=2e-3):
 for work, _ in WORK.values():
     work()
 gc.disable()
-print(json.dumps(list(WORK)), flush=True)
+print(json.dumps({'names': list(WORK)}), flush=True)
 for line in sys.stdin:
-    print(best(*WORK[line.strip()]), flush=True)
+    print(json.dumps({line.strip(): best(*WORK[line.strip()])}), flush=True)
     gc.collect()
