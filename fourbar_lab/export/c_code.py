@@ -7,12 +7,12 @@ A model as C99: one header, one source; one statement per operation, so none is 
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from math import inf
 from textwrap import wrap
 
 from fourbar_lab.export.drive import DriveCode, tables
-from fourbar_lab.export.model import GeneratedModel, Named
+from fourbar_lab.export.model import GeneratedModel, struct_of
 from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
 from fourbar_ros import __version__
 
@@ -111,7 +111,8 @@ class Code:
         return filled(snippet('model.c', 'header'), {
             'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
             'STATUS': ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
-            'RECORDS': '\n'.join(text for record in records for text in self._struct(*record)),
+            'RECORDS': '\n'.join(text for which, named, about in records
+                                 for text in struct_of(f'{name}_{which}', named, about)),
             'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature(False),
             'OF_BOTH': loads if model.loads else '',
             'SET_MODE': modes if model.signs else '',
@@ -144,21 +145,6 @@ class Code:
         return ['/*', *(f' * {line}' for part in (text, count, signs, bits, fixed, left_out,
                                                   loads) if part
                         for line in wrap(part, 92)), ' */']
-
-    def _struct(self, which: str, named: Sequence[Named], about: str) -> list[str]:
-        """
-        Return the C text of the struct NAME_``which``: a double for each of ``named``.
-
-        ``about``: comment above it. C has no empty struct: without fields it gets the field none.
-        """
-        if not named:
-            return [f'/* {about} Nothing. */', f'typedef struct {{ double none; }} '
-                    f'{self.name}_{which};', '']
-        width = max(len(one.field) for one in named)
-        return [f'/* {about} */', 'typedef struct {',
-                *(f'  double {one.field};{" " * (width - len(one.field))}  /* '
-                  f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
-                f'}} {self.name}_{which};', '']
 
     def _signature(self, with_loads: bool) -> str:
         name = self.name

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from math import inf, tau
-from typing import Any, NamedTuple
+from typing import Any
 
-from fourbar_lab.export.model import GeneratedModel, NotGenerated
+from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct_of
 from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
@@ -49,17 +49,6 @@ GIVE_PLACE = """  to->mode = MODES[is_input ? at->phase
   memcpy(to->place + 1, at->x, sizeof at->x);
 """
 OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
-
-
-class Command(NamedTuple):
-    """A number that a torque source takes at each step."""
-
-    name: str           # of the input of an FMU
-    unit: str
-    text: str
-    start: float
-    place: str          # in C
-    field: str = ''     # of the state in C; '': it is an argument
 
 
 class DriveCode:
@@ -109,31 +98,31 @@ class DriveCode:
     # --- its text -------------------------------------------------------------------------------
 
     @cached_property
-    def fields(self) -> list[tuple[str, str, str]]:
-        """Return name, unit and text of all fields of a state."""
+    def numbers(self) -> list[Named]:
+        """Return the numbers of a state as they follow each other."""
         is_slide = self._system.mechanism.is_driven_by_slide
-        return [(name, OF_SLIDES.get(unit, unit) if is_slide else unit, text)
-                for name, (unit, text) in TEXTS.items()]
-
-    @property
-    def numbers(self) -> list[tuple[str, str, str]]:
-        """Return name, unit and text of the numbers of a state as they follow each other."""
-        return [*self.fields, *([('mode', '', 'assembly mode')] if self.modes else [])]
+        texts = TEXTS | ({'mode': ('', 'assembly mode')} if self.modes else {})
+        return [Named(name, name, OF_SLIDES.get(unit, unit) if is_slide else unit, text, 0.0, i)
+                for i, (name, (unit, text)) in enumerate(texts.items())]
 
     @cached_property
-    def command(self) -> Command | None:
-        """Return the number that the source takes at each step; None: it takes none."""
+    def command(self) -> Named | None:
+        """
+        Return the number that the source takes at each step; None: it takes none.
+
+        It is a field of the state, or without one the argument ``torque``.
+        """
         source, is_slide = self._source, self._system.mechanism.is_driven_by_slide
         if self.takes_torque:
-            return Command('torque', self.numbers[1][1], 'of the source, during the next step',
-                           0.0, 'torque')
+            return Named('torque', '', self.numbers[1].unit, 'of the source, during the next step',
+                         0.0, 0)
         if not source.command:
             return None
         what = next(what for name, _, what in quantities_of(source) if name == source.command)
-        field = f'motor_{source.command}'
-        return Command(f'motor.{source.command}', what.unit.rpartition(' or ')[2] if is_slide
-                       else what.unit.partition(' or ')[0], f'{what.text}, during the next step',
-                       getattr(source, source.command), f'drive->{field}', field)
+        return Named(f'motor.{source.command}', f'motor_{source.command}',
+                     what.unit.rpartition(' or ')[2] if is_slide else
+                     what.unit.partition(' or ')[0], f'{what.text}, during the next step',
+                     getattr(source, source.command), 0)
 
     @property
     def there(self) -> set[str]:
@@ -146,19 +135,18 @@ class DriveCode:
     def declarations(self) -> str:
         """Return the C declarations of the drive for the header."""
         name, drive, command = self._model.name, self._scene.drive, self.command
-        of_modes = [('mode', 'assembly mode'), ('place[6]', 'near a toggle, where position and '
-                                                'velocity do not tell it')]
-        width = max(len(field) for field, *_ in self.fields)
-        fields = [(field, f'[{unit or "-"}] {text}') for field, unit, text in self.fields]
-        fields += of_modes if self.modes else []
-        fields += ([(command.field, f'[{command.unit}] {command.text}: may be set anew')]
-                   if command and command.field else [])
+        fields = list(self.numbers)
+        if self.modes:
+            fields.append(Named('', 'place[6]', '', 'near a toggle, where position and velocity '
+                                'do not tell it', 0.0, 0))
+        if command and command.field:
+            fields.append(command._replace(text=f'{command.text}: may be set anew'))
         return filled(snippet('drive.c', 'header'), {
             'BUDGET': drive.budget, 'STEP': literal(1.0 / drive.rate), 'NAME': name,
             'STATUS': ',\n'.join(f'  {name}_drive_{text} = {i}'
                                  for i, text in enumerate(STATUS_OF_DRIVE)),
-            'FIELDS': lines_of(f'double {field};{" " * (width - len(field))}  /* {text} */'
-                               for field, text in fields),
+            'STRUCT': '\n'.join(struct_of(f'{name}_drive', fields, 'As fourbar_msgs/DriveState; '
+                                          'NaN: it has none.')),
             ' GIVEN': '; torque: that of the source during it' * self.takes_torque,
             ' AND_MODE': ', mode' * bool(self.modes),
             ' ARGUMENT': ', double torque' * self.takes_torque})
@@ -173,12 +161,13 @@ class DriveCode:
                   *([f'  drive->{own} = {literal(start[2])};'] if own else []),
                   *([f'  drive->mode = {literal(self._system.mechanism.mode)};']
                     if self.modes else []),
-                  *([f'  {command.place} = {literal(command.start)};']
+                  *([f'  drive->{command.field} = {literal(command.value)};']
                     if command and command.field else [])]
         text = filled(snippet('drive.c'), {
             ' ARGUMENT': ', double torque' * self.takes_torque,
             ' PASSED': ', torque' * self.takes_torque,
-            'GIVEN_COMMAND': command.place if command else '0.0',
+            'GIVEN_COMMAND': '0.0' if command is None else
+            f'drive->{command.field}' if command.field else 'torque',
             'OWN_FIELD': f'from->{own}' if own else '0.0',
             'MODE_FIELD': 'from->mode' if self.modes else '0.0',
             '  GIVE_OWN\n': f'  to->{own} = own;\n' if own else '',

@@ -110,12 +110,12 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
                 status]
     signs = {f'sign_{i + 1}' for i in range(len(model.signs))} | {'sign'}
     first = last + 2                      # behind the time
-    of_drive = [Variable(f'drive.{name}', first + i, 'output', unit, text, 0.0)
-                for i, (name, unit, text) in enumerate(drive.numbers) if name in drive.there]
+    of_drive = [Variable(f'drive.{one.name}', first + i, 'output', one.unit, one.text, 0.0)
+                for i, one in enumerate(drive.numbers) if one.name in drive.there]
     last = first + len(drive.numbers)
     command = drive.command
     own_input = [Variable(command.name, last + 1, 'input', command.unit, command.text,
-                          command.start)] if command else []
+                          command.value)] if command else []
     kept = [one for one in found if one.reference >= len(model.inputs) and one.name not in signs]
     return [*own_input, *kept, status,
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]

@@ -401,6 +401,21 @@ def word(name: str) -> str:
     return found + '_' if found in RESERVED else found
 
 
+def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
+    """
+    Return the lines of a C struct: a double for each of ``named``; ``about``: comment above it.
+
+    C has no empty struct: without fields it gets the field none.
+    """
+    if not named:
+        return [f'/* {about} Nothing. */', f'typedef struct {{ double none; }} {name};', '']
+    width = max(len(one.field) for one in named)
+    return [f'/* {about} */', 'typedef struct {',
+            *(f'  double {one.field};{" " * (width - len(one.field))}  /* '
+              f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
+            f'}} {name};', '']
+
+
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:
     """Return name and unit of all numbers of bodies or external loads."""
     return [(f'{group}.{link}.{field.name}', UNITS_OF_BODIES.get(field.name, 'm'))

@@ -95,10 +95,7 @@ typedef enum {
 STATUS
 } NAME_drive_status;
 
-/* As fourbar_msgs/DriveState; NaN: it has none. */
-typedef struct {
-FIELDS} NAME_drive;
-
+STRUCT
 /* The state at the start of the scene GIVEN. */
 void NAME_start(NAME_drive *drive ARGUMENT);
 /* Acceleration and torques of a state that was set: position, velocity, twist,
