@@ -31,6 +31,21 @@ from fourbar_ros import __version__
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
 COMPILERS = ('cc', 'gcc', 'clang')
+# types of which no variable is, and functions of what is not offered: by FMI they must be there
+TYPES = {2: 'Integer Boolean String',
+         3: 'Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String'}
+NOT_OFFERED = {
+    2: """GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate
+        DeSerializeFMUstate GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus
+        GetStringStatus CancelStep SetRealInputDerivatives GetRealOutputDerivatives
+        GetDirectionalDerivative""",
+    3: """GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState
+        DeserializeFMUState EnterConfigurationMode ExitConfigurationMode EvaluateDiscreteStates
+        EnterStepMode GetBinary SetBinary GetClock SetClock GetNumberOfVariableDependencies
+        GetVariableDependencies GetAdjointDerivative GetOutputDerivatives GetIntervalDecimal
+        SetIntervalDecimal GetShiftDecimal SetShiftDecimal GetIntervalFraction
+        SetIntervalFraction GetShiftFraction SetShiftFraction ActivateModelPartition
+        GetDirectionalDerivative"""}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
@@ -141,8 +156,11 @@ def _source(code: Code, version: int) -> str:
     # the versions differ in the type of flags and in a letter
     flag = '#include <stdbool.h>\ntypedef bool Flag;\n' if version == 3 else 'typedef int Flag;\n'
     shared = (snippet('fmu.c') + snippet(f'fmu{version}.c')).replace('FMI_', f'fmi{version}')
+    not_there = [*(f'NONE(fmi{version}{access}{kind})\n' for kind in TYPES[version].split()
+                   for access in ('Get', 'Set')),
+                 *(f'REFUSED(fmi{version}{what})\n' for what in NOT_OFFERED[version].split())]
     text = code.source().replace(f'#include "{name}.h"\n', header)
-    return text + defined + flag + shared.replace('NAME', name)
+    return text + defined + flag + shared.replace('NAME', name) + ''.join(not_there)
 
 
 def build(source: Path, library: Path, command: str = '',
