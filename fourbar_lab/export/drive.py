@@ -14,7 +14,7 @@ from math import inf, tau
 from typing import Any
 
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct_of
-from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
+from fourbar_lab.export.statements import filled, literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce

@@ -123,16 +123,16 @@ def zero(what: str, *terms: complex, verdict: str = AGREES, why: str = '',
 
 
 def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
-          *, correct: float = nan, within: float = EXACT) -> Row:
+          *, correct: float = nan) -> Row:
     """
     Return the Row of a printed formula, by its value, which must be ours.
 
     A misprint must differ, and its correction must not. What is answered here is printed nowhere:
-    both sides are ours, and must agree ``within`` a tolerance.
+    both sides are ours.
     """
     printed, ours = float(printed), float(ours)         # of numpy
     scale = max(1.0, abs(ours))
-    is_right = abs(printed - ours) <= within * scale
+    is_right = abs(printed - ours) <= EXACT * scale
     is_earned = (not is_right and abs(correct - ours) <= EXACT * scale if verdict == MISPRINT
                  else is_right)
     verdict = verdict if is_earned else DIFFERS

@@ -168,7 +168,7 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
     zero('Eq.', 1.0, -1.0, verdict=MISPRINT, why='none', correct=[1.0, -1.0]),
     zero('Eq.', 1.0, -2.0, verdict=MISPRINT, why='so', correct=[1.0, -1.5]),
     equal('Eq.', '', 2.0, 1.0, MISPRINT, 'so', correct=1.001),
-    equal('item', 'deg', 90.0, 89.9999, ANSWERED, 'so', within=1e-7)])
+    equal('item', 'deg', 90.0, 89.9999, ANSWERED, 'so')])
 def test_a_verdict_that_is_not_earned_is_seen(row):
     assert row.verdict == DIFFERS
 
@@ -201,26 +201,6 @@ def test_table_3_is_momentum(sections):
     assert found['largest shaking force'] == pytest.approx(2512.318373, rel=1e-9)
     assert found['largest shaking moment about O1 (thin rods)'] == pytest.approx(2048.519240,
                                                                                  rel=1e-9)
-
-
-def test_the_arm_of_f34_is_from_o1_to_o4():
-    """T14 + arm x F34 is minus the rate of the angular momentum about O1 for the arm a4 only."""
-    linkage = published.PAPER
-    m, loads = linkage.step(0.7, 25.0)
-    crank, coupler, output = (complex(m.cos_x, m.sin_x), complex(m.cos_b, m.sin_b),
-                              complex(m.cos_y, m.sin_y))
-    places = (0.2 * crank, 0.4 * crank + 0.6 * coupler, 1.0 + 0.4 * output)
-    of_a = -625.0 * 0.4 * crank
-    accelerations = (0.5 * of_a, of_a + (1j * m.alpha_beta - m.omega_beta**2) * 0.6 * coupler,
-                     (1j * m.alpha4 - m.omega4**2) * 0.4 * output)
-    rate = sum(body.mass * (place.conjugate() * acceleration).imag + body.inertia * alpha
-               for body, place, acceleration, alpha in zip(linkage.bodies, places, accelerations,
-                                                           (0.0, m.alpha_beta, m.alpha4)))
-    f34 = complex(-loads.f43_x, -loads.f43_y)
-    # r34, from CG3 to O4
-    printed = -loads.driving_torque + ((-0.4 * output).conjugate() * f34).imag
-    assert loads.shaking_moment == pytest.approx(-rate, rel=1e-13)
-    assert abs(printed + rate) > 0.1 * abs(rate)
 
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
