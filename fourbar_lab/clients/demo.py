@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from math import cos, degrees, isnan, nan, remainder, sin
 from pathlib import Path
 import signal
@@ -45,7 +46,7 @@ class Driver(NodeClient):
         self.latest: dict[str, Message] = {}         # newest message of each output, by its name
         self.received = Counter[str]()
         for name, topic in scene.topics.items():
-            self.subscribe(topic, lambda message, name=name: self._take(name, message))
+            self.subscribe(topic, partial(self._take, name))
         self.input = self.publisher('motion') if scene.drive.source == 'motion' else None
 
     def _take(self, name: str, message: Message) -> None:
