@@ -72,10 +72,8 @@ def wrapper(model: GeneratedModel) -> str:
     drive = snippet('wrapper.hpp', 'drive') if model.moves_by_torque else ''
     drive = filled(drive, {'FIRST': torque, ' ARGUMENT': torque and f', {torque}',
                            ' PASSED': ', torque' if torque else '', 'NAME': model.name})
-    text = filled(snippet('wrapper.hpp'), {'DRIVE\n': drive, 'NAME': model.name,
-                                           'GUARD': f'FOURBAR_{model.name.upper()}_HPP'})
-    if not model.loads:
-        start, end = text.index('  Status step'), text.index('\nprivate:')
-        text = '\n'.join(line for line in (text[:start] + text[end:]).split('\n')
-                         if 'oads' not in line)
-    return text
+    return filled(snippet('wrapper.hpp'), {
+        'USING_LOADS': f'using Loads = {model.name}_loads;\n' if model.loads else '',
+        'OF_BOTH\n': filled(snippet('wrapper.hpp', 'loads'), {'NAME': model.name})
+        if model.loads else '', 'DRIVE\n': drive, 'NAME': model.name,
+        'GUARD': f'FOURBAR_{model.name.upper()}_HPP'})

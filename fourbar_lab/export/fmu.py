@@ -19,7 +19,6 @@ import sys
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 import uuid
-from xml.etree import ElementTree
 import zipfile
 
 from fourbar_lab.export.c_code import Code, FLAGS, STATUS
@@ -27,6 +26,7 @@ from fourbar_lab.export.drive import DriveCode, STATUS_OF_DRIVE
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
+from fourbar_ros.description.xml import add, as_text, Element
 
 PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
              'win32': ('win64', '{}-windows', 'dll')}
@@ -83,10 +83,10 @@ def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, l
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
     source = text.replace('GUID', f'{{{guid}}}')
     description = _description(model, variables, f'{{{guid}}}', version)
-    inside = {'modelDescription.xml': _as_text(description),
+    inside = {'modelDescription.xml': as_text(description).encode(),
               f'sources/{model.name}.c': source.encode()}
     if version == 3:
-        inside['sources/buildDescription.xml'] = _as_text(_build_description(model))
+        inside['sources/buildDescription.xml'] = as_text(_build_description(model)).encode()
     notes = []
     try:
         inside.update(_binary(model.name, source, version))
@@ -194,73 +194,63 @@ def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
 
 # --- descriptions --------------------------------------------------------------------------------
 
-def _as_text(element: ElementTree.Element) -> bytes:
-    ElementTree.indent(element)
-    text: bytes = ElementTree.tostring(element, 'utf-8', xml_declaration=True)
-    return text
-
-
-def _element(under: ElementTree.Element | None, tag: str, **attributes: object
-             ) -> ElementTree.Element:
-    given = {name: str(value) for name, value in attributes.items() if value != ''}
-    return (ElementTree.Element(tag, given) if under is None
-            else ElementTree.SubElement(under, tag, given))
-
-
 def _unit(unit: str) -> str:
     """Return a unit as FMI writes it: N.m, rad/s2."""
     return unit.replace(' ', '.').replace('^', '')
 
 
-def _units(root: ElementTree.Element, variables: list[Variable]) -> None:
+def _units(root: Element, variables: list[Variable]) -> None:
     """Add all units in use, by name."""
-    units = _element(root, 'UnitDefinitions')
+    units = add(root, 'UnitDefinitions')
     for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
-        own = _element(units, 'Unit', name=_unit(unit))
+        own = add(units, 'Unit', name=_unit(unit))
         if unit == 'rad':
-            _element(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
+            add(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
 
 
 def _description(model: GeneratedModel, variables: list[Variable], guid: str,
-                 version: int) -> ElementTree.Element:
+                 version: int) -> Element:
     """
     Return modelDescription.xml.
 
     Dependencies name variables by their order, from 1, in FMI 2.0, by value references in 3.0.
     """
     is_2 = version == 2
-    root = _element(None, 'fmiModelDescription', fmiVersion=f'{version}.0', modelName=model.name,
-                    description=f'{model.mechanism.description}, mode {model.mechanism.mode}',
-                    version=__version__, generationTool=f'fourbar_ros {__version__}',
-                    variableNamingConvention='structured',
-                    **{'guid' if is_2 else 'instantiationToken': guid})
+    root = Element('fmiModelDescription', {
+        'fmiVersion': f'{version}.0', 'modelName': model.name,
+        'description': f'{model.mechanism.description}, mode {model.mechanism.mode}',
+        'version': __version__, 'generationTool': f'fourbar_ros {__version__}',
+        'variableNamingConvention': 'structured', 'guid' if is_2 else 'instantiationToken': guid})
     # model exchange is for motion by its inputs, which has no state: it is solved with the model
     # around it, without the delay of a step; motion by torque has steps of its own
     for tag in ('CoSimulation',) if model.moves_by_torque else ('ModelExchange', 'CoSimulation'):
-        kind = _element(root, tag, modelIdentifier=model.name)
+        kind = add(root, tag, modelIdentifier=model.name)
         if tag == 'CoSimulation':
             kind.set('canHandleVariableCommunicationStepSize', 'true')
         if is_2:
-            _element(_element(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+            add(add(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
     step = 1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001
-    _element(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=repr(step))
-    listed = _element(root, 'ModelVariables')
+    add(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=repr(step))
+    listed = add(root, 'ModelVariables')
     if not is_2:
         status = next(one for one in variables if one.name == 'status')
-        _element(listed, 'Float64', name='time', valueReference=status.reference + 1,
-                 causality='independent', variability='continuous', unit='s')
+        add(listed, 'Float64', name='time', valueReference=status.reference + 1,
+            causality='independent', variability='continuous', unit='s')
     for one in variables:
-        about = {'name': one.name, 'valueReference': one.reference, 'description': one.text,
-                 'causality': one.causality,
-                 'variability': 'tunable' if one.causality == 'parameter' else 'continuous'}
-        number = {'unit': _unit(one.unit), 'min': '0' if one.is_positive else '',
-                  'start': '' if one.causality == 'output' else repr(one.start)}
-        if is_2:
-            _element(_element(listed, 'ScalarVariable', **about), 'Real', **number)
-        else:
-            _element(listed, 'Float64', **about, **number)
-    structure = _element(root, 'ModelStructure')
+        variable = add(listed, 'ScalarVariable' if is_2 else 'Float64', name=one.name,
+                       valueReference=one.reference, causality=one.causality, variability=
+                       'tunable' if one.causality == 'parameter' else 'continuous')
+        number = add(variable, 'Real') if is_2 else variable
+        if one.text:
+            variable.set('description', one.text)
+        if one.unit:
+            number.set('unit', _unit(one.unit))
+        if one.is_positive:
+            number.set('min', '0')
+        if one.causality != 'output':
+            number.set('start', repr(one.start))
+    structure = add(root, 'ModelStructure')
     numbers = {one.name: i if is_2 else one.reference for i, one in enumerate(variables, 1)}
     not_outputs = [one for one in variables if one.causality != 'output']
     # on torque, voltage or speed of the motor outputs depend by steps alone, not at once
@@ -268,19 +258,18 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
               and not one.name.startswith('motor.')]
     for tag, given in (('Output', inputs), ('InitialUnknown', not_outputs)):
         on = ' '.join(str(numbers[one.name]) for one in given)
-        under, name, key = ((_element(structure, f'{tag}s'), 'Unknown', 'index') if is_2
+        under, name, key = ((add(structure, f'{tag}s'), 'Unknown', 'index') if is_2
                             else (structure, tag, 'valueReference'))
         for one in variables:
             if one.causality == 'output':
-                _element(under, name, **{key: numbers[one.name]}).set('dependencies', on)
+                add(under, name, **{key: numbers[one.name]}).set('dependencies', on)
     return root
 
 
-def _build_description(model: GeneratedModel) -> ElementTree.Element:
+def _build_description(model: GeneratedModel) -> Element:
     """Return buildDescription.xml of FMI 3.0: which C file is compiled, and how."""
-    root = _element(None, 'fmiBuildDescription', fmiVersion='3.0')
-    own = _element(root, 'BuildConfiguration', modelIdentifier=model.name)
-    files = _element(own, 'SourceFileSet', language='C99', compiler='gcc',
-                     compilerOptions=FLAGS)
-    _element(files, 'SourceFile', name=f'{model.name}.c')
+    root = Element('fmiBuildDescription', fmiVersion='3.0')
+    own = add(root, 'BuildConfiguration', modelIdentifier=model.name)
+    files = add(own, 'SourceFileSet', language='C99', compiler='gcc', compilerOptions=FLAGS)
+    add(files, 'SourceFile', name=f'{model.name}.c')
     return root

@@ -10,8 +10,7 @@ namespace NAME
 using Input = NAME_input;
 using Parameters = NAME_parameters;
 using Motion = NAME_motion;
-using Loads = NAME_loads;
-using Status = NAME_status;
+USING_LOADSusing Status = NAME_status;
 
 inline Parameters defaults()
 {
@@ -27,10 +26,7 @@ public:
   explicit Linkage(const Parameters & given = defaults()) {set(given);}
   void set(const Parameters & given) {NAME_prepare(&given, &constants_);}
   Status motion(const Input & at, Motion & to) const {return NAME_motion_at(&constants_, &at, &to);}
-  Status step(const Input & at, Motion & to, Loads & loads) const
-  {
-    return NAME_step(&constants_, &at, &to, &loads);
-  }
+OF_BOTH
 
 private:
   NAME_constants constants_;
@@ -39,6 +35,11 @@ DRIVE
 }  // namespace NAME
 }  // namespace fourbar
 #endif
+// --- loads
+  Status step(const Input & at, Motion & to, Loads & loads) const
+  {
+    return NAME_step(&constants_, &at, &to, &loads);
+  }
 // --- drive
 
 /// Its motion by torque, in steps of the node. No call allocates, locks or throws.
