@@ -32,21 +32,30 @@ ORDINARY = 6.0      # condition of theta4 up to which it is not in line within s
 
 # --- one pose ------------------------------------------------------------------------------------
 
-def ours(lengths, mode, x, omega):
-    """Return theta4, omega4 and alpha4; NaN where they are refused."""
+def ours(linkage, given):
+    """Return theta4, omega4 and alpha4, then F41, F21, F32, F43; NaN where they are refused."""
     try:
-        motion = FourBar(*lengths, mode=mode).motion(x, omega)
+        motion, loads = linkage.step(*given)
     except FourBarError:
-        return nan, nan, nan
-    return motion.theta4, motion.omega4, motion.alpha4
+        return 3 * (nan,), np.full(4, nan)
+    return ((motion.theta4, motion.omega4, motion.alpha4),
+            np.array(loads[:8:2]) + 1j * np.array(loads[1:8:2]))
 
 
-def by_cosines(lengths, mode, x, omega):
-    """Return the same by the law of cosines."""
+def by_textbook(linkage, given):
+    """Return the same by the law of cosines and the 9x9 system."""
+    x, omega, alpha = given
+    x, lengths = np.float64(x), [np.float64(a) for a in linkage.lengths]
     with np.errstate(all='ignore'):
-        y, _, dy, _, ddy, _ = naive.law_of_cosines([np.float64(a) for a in lengths], 2 * mode - 3,
-                                                   np.float64(x))
-    return y, dy * omega, ddy * omega**2
+        motion = naive.law_of_cosines(lengths, linkage.sign, x)
+        try:
+            loads = naive.nine_by_nine(
+                lengths, motion, x, omega, alpha, [astuple(body) for body in linkage.bodies],
+                [astuple(applied) for applied in linkage.external], linkage.gravity)
+        except np.linalg.LinAlgError:
+            loads = np.full(8, nan)
+    y, _, dy, _, ddy, _ = motion
+    return (y, dy * omega, ddy * omega**2), loads[:8:2] + 1j * loads[1:8:2]
 
 
 def drawn(rng, family):
@@ -88,42 +97,19 @@ def errors(rng, family):
     linkage, given, (motion, loads) = drawn(rng, family)
     # the rates of a parallelogram are constant, so that no error is zero: at least the input's
     least = 1.0, abs(given[1]), given[1]**2
-    rows = {}
-    for way, function in ((OURS, ours), (NAIVE, by_cosines)):
-        found = [*function(linkage.lengths, linkage.mode, *given[:2])]
+    motions, forces = {}, {}
+    for way, function in ((OURS, ours), (NAIVE, by_textbook)):
+        found, its = function(linkage, given)
         true, cond = motion['theta4']
-        found[0] += tau * round(float(true - found[0]) / tau) if np.isfinite(found[0]) else 0.0
+        turn = tau * round(float(true - found[0]) / tau) if np.isfinite(found[0]) else 0.0
         row = [in_eps(value, motion[name][0], max(motion[name][1], size))
-               for value, name, size in zip(found, ('theta4', 'omega4', 'alpha4'), least)]
-        rows[way] = [*row, row[0] * EPS * max(cond, 1.0) if cond <= ORDINARY else 0.0]
-    forces = {OURS: forces_of(linkage, *given), NAIVE: forces_by_system(linkage, *given)}
-    return rows, {way: max((in_eps(complex(*force), *loads[name])
-                            for force, name in zip(its, ('f41', 'f21', 'f32', 'f43'))),
-                           key=lambda e: inf if e != e else e) for way, its in forces.items()}
-
-
-def forces_of(linkage, x, omega, alpha):
-    """Return F41, F21, F32, F43 as (x, y) by the package; NaN where they are refused."""
-    try:
-        loads = linkage.loads(x, omega, alpha)
-    except FourBarError:
-        return np.full((4, 2), nan)
-    return np.array(loads[:8]).reshape(4, 2)
-
-
-def forces_by_system(linkage, x, omega, alpha):
-    """Return the same by the 9x9 system, the motion by the law of cosines."""
-    x = np.float64(x)
-    lengths = [np.float64(a) for a in linkage.lengths]
-    with np.errstate(all='ignore'):
-        motion = naive.law_of_cosines(lengths, linkage.sign, x)
-        try:
-            solution = naive.nine_by_nine(
-                lengths, motion, x, omega, alpha, [astuple(body) for body in linkage.bodies],
-                [astuple(applied) for applied in linkage.external], linkage.gravity)
-        except np.linalg.LinAlgError:
-            return np.full((4, 2), nan)
-    return solution[:8].reshape(4, 2)
+               for value, name, size in zip((found[0] + turn, *found[1:]),
+                                            ('theta4', 'omega4', 'alpha4'), least)]
+        motions[way] = [*row, row[0] * EPS * max(cond, 1.0) if cond <= ORDINARY else 0.0]
+        forces[way] = max((in_eps(force, *loads[name])
+                           for force, name in zip(its, ('f41', 'f21', 'f32', 'f43'))),
+                          key=lambda error: inf if error != error else error)
+    return motions, forces
 
 
 # --- families of poses ---------------------------------------------------------------------------

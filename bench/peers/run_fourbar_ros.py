@@ -1,11 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """This package, a textbook script, and 9x9 systems in numpy."""
+from functools import partial
 import math
 from pathlib import Path
 import sys
 
 from common import Case, Method, serve
+from loop import read as read_rows
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
@@ -20,6 +22,14 @@ sign = 1.0 if math.sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 el
 linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1,
                   bodies=Bodies(*(Body(*b) for b in case.bodies)))
 masses = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
+
+
+def read(fields):
+    """Return what is scored of fields by their names."""
+    found = {name: fields[name] for name in ('theta4', 'omega4', 'alpha4')}
+    if 'f41_x' in fields:
+        found['f41'] = np.stack((fields['f41_x'], fields['f41_y']), -1)
+    return found
 
 
 def scalar(theta1):
@@ -38,35 +48,33 @@ def scalar_motion(theta1):
     return rows
 
 
-def read_scalar(rows):
-    return dict(zip(('theta4', 'omega4', 'alpha4', 'f41'), zip(*rows)))
-
-
-def read(found):
-    motion, loads = found
-    return {**read_motion(motion), 'f41': np.stack((loads.f41_x, loads.f41_y), -1)}
-
-
-def read_motion(motion):
-    return {'theta4': motion.theta4, 'omega4': motion.omega4, 'alpha4': motion.alpha4}
-
-
 def batch(function, count):
+    """Return the function that gives so many samples at once to another."""
     theta1 = np.tile(case.theta1, count // len(case.theta1))
     return lambda _: function(theta1, omega, 0.0)
 
 
-def system(m):
-    """Return the function theta1 -> motion and solution of the 9x9 system."""
-    def run(x):
-        motion = law_of_cosines(linkage.lengths, sign, x, m)
-        return motion, nine_by_nine(linkage.lengths, motion, x, omega, 0.0, masses, m=m)
-    return run
+def each(function):
+    """Return the function that gives one sample after the other to another."""
+    return lambda theta1: [function(x, omega, 0.0) for x in theta1.tolist()]
 
 
-def batch_system(count):
-    theta1, run = np.tile(case.theta1, count // len(case.theta1)), system(ARRAY)
-    return lambda _: run(theta1)
+def only(theta1, rate, acceleration):
+    return linkage.step(theta1, rate, acceleration, fields=FIELDS)
+
+
+def by_textbook(theta1, rate, acceleration, m=ARRAY):
+    return textbook(linkage.lengths, sign, masses, theta1, rate, acceleration, m)
+
+
+def read_textbook(found):
+    return read(dict(zip(FIELDS, found)))
+
+
+def system(theta1, rate, acceleration, m=ARRAY):
+    """Return motion and solution of the 9x9 system."""
+    motion = law_of_cosines(linkage.lengths, sign, theta1, m)
+    return motion, nine_by_nine(linkage.lengths, motion, theta1, rate, acceleration, masses, m=m)
 
 
 def read_system(found):
@@ -79,34 +87,18 @@ def read_systems(rows):
     return read_system((np.array(motions).T, np.array(forces)))
 
 
-one_system = system(SCALAR)
-
-
-def only(theta1, rate, acceleration):
-    return linkage.step(theta1, rate, acceleration, fields=FIELDS)
-
-
-def by_textbook(theta1, rate, acceleration, m=ARRAY):
-    return textbook(linkage.lengths, sign, masses, theta1, rate, acceleration, m)
-
-
-def read_fields(found):
-    fields = dict(zip(FIELDS, found))
-    return {**{name: fields[name] for name in ('theta4', 'omega4', 'alpha4')},
-            'f41': np.stack((fields['f41_x'], fields['f41_y']), -1)}
-
-
 serve(case, [
-    Method('fourbar_ros, scalar', scalar, read_scalar),
-    Method('fourbar_ros, scalar, motion only', scalar_motion, read_scalar),
-    *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count), read)
+    Method('fourbar_ros, scalar', scalar, read_rows),
+    Method('fourbar_ros, scalar, motion only', scalar_motion, read_rows),
+    *(Method(f'fourbar_ros, batch of {count}', batch(linkage.step, count),
+             lambda found: read(found[0]._asdict() | found[1]._asdict()))
       for count in (1000, 10000, 100000)),
-    Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000), read_motion),
-    Method('fourbar_ros, batch of 10000, fields of the textbook', batch(only, 10000), read_fields),
-    Method('textbook numpy, batch of 10000', batch(by_textbook, 10000), read_fields),
-    Method('textbook, one a call', lambda theta1: [by_textbook(x, omega, 0.0, SCALAR)
-                                                   for x in theta1.tolist()],
-           lambda rows: read_fields(np.array(rows).T)),
-    Method('9x9 numpy, one a call', lambda theta1: [one_system(x) for x in theta1.tolist()],
-           read_systems),
-    Method('9x9 numpy, batch of 1000', batch_system(1000), read_system)])
+    Method('fourbar_ros, batch of 10000, motion only', batch(linkage.motion, 10000),
+           lambda motion: read(motion._asdict())),
+    Method('fourbar_ros, batch of 10000, fields of the textbook', batch(only, 10000),
+           read_textbook),
+    Method('textbook numpy, batch of 10000', batch(by_textbook, 10000), read_textbook),
+    Method('textbook, one a call', each(partial(by_textbook, m=SCALAR)),
+           lambda rows: read_textbook(np.array(rows).T)),
+    Method('9x9 numpy, one a call', each(partial(system, m=SCALAR)), read_systems),
+    Method('9x9 numpy, batch of 1000', batch(system, 1000), read_system)])
