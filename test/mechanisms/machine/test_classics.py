@@ -123,53 +123,40 @@ def test_a_scissor_lift_of_two_stages():
     close(loads.driving_force / (-4000.0 * x / height), 1.0, 256)
 
 
-# --- approximate lines: the deviation from circles that meet -------------------------------------
+# --- approximate lines ---------------------------------------------------------------------------
 
-def test_watt_stays_near_his_line():
-    theta = np.linspace(-0.35, 0.35, 141)
-    point = traced('watt_line', theta)
-    off = np.abs(point.x - 0.5)
-    assert np.ptp(point.y) > 0.3
-    assert off.max() < 2.5e-3
-    assert off[np.abs(theta) < 0.18].max() < 0.1 * off.max()
-
-
-def test_roberts_touches_the_line_three_times():
-    last = np.arccos(1.0 / 1.2)            # 1.2 from both pivots: the apex is at one of them
-    first = last + 2.0 * np.arcsin(0.5 / 1.2)
-    for x, theta in ((0.0, first), (1.0, np.arccos(0.5 / 1.2)), (2.0, last)):
-        point = traced('roberts', float(theta))
-        close(np.hypot(point.x - x, point.y), 0.0, 64, 2.0)
-    point = traced('roberts', np.linspace(last, first, 101))
-    assert 0.01 < np.abs(point.y).max() < 0.014         # over 2 m
+LAST = np.arccos(1.0 / 1.2)             # of Roberts: 1.2 from both pivots, the apex at one of them
+FIRST = LAST + 2.0 * np.arcsin(0.5 / 1.2)
+# scene: inputs, the point on the line at some of them, the line's axis and place, how long the
+# point's way along it is at least, within which bounds its largest deviation is
+LINES = {
+    'watt_line': ((-0.35, 0.35), {}, 'x', 0.5, 0.3, (0.0, 2.5e-3)),
+    'roberts': ((LAST, FIRST), {FIRST: 0.0, np.arccos(0.5 / 1.2): 1.0, LAST: 2.0}, 'y', 0.0, 1.9,
+                (0.01, 0.014)),
+    'chebyshev': ((np.arctan2(3.0, 4.0), 0.5 * pi), {0.5 * pi: 0.0, np.arctan2(4.0, 3.0): 0.2},
+                  'y', 0.4, 0.3, (0.9e-3, 1e-3)),
+    'evans': ((-0.6, 0.6), {}, 'x', 0.0, 0.4, (0.0, 1.5e-4)),
+    'hoeken': ((0.5 * pi, 1.5 * pi), {0.5 * pi: 0.4, pi: 0.2, 1.5 * pi: 0.0}, 'y', 0.4, 0.39,
+               (0.8e-3, 1e-3)),
+}
 
 
-def test_chebyshev_crosses_the_line():
-    for x, theta in ((0.0, 0.5 * pi), (0.2, np.arctan2(4.0, 3.0))):
-        point = traced('chebyshev', float(theta))
-        close(point.x - x, 0.0)
-        close(point.y - 0.4, 0.0)
-    theta = np.linspace(np.arctan2(3.0, 4.0), 0.5 * pi, 101)[1:-1]
-    point = traced('chebyshev', theta)
-    assert 0.9e-3 < np.abs(point.y - 0.4).max() < 1e-3         # over 0.4 m
+@pytest.mark.parametrize('name', LINES)
+def test_a_point_stays_near_its_line(name):
+    ends, met, axis, place, way, (least, most) = LINES[name]
+    point = traced(name, np.linspace(*ends, 181)[1:-1])
+    off, along = getattr(point, axis) - place, getattr(point, 'xy'.replace(axis, ''))
+    assert np.ptp(along) > way and least < np.abs(off).max() < most
+    for theta, at in met.items():           # circles meet there
+        there = traced(name, float(theta))
+        close(getattr(there, axis) - place, 0.0, 64, 2.0)
+        close(getattr(there, 'xy'.replace(axis, '')) - at, 0.0, 64, 2.0)
 
 
-def test_evans_nearly_draws_the_y_axis():
-    theta = np.linspace(-0.6, 0.6, 121)
-    point = traced('evans', theta)
-    assert np.ptp(point.y) > 0.4
-    assert np.abs(point.x).max() < 1.5e-4
-
-
-def test_hoeken_draws_four_cranks_of_a_line_in_half_a_turn():
-    theta = np.linspace(0.5 * pi, 1.5 * pi, 181)
-    point = traced('hoeken', theta, rate=2.0)
-    close(point.x[[0, 90, -1]], np.array([0.4, 0.2, 0.0]), 64)      # on the line y = 4 cranks
-    close(point.y[[0, 90, -1]], 0.4, 64)
-    assert 0.8e-3 < np.abs(point.y - 0.4).max() < 1e-3              # over 0.4 m
+def test_hoeken_goes_steadily():
+    theta = np.linspace(0.15 * pi, 0.85 * pi, 181) + 0.5 * pi
     mean = 0.4 / (0.5 * pi)                                         # in half a turn at 2 rad/s
-    middle = np.abs(theta - pi) < 0.35 * pi
-    assert np.abs(-point.velocity_x[middle] / mean - 1.0).max() < 0.15
+    assert np.abs(-traced('hoeken', theta, rate=2.0).velocity_x / mean - 1.0).max() < 0.15
 
 
 # --- legs, presses, pumps, engines ---------------------------------------------------------------

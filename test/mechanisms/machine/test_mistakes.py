@@ -35,16 +35,12 @@ MISTAKES = {
     'no dyad': (lambda: Machine([]), 'dyads = .*one Dyad or more'),
     'a dyad that is none': (lambda: Machine([('d', 'RRR')]), 'dyads = .*one Dyad or more'),
     'unknown kind': (lambda: rrr(kind='RPPR'), r'dyads.d.kind = .RPPR.: must be one of RRR'),
-    'a kind in small letters': (lambda: rrr(kind='rrr'), 'dyads.d.kind'),
     'no name': (lambda: rrr(''), 'name of a dyad = .*letters'),
-    'a name with a blank': (lambda: rrr('a b'), 'name of a dyad = .a b.*letters'),
     'a name that is a word of Python': (lambda: rrr(links=('lambda', 'b')), 'dyads.d.links = .la'),
     'a link named as the ground': (lambda: Machine([rrr(links=('ground', 'b'))]),
                                    'dyads.d.links.*ground'),
     'two links of one name': (lambda: Machine([rrr(links=('rod', 'rod'))]),
                               'dyads.d.links = .*must be two names'),
-    'one link': (lambda: rrr(links=('rod',)), 'dyads.d.links.*names of two links'),
-    'a text for two links': (lambda: rrr(links='ab'), 'dyads.d.links.*names of two links'),
     'a name of a dyad twice': (
         lambda: Machine([rrr(), rrr(links=('rod', 'arm'))]), 'name of a dyad = .d.: stands twice'),
     'a name of a link twice': (
@@ -69,13 +65,6 @@ MISTAKES = {
         'dyads.one.second.link = .arm.: is a link of dyad two, but no order of dyads works: the '
         'links coupler, ternary, arm, rocker close only together, an Assur group of a higher '
         'class. Drive another link, or hang one of their dyads on links before it$'),
-    'the same, the other first': (
-        lambda: stephenson_2('two', 'one'),
-        'dyads.two.second.link = .coupler.: .*links arm, rocker, coupler, ternary close only'),
-    'a dyad behind an order that cannot be': (
-        lambda: stephenson_2('behind', 'one', 'two'),
-        'dyads.behind.first.link = .ternary.: is a link of dyad one, .*links coupler, ternary, '
-        'arm, rocker close only'),
     'three dyads that hang on each other': (
         lambda: Machine([rrr(name, second=Point(f'{other}_1', 0.2), links=(f'{name}_1',
                                                                            f'{name}_2'))
@@ -87,15 +76,12 @@ MISTAKES = {
     'a link of its own': (lambda: Machine([rrr(second=Point('coupler', 0.1))]),
                           'dyads.d.second.link = .coupler.*own link'),
     'a point that is none': (lambda: rrr(first=3.0), 'dyads.d.first = 3.0: must be Point'),
-    'a point without a link': (lambda: rrr(first=(0.1, 0.2)), 'dyads.d.first = .*must be Point'),
     'a point that is not finite': (lambda: rrr(first=Point('crank', nan)),
                                    'dyads.d.first.along = nan'),
     'a length missing': (lambda: rrr(length_2=None), 'dyads.d.length_2: a dyad RRR needs it'),
     'a length too many': (lambda: rrr(offset=0.1),
                           'dyads.d.offset = 0.1: a dyad RRR has length_1, length_2 only'),
     'a length of zero': (lambda: rrr(length_1=0.0), 'dyads.d.length_1 = 0.0.*positive'),
-    'a negative length': (lambda: rrr(length_1=-1.0), 'dyads.d.length_1 = -1.0.*positive'),
-    'an infinite length': (lambda: rrr(length_1=inf), 'dyads.d.length_1 = inf'),
     'a length whose square overflows': (lambda: rrr(length_1=1e200),
                                         r'dyads.d.length_1 = 1e\+200: must be between'),
     'a text for a length': (lambda: rrr(length_1='1.2'), 'dyads.d.length_1 = .1.2.*not of type'),
@@ -112,8 +98,6 @@ MISTAKES = {
     'rods that never reach': (
         lambda: second(Point('rocker', 0.8), length_1=0.1, length_2=0.1),
         'dyads.e: cannot close at any input at which those before it do'),
-    'rods that never reach at first': (lambda: Machine([rrr(length_1=0.1, length_2=0.1)]),
-                                       'dyads.d: cannot close at any input$'),
     'unknown input': (lambda: Machine([rrr()], input='motor'), 'input = .motor.: must be one of'),
     'an output that is no link': (lambda: Machine([rrr()], output='rokcer'),
                                   'output = .rokcer.*did you mean rocker'),
