@@ -20,8 +20,7 @@ from support.cartesian import (
     MANY_BITS,
     NoWay,
 )
-from support.machine_families import Drawn, FAMILIES
-from support.random_machines import random_machines
+from support.random_machines import Drawn, FAMILIES, random_machines
 from support.samples import more, some
 from support.scans import check_against_scan
 

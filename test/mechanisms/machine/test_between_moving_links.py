@@ -17,7 +17,7 @@ from fourbar_ros.scene.files import read_values
 import numpy as np
 import pytest
 from support.cartesian import BITS, conditions, errors, exact, off
-from support.machine_families import between_moving_links
+from support.random_machines import between_moving_links
 from support.samples import more
 
 EPS = 2.0**-52
