@@ -5,8 +5,7 @@ from dataclasses import replace
 import math
 
 from fourbar_ros import InvalidParameter, OutOfRange, Toggle
-from fourbar_ros.extrema.find import find_extrema, INTERIOR, LIMIT
-from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.extrema.find import find_extrema, LIMIT
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper
 from fourbar_ros.scene import scene
@@ -63,32 +62,6 @@ def test_outside_of_the_stroke_there_is_no_pose():
                 assert np.isnan(values).tolist() == [True, False, False, False, True], name
 
 
-def test_extrema_in_a_stroke_are_those_inside_and_its_ends():
-    """Interior ones as without a stroke, as far as inside; values at the ends are finite."""
-    for free, mechanism in mechanisms(402, 4):
-        low, high = mechanism.stroke
-        names = [quantity.name for quantity in select((), mechanism)]
-        found, all_ = (find_extrema(m, names, 0.7, 0.3) for m in (mechanism, free))
-        for name in names:
-            here = [e for e in found if e.quantity == name]
-            inside = [(e.slide, e.value, e.kind) for e in here if e.place == INTERIOR and e.kind
-                      != 'constant']
-            expected = [(e.slide, e.value, e.kind) for e in all_ if e.quantity == name and e.place
-                        == INTERIOR
-                        and e.kind != 'constant' and low < e.slide < high]
-            assert [e[2] for e in inside] == [e[2] for e in expected], name
-            for ours, theirs in zip(inside, expected):
-                assert ours[:2] == pytest.approx(theirs[:2], rel=1e-7, abs=1e-9 * (high - low))
-            ends = [e for e in here if e.place == LIMIT]
-            if any(e.kind == 'constant' for e in here):
-                continue
-            assert [(e.slide, e.side) for e in ends] == [(low, 1), (high, -1)]
-            for e in ends:
-                motion, loads = mechanism.step(e.slide, 0.7, 0.3)
-                quantity = next(q for q in select([name], mechanism))
-                assert e.value == pytest.approx(quantity.of(motion, loads), rel=1e-12)
-
-
 @pytest.mark.parametrize('stroke, limits', [((0.0, 1.5), [0.4, 1.5]), ((1.0, 9.0), [1.0, 2.8]),
                                             ((-9.0, 9.0), None)])
 def test_a_stroke_beyond_a_toggle_ends_there(stroke, limits):
@@ -111,13 +84,6 @@ def test_a_cylinder_is_never_searched_at_negative_length():
     linkage = scene.load('cylinder').linkage
     found = find_extrema(linkage, (), 0.2)
     assert found and all(1.0 <= e.slide <= 1.8 and math.isfinite(e.value) for e in found)
-
-
-def test_extrema_in_a_stroke_are_proved():
-    pytest.importorskip('flint')
-    mechanism = InvertedSlider(1.2, 1.6, input='slide', stroke=(0.9, 1.5))
-    for e in find_extrema(mechanism, ('omega1', 'alpha4'), 1.0, certify=True):
-        assert e.proof.startswith('interval bounds')
 
 
 def test_only_a_driven_slide_has_a_stroke():
