@@ -1,6 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Torque-driven motion: error against CPU time of simulate and scipy's integrators."""
+from itertools import groupby, product
+from operator import attrgetter
 import time
 from typing import NamedTuple
 import warnings
@@ -23,6 +25,8 @@ from support.dynamics_problems import (
     sundials_slider_crank,
     windows_exact,
 )
+
+from .pages import table
 
 TOLERANCES = (1e-6, 1e-10)
 METHODS = ('RK45', 'DOP853', 'LSODA', 'Radau', 'BDF')
@@ -154,33 +158,28 @@ def cell(outcome, tolerance):
     return f'**{text}**' if outcome.error > ALLOWED * tolerance else text
 
 
-def summary(results):
-    """Print for each method how often it was right, wrong without saying so, and stuck."""
-    print('\n| | right | success reported, error > 10 tolerances | stuck or gave up |\n'
-          '| --- | --- | --- | --- |')
-    for method in ('simulate', *METHODS):
-        every = [(tolerance, found[method]) for (_, tolerance), found in results.items()]
-        good = [o.error <= ALLOWED * t for t, o in every if o.status == REACHED]
-        print(f'| {method} | {sum(good)} | {len(good) - sum(good)} | {len(every) - len(good)} |')
-
-
 def main():
     """Print all tables."""
     print('Error of the last position [rad], CPU time [ms], at tolerances 1e-6 and 1e-10. '
           '`simulate` runs twice or more and checks itself; the others are `solve_ivp`, once, on '
           'the same equation. Bold: success was reported with an error above 10 tolerances. '
           f'*Stuck*: more than {BUDGET} evaluations.\n')
-    results, family = {}, None
-    for scene in scenes():
-        if scene.family != family:
-            family = scene.family
-            print(f'\n## {family.capitalize()}\n\n| scene, reference | tolerance | simulate | '
-                  f'{" | ".join(METHODS)} |\n|{" --- |" * (len(METHODS) + 3)}')
-        for tolerance in TOLERANCES:
-            found = {'simulate': ours(scene, tolerance),
-                     **{method: theirs(scene, method, tolerance) for method in METHODS}}
-            results[scene.name, tolerance] = found
-            cells = ' | '.join(cell(outcome, tolerance) for outcome in found.values())
-            print(f'| {scene.name} ({scene.source}) | {tolerance:.0e} | {cells} |', flush=True)
-    print('## All of them')
-    summary(results)
+    every = {method: [] for method in ('simulate', *METHODS)}
+    for family, its in groupby(scenes(), attrgetter('family')):
+        print(f'\n## {family.capitalize()}\n')
+        rows = []
+        for scene, tolerance in product(its, TOLERANCES):
+            found = [ours(scene, tolerance),
+                     *(theirs(scene, method, tolerance) for method in METHODS)]
+            for outcomes, outcome in zip(every.values(), found):
+                outcomes.append((outcome, tolerance))
+            rows.append((f'{scene.name} ({scene.source})', f'{tolerance:.0e}',
+                         *(cell(outcome, tolerance) for outcome in found)))
+        table(('scene, reference', 'tolerance', *every), rows)
+    print('## All of them\n')
+    rows = []
+    for method, outcomes in every.items():
+        good = [each.error <= ALLOWED * tolerance for each, tolerance in outcomes
+                if each.status == REACHED]
+        rows.append((method, sum(good), len(good) - sum(good), len(outcomes) - len(good)))
+    table(('', 'right', 'success reported, error > 10 tolerances', 'stuck or gave up'), rows)

@@ -3,9 +3,8 @@
 """
 What textbooks and the seeds do, for comparison: each formula as printed, in doubles, without care.
 
-``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. All
-functions return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 =
-x).
+``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. The first two
+return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 = x).
 """
 import math
 from types import SimpleNamespace
@@ -100,3 +99,43 @@ def nine_by_nine(lengths, motion, x, omega, alpha, bodies, applied=(), gravity=(
         right[..., 3 * i], right[..., 3 * i + 1], right[..., 3 * i + 2] = fx, fy, moment
     matrix[..., 2, 8] = 1.0
     return np.linalg.solve(matrix, right[..., None])[..., 0]
+
+
+FIELDS = ('theta4', 'beta', 'omega4', 'omega_beta', 'alpha4', 'alpha_beta', 'f41_x', 'f41_y',
+          'f21_x', 'f21_y',
+          'f32_x', 'f32_y', 'f43_x', 'f43_y', 'driving_torque')
+
+
+def textbook(lengths, sign, bodies, x, w, acc, m=ARRAY):
+    """
+    Return :data:`FIELDS` at theta1 = x, omega1 = w, alpha1 = acc: the batch to beat.
+
+    In as few operations as a careful user would write: diagonal and law of cosines, directions by
+    projection, Cramer's rule for the rates, for the accelerations and for the force at B. Links
+    with their centre of gravity on their line, without gravity. ``bodies``: (mass, cg_along, _,
+    inertia) each.
+    """
+    (a1, a2, a3, a4), ((m1, c1, _, i1), (m2, c2, _, i2), (m3, c3, _, i3)) = lengths, bodies
+    cx, sx = m.cos(x), m.sin(x)
+    ax, ay = a1 * cx, a1 * sx
+    q = a1 * a1 + a4 * a4 - 2.0 * a4 * ax
+    y = m.atan2(ay, ax - a4) - sign * m.acos((a3 * a3 - a2 * a2 + q) / (2.0 * a3 * m.sqrt(q)))
+    cy, sy = m.cos(y), m.sin(y)
+    cb, sb = (a4 - ax + a3 * cy) / a2, (a3 * sy - ay) / a2
+    b = m.atan2(sb, cb)
+    c, s = cy * cb + sy * sb, sy * cb - cy * sb
+    wy, wb = w * (sx * cb - cx * sb) * a1 / (a3 * s), w * (sx * cy - cx * sy) * a1 / (a2 * s)
+    px, py = -acc * ay - w * w * ax, acc * ax - w * w * ay     # acceleration of A
+    of_b, of_y = a2 * wb * wb, a3 * wy * wy
+    ey = (of_b - px * cb - py * sb - of_y * c) / (a3 * s)
+    eb = (of_b * c - of_y - px * cy - py * sy) / (a2 * s)
+    f2x, f2y = m2 * (px - c2 * (eb * sb + wb * wb * cb)), m2 * (py + c2 * (eb * cb - wb * wb * sb))
+    m2a, m3o = i2 * eb + c2 * (cb * f2y - sb * f2x), (i3 + m3 * c3 * c3) * ey
+    p, r = m3o / (a3 * s), m2a / (a2 * s)
+    f32x, f32y = p * cb + r * cy, p * sb + r * sy
+    f21x, f21y = f32x - f2x, f32y - f2y
+    f43x, f43y = (f32x - m3 * c3 * (ey * sy + wy * wy * cy),
+                  f32y + m3 * c3 * (ey * cy - wy * wy * sy))
+    f41x, f41y = m1 * c1 / a1 * px - f21x, m1 * c1 / a1 * py - f21y
+    torque = (i1 + m1 * c1 * c1) * acc - ax * f21y + ay * f21x
+    return y, b, wy, wb, ey, eb, f41x, f41y, f21x, f21y, f32x, f32y, f43x, f43y, torque

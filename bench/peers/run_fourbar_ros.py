@@ -12,8 +12,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from bench.naive import ARRAY, law_of_cosines, nine_by_nine, SCALAR  # noqa: E402, I100
-from bench.textbook import FIELDS, textbook  # noqa: E402
+from bench.naive import (  # noqa: E402, I100
+    ARRAY,
+    FIELDS,
+    law_of_cosines,
+    nine_by_nine,
+    SCALAR,
+    textbook,
+)
 from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
 
 case = Case()
