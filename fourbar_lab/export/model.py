@@ -343,8 +343,7 @@ class GeneratedModel:
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
         given = low + 0.6180339887 * (high - low), 1.5, -0.5
-        with_forces = self.scene.make_loaded(mechanism) if mechanism.bodies else None
-        loaded = (with_forces(*given[:2]) or self.scene.linkage) if with_forces else mechanism
+        loaded = self.scene.linkage_at(*given[:2]) if self.scene.elements else mechanism
         motion, loads = loaded.motion_and_loads(*given)
         found = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():
