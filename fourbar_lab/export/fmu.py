@@ -238,9 +238,10 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
         add(listed, 'Float64', name='time', valueReference=status.reference + 1,
             causality='independent', variability='continuous', unit='s')
     for one in variables:
+        variability = 'tunable' if one.causality == 'parameter' else 'continuous'
         variable = add(listed, 'ScalarVariable' if is_2 else 'Float64', name=one.name,
-                       valueReference=one.reference, causality=one.causality, variability=
-                       'tunable' if one.causality == 'parameter' else 'continuous')
+                       valueReference=one.reference, causality=one.causality,
+                       variability=variability)
         number = add(variable, 'Real') if is_2 else variable
         if one.text:
             variable.set('description', one.text)
