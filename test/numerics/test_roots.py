@@ -1,11 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Roots: intervals that have them, Newton's method in brackets, in floats and arrays."""
-
 from math import pi
 
-from fourbar_ros.numerics import newton as newton_method
 from fourbar_ros.numerics import roots
+from fourbar_ros.numerics.newton import newton_roots
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -39,13 +38,11 @@ def test_all_roots_are_bracketed_and_found_to_the_last_bits():
         return f, f / slope(coefficients, x, row)
 
     i, row, xa, xb, fa, guess = roots.find_brackets(positive_multiple, at, f, rise, True)
-    found, *_ = newton_method.newton_roots(newton, row, xa, xb, fa, guess)
+    found, *_ = newton_roots(newton, row, xa, xb, fa, guess)
     total = 0
     for k in range(count):
-        ours, theirs = (
-            np.sort(roots.fold(found[row == k])),
-            np.sort(roots_in_a_turn(lambda x, k=k: value(coefficients, x, k))),
-        )
+        ours = np.sort(roots.fold(found[row == k]))
+        theirs = np.sort(roots_in_a_turn(lambda x, k=k: value(coefficients, x, k)))
         total += len(theirs)
         assert len(ours) == len(theirs), k
         error = np.abs(value(coefficients, ours, np.full(ours.shape, k)))
@@ -56,21 +53,13 @@ def test_all_roots_are_bracketed_and_found_to_the_last_bits():
     assert total > 2 * count
 
 
-@pytest.mark.parametrize(
-    'function, derivative, low, high',
-    [
-        (lambda x: x * x - 2.0, lambda x: 2.0 * x, 0.0, 2.0),
-        (lambda x: x**3, lambda x: 3.0 * x * x, -1.0, 0.7),  # the slope is zero at the root
-        (np.arctan, lambda x: 1.0 / (1.0 + x * x), -20.0, 30.0),  # Newton alone diverges
-        (lambda x: np.exp(-x) - 1e-6, lambda x: -np.exp(-x), 0.0, 300.0),
-        (
-            lambda x: np.sign(x - 0.3) * np.abs(x - 0.3) ** 0.5,
-            lambda x: 0.5 * (np.abs(x - 0.3) + 1e-300) ** -0.5,
-            0.0,
-            1.0,
-        ),  # Newton alone jumps to and fro
-    ],
-)
+@pytest.mark.parametrize('function, derivative, low, high', [
+    (lambda x: x * x - 2.0, lambda x: 2.0 * x, 0.0, 2.0),
+    (lambda x: x**3, lambda x: 3.0 * x * x, -1.0, 0.7),         # the slope is zero at the root
+    (np.arctan, lambda x: 1.0 / (1.0 + x * x), -20.0, 30.0),    # Newton alone diverges
+    (lambda x: np.exp(-x) - 1e-6, lambda x: -np.exp(-x), 0.0, 300.0),
+    (lambda x: np.sign(x - 0.3) * np.abs(x - 0.3)**0.5,         # Newton alone jumps to and fro
+     lambda x: 0.5 * (np.abs(x - 0.3) + 1e-300)**-0.5, 0.0, 1.0)])
 def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
     def step(x):
         f, slope = float(function(x)), float(derivative(x))
@@ -79,12 +68,10 @@ def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
     truth = brentq(function, low, high, xtol=1e-15, rtol=4 * EPS, maxiter=1000)
     guess = 0.5 * (low + high)
     given = [np.array([v, v]) for v in (low, high, function(low), guess)]
-    many, *_ = newton_method.newton_roots(
-        lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))), np.arange(2), *given
-    )
-    tolerance = (
-        1e-5 if abs(derivative(truth)) < 1e-4 else 1e-14 * max(1.0, abs(truth))
-    )  # x^3 is flat
+    many, *_ = newton_roots(lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))),
+                            np.arange(2), *given)
+    # x^3 is flat
+    tolerance = 1e-5 if abs(derivative(truth)) < 1e-4 else 1e-14 * max(1.0, abs(truth))
     assert np.abs(many - truth).max() <= tolerance
 
 
@@ -96,7 +83,7 @@ def test_a_zero_at_an_end_is_not_taken_for_the_change_of_sign(low, high, at_low)
         return f, f / (2.0 * np.sign(x) - 2.0 * x)
 
     given = [np.array([v]) for v in (low, high, at_low, 0.0)]
-    many, *_ = newton_method.newton_roots(lambda x, row: step(x), np.arange(1), *given)
+    many, *_ = newton_roots(lambda x, row: step(x), np.arange(1), *given)
     assert abs(many[0]) == pytest.approx(2.0, rel=2 * EPS)
 
 
@@ -107,28 +94,21 @@ def test_slopes_from_samples_are_exact_for_polynomials():
         f = x[:, None] ** power
         exact = power * x ** (power - 1 if power else 0) / 3.0
         inside = slice(2, -2) if power == 4 else slice(None)
-        assert np.abs(roots.rises(f, False)[:, 0] - exact)[inside].max() <= 64 * EPS * max(
-            1.0, 8.0**power
-        )
+        assert np.abs(roots.rises(f, False)[:, 0] - exact)[inside].max() <= (
+            64 * EPS * max(1.0, 8.0**power))
 
 
 def test_a_pair_of_roots_between_two_samples_is_found():
     """A dip that crosses zero twice between samples of one sign, however narrow."""
+    interval = [np.array([v]) for v in (0, 0.0, 1.0)]
     for gap in (1e-2, 1e-4, 1e-6):
-
-        def dip(x, row, gap=gap):
-            return (x - 0.52) ** 2 - gap * gap
-
         which, xa, xb, fa, fb = roots.look_closer(
-            dip, np.array([0]), np.array([0.0]), np.array([1.0])
-        )
+            lambda x, row, gap=gap: (x - 0.52)**2 - gap * gap, *interval)
         assert which.tolist() == [0, 0]
         assert ((fa >= 0.0) != (fb >= 0.0)).all()
         for end in (0.52 - gap, 0.52 + gap):
             assert ((xa <= end) & (end <= xb)).sum() == 1
-    which, *_ = roots.look_closer(
-        lambda x, row: (x - 0.52) ** 2 + 1e-3, *(np.array([v]) for v in (0, 0.0, 1.0))
-    )
+    which, *_ = roots.look_closer(lambda x, row: (x - 0.52)**2 + 1e-3, *interval)
     assert which.size == 0
 
 

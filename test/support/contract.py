@@ -57,13 +57,9 @@ def modes_of(kind, driven):
     return tuple(kind(*[1.0 for _ in kind.LENGTHS], **others).modes)
 
 
-CASES = [
-    Case(name, kind, driven, mode)
-    for name, kind in (
-        *[(name, kind_of(name, 'crank')) for name in FACTS], ('four_bar', MovingJointFourBar))
-    for driven in kind.INPUTS
-    for mode in modes_of(kind, driven)
-]
+CASES = [Case(name, kind, driven, mode) for name, kind in (
+    *[(name, kind_of(name, 'crank')) for name in FACTS], ('four_bar', MovingJointFourBar))
+         for driven in kind.INPUTS for mode in modes_of(kind, driven)]
 
 
 def name_of(case):

@@ -1,9 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Motion of links and their points: against the reference, and in another coordinate."""
-
-
-from fourbar_ros import InvalidParameter
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
 from fourbar_ros.numerics.number_types import REAL
@@ -57,8 +54,6 @@ def test_points_of_all_links(case):
             assert point_acceleration(mechanism, link, 0.3, -0.2).of(*state) == pytest.approx(
                 np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS
             )
-        with pytest.raises(InvalidParameter, match='^link = '):
-            point_motion(mechanism, state[0], 'spring', 0.0)
 
 
 @every_case
