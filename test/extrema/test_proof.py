@@ -14,7 +14,7 @@ from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.quantities import point_speed, positions, select
+from fourbar_ros.mechanisms.quantities import positions, select
 import numpy as np
 import pytest
 from support.contract import with_rods
@@ -70,21 +70,8 @@ def test_no_proof_is_claimed_unless_asked():
     assert proofs(find_extrema(FourBar(*PAPER), RATES)) == {''}
 
 
-@pytest.mark.parametrize('lengths, end', [
-    (PAPER, ''), ((1.0, 2.0, 2.5, 3.4999), ''),
-    ((4.0, 2.0, 3.0, 5.5), r', except \de-0[89] rad at the ends')])
-def test_loads_are_proved_by_intervals(lengths, end):
-    found = find_extrema(with_rods(lengths), ('driving_torque', 'shaking_moment'), 25.0,
-                         certify=True)
-    for text in proofs(found):
-        assert re.fullmatch('interval bounds(, places to .e-.. rad)?' + end, text)
-
-
 def test_functions_are_proved_by_intervals():
-    linkage = FourBar(*PAPER)
-    assert proofs(find_extrema(linkage, point_speed(linkage, 'coupler', 0.5, 0.2),
-                               certify=True)) == {'interval bounds'}
-    assert proofs(find_extrema(linkage, lambda motion, loads: motion.theta4,
+    assert proofs(find_extrema(FourBar(*PAPER), lambda motion, loads: motion.theta4,
                                certify=True)) == {'interval bounds'}
 
 
