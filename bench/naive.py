@@ -3,8 +3,8 @@
 """
 What textbooks and the seeds do, for comparison: each formula as printed, in doubles, without care.
 
-``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. The first two
-return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 = x).
+``m`` is where sin, cos, sqrt, acos, atan2 come from: :data:`SCALAR` or :data:`ARRAY`. The first
+two return y, b, y', b', y'', b'' (output and coupler angle and their derivatives by theta1 = x).
 """
 import math
 from types import SimpleNamespace

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Machines that cannot be: each refused in one line that names what is wrong and where."""
-from math import inf, nan, pi
+from math import nan, pi
 
 from fourbar_ros import Body, InvalidParameter
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
