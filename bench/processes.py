@@ -13,10 +13,10 @@ import tempfile
 import threading
 import time
 
+from support.scenes import file_of, PAPER, RODS
+
 from . import ROOT
 
-PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
-         'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01, 'drive.speed': 25.0}
 KINEMATICS = ['state']
 FULL = ['state', 'output', 'joint_states', 'loads', 'shaking_wrench']
 PATIENCE = 30.0        # [s] for discovery
@@ -49,7 +49,6 @@ class Child:
 
 def node_of(values):
     """Start fourbar_node with these parameters."""
-    from support.scenes import file_of
     return Child('fourbar', '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
                  str(file_of(values, Path(tempfile.mkdtemp()))), '-r',
                  'joint_states:=/fourbar/joint_states')
@@ -57,7 +56,7 @@ def node_of(values):
 
 def ours(outputs=KINEMATICS, **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
-    return node_of({**PAPER, 'outputs': outputs, **{
+    return node_of({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': outputs, **{
         name.replace('__', '.'): value for name, value in parameters.items()}})
 
 

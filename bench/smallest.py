@@ -10,14 +10,13 @@ import tempfile
 
 from bench.pages import table
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
+from support.scenes import PAPER, RODS
 
 ROUNDS, STEPS = 3, 2000
-LENGTHS = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0}
-SMALLEST = {**LENGTHS, 'outputs': ['state'], 'services': []}
-FULLEST = {**LENGTHS, 'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01,
-           'points.tip.link': 'coupler', 'external.output.from_topic': True, 'trajectories': True,
-           'drive.source': 'joint_state', 'drive.joint': 'motor', 'recording.start': True,
-           'outputs': [*OUTPUTS, *PICTURES]}
+SMALLEST = {**PAPER, 'outputs': ['state'], 'services': []}
+FULLEST = {**PAPER, **RODS, 'points.tip.link': 'coupler', 'external.output.from_topic': True,
+           'trajectories': True, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+           'recording.start': True, 'outputs': [*OUTPUTS, *PICTURES]}
 # prints time to import [ms], own modules, whether scipy is there, memory [MB], CPU a step [us]
 CODE = """
 import json, os, sys, time

@@ -57,7 +57,7 @@ ROOMS = {
             'test/mechanisms/test_moving_base.py'),
         Bug('mechanisms/machine/solve/loads.py', '(m + link.x * force.y - link.y * force.x)',
             '(m + link.x * force.y + link.y * force.x)',
-            'test/mechanisms/machine/test_machine.py'),
+            'test/mechanisms/machine/test_against_cartesian.py'),
         Bug('numerics/roots.py', 'return np.where(x < 2.0 * pi, x, 0.0)', 'return x',
             'test/numerics/test_roots.py'),
     ]),
