@@ -32,7 +32,6 @@ setup(
                       'zstandard', 'rosbags>=0.11,<1', 'pyyaml>=6,<7', 'rich>=13,<15'],
     extras_require={
         'parquet': ['pyarrow'],
-        'excel': ['openpyxl'],
         'plot': ['matplotlib'],
         'completion': ['argcomplete>=3'],
         'proof': ['python-flint'],
@@ -42,7 +41,7 @@ setup(
         # tests, benchmarks, the pictures of the docs
         'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
                  'mcap-ros2-support>=0.6,<1', 'matplotlib', 'python-flint', 'yourdfpy',
-                 'mujoco', 'openpyxl', 'pyarrow', 'distributed',
+                 'mujoco', 'pyarrow', 'distributed',
                  'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4', 'starlette',
                  'selenium', 'axe-core-python'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],

@@ -14,7 +14,7 @@ from fourbar_ros.errors import FourBarError
 BAGS = 'pip install mcap rosbags'
 INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'matplotlib': 'pip install matplotlib',
-           'pyarrow': 'pip install pyarrow', 'openpyxl': 'pip install openpyxl',
+           'pyarrow': 'pip install pyarrow',
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
            'nicegui': 'pip install nicegui', 'clarabel': 'pip install clarabel',

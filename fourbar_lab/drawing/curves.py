@@ -15,14 +15,13 @@ from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, find_extrema
 from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 if TYPE_CHECKING:
@@ -33,9 +32,7 @@ if TYPE_CHECKING:
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
         'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
-SPEEDS = 25         # in a table over the speed
 OF_DRIVE = 'inertia', 'bias'        # by name alone
-TABLES = '.csv', '.xlsx', '.parquet'
 
 
 class Curves(NamedTuple):
@@ -133,18 +130,6 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     return effort
 
 
-def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
-                acceleration: float = 0.0) -> Curves:
-    """Return the effort of the drive over the speed of the input, from one speed to another."""
-    unit = linkage.input_coordinate.unit
-    force = 'N' if linkage.is_driven_by_slide else 'N m'
-    rows = [(speed, *effort_of(scene, linkage, speed, acceleration))
-            for speed in np.linspace(*speeds, SPEEDS).tolist()]
-    columns = 'speed', *Effort._fields
-    return Curves(f'drive of {linkage.description}', columns, (f'{unit}/s', force, force, 'W'),
-                  np.array(rows).T, columns)
-
-
 def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
              acceleration: float = 0.0) -> list[tuple[str, float, float]]:
     """
@@ -186,56 +171,21 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     return units
 
 
-def write_table(curves: Curves, path: str | Path) -> Path:
-    """
-    Write a table in the format of the suffix: .csv, .xlsx or .parquet; return its path.
-
-    CannotDraw of another suffix or if it cannot be written; MissingPackage without openpyxl or
-    pyarrow.
-    """
-    path = Path(path)
-    if path.suffix not in TABLES:
-        raise CannotDraw(f'{path}: must end in {", ".join(TABLES[:-1])} or {TABLES[-1]}'
-                         + nearest(path.suffix, TABLES))
-    heads, rows = _heads_and_rows(curves)
-    try:
-        with writing(path):
-            if path.suffix == '.csv':
-                path.write_text(csv_of(curves), encoding='utf-8', newline='')
-            elif path.suffix == '.xlsx':
-                _write_sheet(path, heads, rows)
-            else:
-                import pyarrow
-                import pyarrow.parquet
-                pyarrow.parquet.write_table(pyarrow.table(dict(zip(heads, rows.T))), path)
-    except ModuleNotFoundError as error:
-        raise MissingPackage(f'a table as {path.suffix}', error) from None
-    return path
+def write_table(curves: Curves, path: Path) -> None:
+    """Write a table as a CSV file; CannotDraw for another suffix, or if it cannot be written."""
+    if path.suffix != '.csv':
+        raise CannotDraw(f'{path}: must end in .csv')
+    with writing(path):
+        path.write_text(csv_of(curves), encoding='utf-8', newline='')
 
 
 def csv_of(curves: Curves) -> str:
     """Return a table as the text of a CSV file: names with units, then a row for each input."""
     text = io.StringIO()
-    heads, rows = _heads_and_rows(curves)
+    heads = [f'{name} [{unit}]' for name, unit in zip(curves.names, curves.units)]
+    rows = curves.values.T[np.isfinite(curves.values[0])]       # without gaps between ranges
     csv.writer(text).writerows([heads, *rows.tolist()])
     return text.getvalue()
-
-
-def _heads_and_rows(curves: Curves) -> tuple[list[str], Array]:
-    """Return the heads of a table, and its rows without the gaps between ranges."""
-    return ([f'{name} [{unit}]' for name, unit in zip(curves.names, curves.units)],
-            curves.values.T[np.isfinite(curves.values[0])])
-
-
-def _write_sheet(path: Path, heads: list[str], rows: Array) -> None:
-    """Write an Excel file; NaN is an empty cell."""
-    from openpyxl import Workbook
-    book = Workbook(write_only=True)
-    sheet = book.create_sheet('over the input')
-    sheet.append(heads)
-    for row in rows.tolist():
-        sheet.append([value if value == value else None for value in row])
-    book.save(path)
 
 
 def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()) -> Figure:

@@ -92,18 +92,6 @@ def test_a_table_holds_what_step_returns(name):
             assert value == pytest.approx(want, rel=1e-10, abs=1e-10 * max(1.0, abs(want)))
 
 
-def test_tables_for_spreadsheets_and_data_frames_are_the_same():
-    openpyxl, parquet = (pytest.importorskip(name) for name in ('openpyxl', 'pyarrow.parquet'))
-    for suffix in ('csv', 'xlsx', 'parquet'):
-        assert main(['table', 'paper', 'f41', '-o', f'x.{suffix}', '--samples', '9']) == 0
-    heads, rows = rows_of('x.csv')
-    sheet = [[cell.value for cell in row] for row in openpyxl.load_workbook('x.xlsx').active]
-    assert sheet[0] == heads
-    np.testing.assert_allclose(np.array(sheet[1:], float), rows, rtol=1e-14)    # 15 digits
-    frame = parquet.read_table('x.parquet').to_pydict()
-    assert np.array_equal(np.array([frame[head] for head in heads]).T, rows)
-
-
 @pytest.mark.parametrize(('suffix', 'begins'), [('png', b'\x89PNG'), ('pdf', b'%PDF'),
                                                 ('svg', b'<?xml')])
 def test_a_plot_is_what_its_suffix_says(suffix, begins, tmp_path):
