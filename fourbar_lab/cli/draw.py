@@ -21,7 +21,6 @@ examples:
   fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
   fourbar draw paper --animate -o paper.gif          the linkage moving through a cycle
   fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
-  fourbar draw paper --over hodographs -o hodographs.pdf
   fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
   fourbar draw slides_7_7 --over axis -o axis.svg    why omega4 is extreme: the collineation axis
 """
@@ -36,12 +35,12 @@ def add(verbs: Verbs) -> None:
     add_scene(draw)
     add_pose(draw, 'input angle [degrees], or slide [m]')
     draw.add_argument('--animate', action='store_true',
-                      help='instead of one pose: a cycle, as .gif, or as .mp4 if ffmpeg is there')
-    draw.add_argument('--over', choices=('paths', 'hodographs', 'forces', 'axis'),
-                      help='instead of one pose, over a cycle: the paths of the points, their '
-                           'velocities as vectors, or the forces on the ground as vectors; axis: '
-                           'the collineation axis with its poles, at --at or where the output is '
-                           'fastest, and its angle to the coupler over a cycle')
+                      help='instead of one pose: a cycle, as .gif')
+    draw.add_argument('--over', choices=('paths', 'forces', 'axis'),
+                      help='instead of one pose, over a cycle: the paths of the points, or the '
+                           'forces on the ground as vectors; axis: the collineation axis with '
+                           'its poles, at --at or where the output is fastest, and its angle to '
+                           'the coupler over a cycle')
     draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
     draw.set_defaults(run=_draw)
 

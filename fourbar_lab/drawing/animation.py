@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A mechanism moving through a cycle, as an animated GIF or an MP4."""
+"""A mechanism moving through a cycle, as an animated GIF."""
 from __future__ import annotations
 
 from contextlib import suppress
@@ -22,15 +22,16 @@ FRAMES, PER_SECOND = 90, 25
 
 def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path) -> Path:
     """
-    Write a cycle of a mechanism as .gif or .mp4 and return the path.
+    Write a cycle of a mechanism as .gif and return the path.
 
     The input turns once in the sense of ``rate``, or goes back and forth over its first range.
-    CannotDraw of another suffix, without ffmpeg for .mp4, or if the file cannot be written.
+    CannotDraw of another suffix, or if the file cannot be written.
     """
     need_matplotlib('draw --animate')
     from matplotlib.animation import FuncAnimation
-    path, points = Path(path), usual_points(mechanism, points)
-    writer, poses = _writer(path), _poses(mechanism, rate)
+    path, points, poses = Path(path), usual_points(mechanism, points), _poses(mechanism, rate)
+    if path.suffix != '.gif':
+        raise CannotDraw(f'{path}: an animation is a .gif')
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
     places = [place for motion in poses for place in diagram_of(mechanism, motion).joints.values()]
@@ -49,20 +50,8 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
 
         moving = FuncAnimation(figure, draw, frames=poses, blit=False)
         with writing(path):
-            moving.save(path, writer=writer, fps=PER_SECOND, dpi=100)
+            moving.save(path, writer='pillow', fps=PER_SECOND, dpi=100)
     return path
-
-
-def _writer(path: Path) -> str:
-    """Return the name of matplotlib's writer for a suffix; raise CannotDraw if there is none."""
-    from matplotlib.animation import writers
-    if path.suffix == '.gif':
-        return 'pillow'
-    if path.suffix != '.mp4':
-        raise CannotDraw(f'{path}: an animation is a .gif or an .mp4')
-    if not writers.is_available('ffmpeg'):
-        raise CannotDraw(f'{path}: .mp4 requires the program ffmpeg; .gif does not')
-    return 'ffmpeg'
 
 
 def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Paths of points, their velocities and the forces on the ground over a cycle, as curves of vectors.
+Paths of points and the forces on the ground over a cycle, as curves of vectors.
 
 Only the functions that draw import matplotlib.
 """
@@ -72,21 +72,20 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
     """
     Return a matplotlib Figure of curves over all ranges of the input.
 
-    ``what``: 'paths' of the points [m], their 'hodographs', the curves of their velocity vectors
-    [m/s], or 'forces' on the ground [N]. ``rate``, ``acceleration`` of the input [rad or m, per s
-    and s^2]; ``points``: {name: (link, along, across)}; ``loads`` of a scene, by default those of
-    the mechanism alone, which repeat after so many ``turns``. CannotDraw without point or masses.
+    ``what``: 'paths' of the points [m], or 'forces' on the ground [N] at ``rate`` and
+    ``acceleration`` of the input [rad or m, per s and s^2]. ``points``: {name: (link, along,
+    across)}; ``loads`` of a scene, by default those of the mechanism alone, which repeat after so
+    many ``turns``. CannotDraw without point or masses.
     """
-    rates = rate, acceleration
-    curves, unit = (_of_forces(mechanism, rates, loads, turns) if what == 'forces' else
-                    _of_points(what, mechanism, rates, usual_points(mechanism, points)))
+    curves, unit = ((_of_forces(mechanism, (rate, acceleration), loads, turns), 'N')
+                    if what == 'forces' else (_paths(mechanism, points), 'm'))
     with new_figure('draw', figsize=(7.0, 7.0), layout='constrained') as figure:
         axes = figure.subplots()
         for name, parts in curves.items():
             colour = axes.plot([], [], label=name)[0].get_color()
             for part in parts:
                 axes.plot(*part.T, color=colour, lw=1.6)
-        if what != 'paths':
+        if what == 'forces':
             axes.axhline(0.0, color='0.6', lw=0.7)
             axes.axvline(0.0, color='0.6', lw=0.7)
         axes.set_aspect('equal', adjustable='datalim')
@@ -97,27 +96,25 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
 
 
 def _of_forces(mechanism: Mechanism, rates: tuple[float, float],
-               loads: Callable[..., NamedFields] | None, turns: int
-               ) -> tuple[dict[str, list[Array]], str]:
-    """Return ({name: curves, one for each range of the input, shape (n, 2)}, unit) of forces."""
+               loads: Callable[..., NamedFields] | None, turns: int) -> dict[str, list[Array]]:
+    """Return {name: curves, one for each range of the input, shape (n, 2)} of forces [N]."""
     if loads is None and mechanism.bodies is None:
         raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
     steps = [(loads or mechanism.loads)(inputs, *rates)
              for inputs in cycles(mechanism, from_zero=turns > 1, turns=turns)]
     names = {'shaking_force': 'shaking force'} | ground_forces(mechanism)
     return {text: [bounded(vectors_of(step, name)) for step in steps]
-            for name, text in names.items()}, 'N'
+            for name, text in names.items()}
 
 
-def _of_points(what: str, mechanism: Mechanism, rates: tuple[float, float],
-               points: Points) -> tuple[dict[str, list[Array]], str]:
-    """Return ({name: curves, one for each range of the input, shape (n, 2)}, unit) of points."""
+def _paths(mechanism: Mechanism, points: Points) -> dict[str, list[Array]]:
+    """Return {name: curves, one for each range of the input, shape (n, 2)} of points [m]."""
+    points = usual_points(mechanism, points)
     if not points:
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
-    field, unit = ('place', 'm') if what == 'paths' else ('velocity', 'm/s')
-    motions = [mechanism.motion(inputs, *rates) for inputs in cycles(mechanism)]
-    return {name: [bounded(getattr(point_motion(mechanism, motion, *point), field))
-                   for motion in motions] for name, point in points.items()}, unit
+    motions = [mechanism.motion(inputs) for inputs in cycles(mechanism)]
+    return {name: [point_motion(mechanism, motion, *point).place for motion in motions]
+            for name, point in points.items()}
 
 
 def vectors_of(loads: Any, name: str) -> Array:

@@ -107,7 +107,7 @@ WRONG_LINES = [
     ('draw slides_7_6 --at 200 -o x.png', 1, 'theta1 = 200 deg is outside the input range'),
     ('draw paper --at 60 -o x.xyz', 1, 'xyz'),
     ('draw paper --at 60 -o nowhere/x.svg', 1, 'nowhere/x.svg: No such file'),
-    ('draw paper --animate -o x.png', 1, '.gif or an .mp4'),
+    ('draw paper --animate -o x.png', 1, 'is a .gif'),
     ('draw paper --animate -o nowhere/x.gif', 1, 'nowhere/x.gif'),
     ('draw slides_7_6 --over forces -o x.png', 1, 'masses'),
     ('draw jansen --over axis -o x.svg', 1, 'its crank drives'),
