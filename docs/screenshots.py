@@ -13,7 +13,7 @@ from support.browser import browser, live, Tab  # noqa: E402, I100
 HEIGHT = 1250                     # [px] with the first curves
 PAGES = {                         # scene, width [px], address, tab, is dark
     'light': ('paper', 1280, '?at=-50', 'Curves', False),
-    'dark': ('jansen', 1280, '?at=40', 'Forces', True),
+    'dark': ('jansen', 1280, '?at=40', 'Extrema', True),
     'narrow': ('paper', 800, '?at=-50', 'Polygons', False)}
 
 

@@ -68,7 +68,7 @@ def _table(arguments: Namespace) -> None:
 
 def _plot(arguments: Namespace) -> None:
     """Draw the quantities asked for, or all but components, which would crowd a picture."""
-    from fourbar_lab.drawing.curves import curves_of, make_figure, marks_of
+    from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of
     from fourbar_lab.drawing.figure import save
     from fourbar_ros.mechanisms.quantities import select
     scene, linkage, speed = asked(arguments)
@@ -76,7 +76,7 @@ def _plot(arguments: Namespace) -> None:
         (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
     given = scene, linkage, names, speed, arguments.acceleration
     curves = curves_of(*given, arguments.samples)
-    print(save(make_figure(curves, marks_of(*given)), arguments.out))
+    print(save(make_figure(curves, marks_of(linkage, extrema_of(*given))), arguments.out))
     _tell_weight(scene, curves.names)
 
 

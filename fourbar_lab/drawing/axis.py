@@ -20,7 +20,6 @@ from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of
-from fourbar_ros.mechanisms.quantities import Function
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -29,7 +28,6 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
-AXIS_ANGLE = 'axis_angle'       # it jumps by a half turn, so it has no extrema to search for
 AXIS, LINE = '#1f4e8c', '0.55'      # colours
 
 
@@ -71,20 +69,17 @@ def _clipped(line: Array, low: Array, high: Array) -> Array | None:
     return np.array([foot + first * direction, foot + last * direction]) if first < last else None
 
 
-def axis_angle(linkage: Mechanism) -> Function:
+def axis_angle(linkage: Mechanism, motion: NamedFields) -> Array:
     """
-    Return the quantity 'angle from coupler to axis', 0 to 180 deg; NaN where there is no axis.
+    Return the angle from coupler to axis in one pose or n, 0 to 180 deg; NaN: there is no axis.
 
-    So it is smooth at 90 deg, the place that matters, and jumps where the axis is along the
-    coupler.
+    So it is smooth at 90 deg, the place that matters. Of n poses it is NaN too where it jumps, as
+    the axis turns through the coupler: a curve has a gap there.
     """
-    def angle(motion: NamedFields, loads: NamedFields) -> Array:
-        """Return angles over the input with NaN where they jump: a curve has gaps there."""
-        angles = np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
-        if angles.ndim:
-            angles[np.abs(np.diff(angles, prepend=angles[0])) > 90.0] = np.nan
-        return angles
-    return Function(AXIS_ANGLE, 'deg', 'angle from the coupler to the collineation axis', angle)
+    angles = np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
+    if angles.ndim:
+        angles[np.abs(np.diff(angles, prepend=angles[0])) > 90.0] = np.nan
+    return angles
 
 
 def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
@@ -108,10 +103,9 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
     for letter, place in poles.items():
         axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)
         sheet.label(letter, sheet.around(place), AXIS)
-    angle = axis_angle(linkage).of(motion, None)
-    axes.annotate(f'axis at {angle:.4f}\N{DEGREE SIGN} to the coupler', (0.98, 0.01), ha='right',
-                  xycoords='axes fraction', color=AXIS, fontsize=11, zorder=8,
-                  bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
+    axes.annotate(f'axis at {axis_angle(linkage, motion):.4f}\N{DEGREE SIGN} to the coupler',
+                  (0.98, 0.01), ha='right', xycoords='axes fraction', color=AXIS, fontsize=11,
+                  zorder=8, bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
 
 
 def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
@@ -143,7 +137,7 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
             upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
-            lower.plot(np.degrees(inputs), axis_angle(linkage).of(motion, None), color=AXIS)
+            lower.plot(np.degrees(inputs), axis_angle(linkage, motion), color=AXIS)
         for extremum in extrema:
             x = degrees(counted(linkage, extremum.theta1))
             upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')

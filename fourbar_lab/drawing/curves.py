@@ -16,7 +16,7 @@ from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, find_extrema
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.mechanisms.inertia import middles
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -130,23 +130,29 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     return effort
 
 
-def marks_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
-             acceleration: float = 0.0) -> list[tuple[str, float, float]]:
+def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
+               acceleration: float = 0.0) -> list[Extremum]:
     """
-    Return (name, input, value) of the finite extrema of quantities, in the units of the curves.
+    Return the extrema of quantities over the input; arguments as of :func:`curves_of`.
 
-    Arguments as of :func:`curves_of`. A component of a force is not searched, nor are loads that
-    springs or forces over a position add to: these have no marks.
+    A component of a force is not searched, nor are loads that springs or forces over a position
+    add to.
     """
     searched = _searched(linkage, scene)
     wanted = [searched[name] for name in names if name in searched
               and not (searched[name].is_load and linkage.bodies is None)]
+    return (find_extrema(linkage, wanted, speed, acceleration, conditions=False) if wanted
+            else [])
+
+
+def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
+             ) -> list[tuple[Extremum, float, float]]:
+    """Return (extremum, input, value) of the finite ones, in the units of the curves."""
     turned = degrees(1.0)
     by_input = 1.0 if linkage.is_driven_by_slide else turned
-    return [(one.quantity, by_input * counted(linkage, one.input),
+    return [(one, by_input * counted(linkage, one.input),
              one.value * (turned if one.unit == 'rad' else 1.0))
-            for one in find_extrema(linkage, wanted, speed, acceleration, conditions=False)
-            if one.kind != CONSTANT and isfinite(one.value)] if wanted else []
+            for one in extrema if one.kind != CONSTANT and isfinite(one.value)]
 
 
 def _searched(linkage: Mechanism, scene: Scene) -> dict[str, Asked]:
@@ -188,17 +194,18 @@ def csv_of(curves: Curves) -> str:
     return text.getvalue()
 
 
-def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()) -> Figure:
+def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = ()) -> Figure:
     """
     Return a figure with one pair of axes for each unit, over the same input.
 
-    ``extrema``: (name, input, value) of points to mark, in the units of the curves; angles of the
-    input are brought into the turn that the curves show.
+    ``marks``: of :func:`marks_of`; angles of the input are brought into the turns that the curves
+    show.
     """
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
-    if curves.units[0] == 'deg':
-        extrema = [(name, place, value) for name, first, value in extrema
-                   for place in np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0)]
+    turned = curves.units[0] == 'deg'
+    dots = [(one.quantity, place, value) for one, first, value in marks
+            for place in (np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0) if turned
+                          else [first])]
     rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
     figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':
@@ -207,10 +214,10 @@ def make_figure(curves: Curves, extrema: Sequence[tuple[str, float, float]] = ()
                          f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)
     for axis, its in zip(figure.axes, by_unit.values()):
         for line, (name, *_) in zip(list(axis.lines), its):
-            marked = [(place, value) for of, place, value in extrema if of == name]
+            marked = [(place, value) for of, place, value in dots if of == name]
             if marked:
                 axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
-    if curves.units[0] == 'deg' and high - low > 180.0:
+    if turned and high - low > 180.0:
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
     return figure

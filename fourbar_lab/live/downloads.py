@@ -8,7 +8,7 @@ from html import escape
 import json
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.curves import csv_of, curves_of
+from fourbar_lab.drawing.curves import csv_of
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
@@ -62,7 +62,7 @@ def picture(page: Page) -> str:
 
 def cycle_csv(shown: Shown) -> str:
     """Return the table of ``fourbar table`` as CSV: angles in degrees, all else in SI."""
-    return csv_of(curves_of(shown.scene, shown.linkage, (), shown.rate, shown.acceleration))
+    return csv_of(shown.curves())
 
 
 def html(page: Page) -> str:
@@ -73,7 +73,7 @@ def html(page: Page) -> str:
               for _, pose in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
-                   for row in extrema_rows(shown, page.extrema_found()))
+                   for row in extrema_rows(shown, shown.extrema(page.names)))
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title>
 <style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>

@@ -9,27 +9,26 @@ from functools import cached_property
 from math import ceil, degrees, isfinite, remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_lab.drawing.axis import AXIS_ANGLE, axis_angle
 from fourbar_lab.drawing.collineation import has_axis
+from fourbar_lab.drawing.curves import Curves, curves_of, extrema_of
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
+from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.drawing.record import counted
-from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields, Quantity
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import Function, is_published, positions, select
+from fourbar_ros.mechanisms.quantities import Asked, positions, select
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.stepper import evaluate
+from fourbar_ros.pipeline.stepper import evaluate, OK
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 SAMPLES = 361           # of a cycle: one a degree of a full turn
-ROUNDING = 64 * 2.0**-52     # of sums of forces and rates
-LIMIT = 1e9             # a curve that grows beyond this many times its median leaves the chart
 
 
 class Cycle(NamedTuple):
@@ -40,13 +39,6 @@ class Cycle(NamedTuple):
     """
 
     inputs: Array
-    motion: NamedFields
-    loads: NamedFields | None
-
-
-class PagePose(NamedTuple):
-    """Motion and loads in one pose, records of the mechanism's kind; None: no loads."""
-
     motion: NamedFields
     loads: NamedFields | None
 
@@ -110,14 +102,12 @@ class Shown:
         return '' if self.scene.tells_loads else self.scene.why_no_loads
 
     @cached_property
-    def quantities(self) -> dict[str, Quantity | Function]:
+    def quantities(self) -> dict[str, Asked]:
         """Return {name: quantity} of all that can be drawn over the input."""
-        chosen: list[Quantity | Function]
         linkage = self.linkage if self.why_no_loads else self.scene.bare_linkage
         chosen = select((), linkage, self.scene.point_quantities)
         return ({quantity.name: quantity for quantity in chosen}
-                | positions(self.linkage, self.linkage.input)
-                | ({AXIS_ANGLE: axis_angle(self.linkage)} if self.has_axis else {}))
+                | positions(self.linkage, self.linkage.input))
 
     @cached_property
     def has_axis(self) -> bool:
@@ -132,32 +122,21 @@ class Shown:
                   'shaking_force')
         return [name for name in wanted if name in self.quantities]
 
-    def curves(self, name: str) -> list[tuple[Array, Array]]:
-        """Return (inputs, values) of a quantity for each range of the input."""
-        quantity = self.quantities[name]
-        return [(cycle.inputs, np.broadcast_to(quantity.of(cycle.motion, cycle.loads),
-                                               cycle.inputs.shape)) for cycle in self.cycles]
+    def curves(self, names: Sequence[str] = ()) -> Curves:
+        """Return quantities by name over the input; no names: all."""
+        return curves_of(self.scene, self.linkage, names, self.rate, self.acceleration, SAMPLES)
 
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
-        """
-        Return the extrema of quantities by name, over the input.
+        """Return the extrema of quantities by name, over the input."""
+        return extrema_of(self.scene, self.linkage, names, self.rate, self.acceleration)
 
-        None of the axis' angle, nor of loads that springs or forces over a position add to.
-        """
-        has_loads = self.linkage.bodies is not None
-        wanted = [self.quantities[name] for name in names
-                  if name != AXIS_ANGLE and (has_loads or not self.quantities[name].is_load)]
-        return find_extrema(self.linkage, [quantity.name if is_published(quantity) else quantity
-                                           for quantity in wanted],
-                            self.rate, self.acceleration, conditions=False) if wanted else []
-
-    def pose(self, position: float) -> tuple[int, PagePose]:
-        """Return the status and the :class:`PagePose` at an input; loads None without masses."""
+    def pose(self, position: float) -> DrawnPose:
+        """Return the status, motion and loads at an input; loads None without masses."""
         linkage = (self.linkage if self.why_no_loads
                    else self.scene.linkage_at(position, self.rate))
         status, motion, loads = evaluate(linkage, position, self.rate, self.acceleration,
                                          linkage.bodies is not None)
-        return status, PagePose(motion, loads if linkage.bodies else None)
+        return DrawnPose(status, motion, loads if linkage.bodies else None)
 
     @cached_property
     def points(self) -> dict[str, tuple[str, float, float]]:
@@ -174,7 +153,7 @@ class Shown:
         return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
                 for name, point in self.points.items()}
 
-    def samples(self, most: int) -> list[tuple[float, PagePose]]:
+    def samples(self, most: int) -> list[tuple[float, DrawnPose]]:
         """
         Return (input, pose) at evenly spread samples of the cycles, about ``most`` altogether.
 
@@ -188,35 +167,17 @@ class Shown:
                 motion = _sample(cycle.motion, i)
                 loads = _sample(cycle.loads, i) if cycle.loads else None
                 if isfinite(sum(motion) + sum(loads or ())):
-                    samples.append((float(cycle.inputs[i]), PagePose(motion, loads)))
+                    samples.append((float(cycle.inputs[i]), DrawnPose(OK, motion, loads)))
         return samples
 
     @cached_property
-    def poses(self) -> list[PagePose]:
+    def poses(self) -> list[DrawnPose]:
         """Return some forty poses over the cycles: pictures get a size that suits all of them."""
         return [pose for _, pose in self.samples(40)]
 
-    def values(self, pose: PagePose) -> dict[str, tuple[float, str]]:
-        """
-        Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads.
-
-        A value within the rounding of the largest one of its unit over the cycle is shown as 0.
-        """
-        return {name: (0.0 if abs(value) <= ROUNDING * self._largest.get(unit, 0.0) else value,
-                       unit) for name, (value, unit) in self._values(pose).items()}
-
-    @cached_property
-    def _largest(self) -> dict[str, float]:
-        """Return {unit: largest magnitude of a value over the cycle}."""
-        largest: dict[str, float] = {}
-        for pose in self.poses:
-            for value, unit in self._values(pose).values():
-                largest[unit] = max(largest.get(unit, 0.0), abs(value))
-        return largest
-
-    def _values(self, pose: PagePose) -> dict[str, tuple[float, str]]:
-        """Return as :meth:`values`, with rounding; positions of joints that turn in degrees."""
-        values, (motion, loads) = {}, pose
+    def values(self, pose: DrawnPose) -> dict[str, tuple[float, str]]:
+        """Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads."""
+        values, (_, motion, loads) = {}, pose
         for coordinate in self.linkage.PARTS:
             is_angle = coordinate.unit == 'rad'
             units = ('deg', 'rad/s', 'rad/s²') if is_angle else ('m', 'm/s', 'm/s²')
@@ -238,6 +199,11 @@ class Shown:
     def shown_input(self, position: float) -> float:
         """Return an input in the unit of the page: degrees, or m."""
         return position if self.linkage.is_driven_by_slide else degrees(position)
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Return the ends of the input in the unit of the page."""
+        return self.shown_input(self.ranges[0][0]), self.shown_input(self.ranges[-1][1])
 
     @property
     def input_unit(self) -> str:

@@ -11,19 +11,17 @@ plays, scrubs and drags through these (player.js).
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from math import radians
 from pathlib import Path
 from typing import Any
 
-from fourbar_lab.drawing.axis import AXIS_ANGLE
+from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live import charts, controls, downloads, link, tables
-from fourbar_lab.live.model import PagePose, Shown
+from fourbar_lab.live.model import Shown
 from fourbar_lab.live.model import shown as shown_of
 from fourbar_lab.live.picture import (
     Drawn,
-    force_drawing,
     force_scale,
     grips_svg,
     joints_of,
@@ -36,7 +34,6 @@ from fourbar_lab.live.picture import (
 )
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.pipeline.stepper import INVALID_INPUT, OK, STATUS_NAMES
 from fourbar_ros.scene.settings import ParameterValues
 from nicegui import background_tasks, run, ui
@@ -45,6 +42,7 @@ from nicegui.events import GenericEventArguments
 
 FRAMES = 181                # of a cycle, about
 SOON, LATER = 0.005, 0.1    # [s] until charts, then the frames of a cycle follow a picture
+VIEWS = 'Curves', 'Polygons', 'Extrema', 'Facts'
 LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
           'axis': 'collineation axis'}
 HEAD = f"""<style>{STYLE}
@@ -71,9 +69,6 @@ class PoseElement(Element, component='pose.js'):    # type: ignore[call-arg]  # 
         show(self, tag=tag, **BLANK)
 
 
-Drawings = dict[PoseElement, Drawn]
-
-
 def show(element: Element, **properties: Any) -> None:
     """Give an element other properties."""
     element.props.update(properties)
@@ -93,7 +88,7 @@ class Page:
     def __init__(self, title: str, values: ParameterValues, query: dict[str, str]):
         """Take the state from the query; of a bad one, say so and show the scene as it is."""
         self.state = link.PageAddress(title, values, values)
-        self.problem = ''                       # why something was not done, for the alarm
+        self.problem = ''                       # why something was not done
         try:
             self.state = link.read(query, title, values)
             self.shown = shown_of(self.state.values, self.state.acceleration)
@@ -105,11 +100,8 @@ class Page:
             self.position = self._position_of(self.state.at)
         self.names = self.shown.usual_quantities        # whose curves are drawn
         self.layers = Layers()                          # what is drawn beside the links
-        self.pose: PagePose | None = None                   # what is drawn now; None: nothing
-        self.refusal = self.no_pose = ''         # why there is no mechanism, why it has no pose
-        self.found: list[Extremum] | None = None        # extrema of the quantities chosen
-        # what the views that show the present mechanism draw of each pose, by their names
-        self.drawings: dict[str, Drawings] = {}
+        self.pose: DrawnPose | None = None          # what is drawn now; None: nothing
+        self.refusal = self.no_pose = ''            # why there is no mechanism, why it has no pose
 
     @property
     def at(self) -> float:
@@ -162,12 +154,12 @@ class Page:
                 self._build_views()
             with ui.column().classes('fb-now'):
                 self.now = PoseElement('', 'div')
-        self.rebuild(keep_problem=True)
+        self.rebuild()
 
     def _build_views(self) -> None:
         """Build a tab for each view; they are filled when they are opened."""
         with ui.tabs().props('dense no-caps align=left').classes('full-width') as self.tabs:
-            for name in FILL:
+            for name in VIEWS:
                 ui.tab(name)
         self.tabs.on_value_change(self.fill)
         with ui.tab_panels(self.tabs, value='Curves', animated=False, keep_alive=True).classes(
@@ -181,9 +173,6 @@ class Page:
                     self.curves = ui.echart({}).classes('full-width').props(
                         'role=img aria-label="curves over the input, extrema marked"')
                     self.cursor = PoseElement('', 'div')
-            with _panel('Forces'):
-                self.no_loads = ui.label()
-                self.forces = PoseElement('polar diagram of the shaking force and reactions')
             with _panel('Polygons'):
                 self.polygons = {}
                 for name in POLYGONS:
@@ -202,10 +191,10 @@ class Page:
 
     def change(self, **state: Any) -> None:
         """Take new values of the parameters or another acceleration, and show what has them."""
-        self.state = self.state._replace(**state)
+        self.state, self.problem = self.state._replace(**state), ''
         self.rebuild()
 
-    def rebuild(self, keep_problem: bool = False) -> None:
+    def rebuild(self) -> None:
         """
         Compute and draw all that is shown again, after a change of parameters.
 
@@ -220,7 +209,6 @@ class Page:
             self.words.set_text('impossible')
             self._clear()
             return
-        self.problem = self.problem if keep_problem else ''
         self.shown, self.refusal = shown, ''
         self.names = [name for name in self.names if name in shown.quantities]
         self.position = shown.nearest_input(self.position)
@@ -229,7 +217,6 @@ class Page:
 
     def _clear(self) -> None:
         """Show nothing of a mechanism: there is none."""
-        self.drawings.clear()
         show(self.player, **NOTHING)
         for element in self._pose_elements():
             show(element, **BLANK)
@@ -241,8 +228,6 @@ class Page:
         """Draw all anew, after another choice of what is shown or how; views when they open."""
         if self.refusal:
             return
-        self.found = None
-        self.drawings.clear()
         self.draw()
         self.fill()
         self._remember()
@@ -263,9 +248,6 @@ class Page:
     def set_layer(self, name: str, value: bool) -> None:
         """Show or hide one of :class:`~fourbar_lab.live.picture.Layers`."""
         self.layers = self.layers._replace(**{name: value})
-        if name == 'axis':      # with its angle beside the curves
-            others = [quantity for quantity in self.names if quantity != AXIS_ANGLE]
-            self.chosen.set_value(others + [AXIS_ANGLE] * value)
         self._refill()
 
     def choose(self, names: list[str]) -> None:
@@ -282,13 +264,13 @@ class Page:
 
     def draw(self) -> None:
         """Draw the pose in which the mechanism rests, or say why it has none."""
-        status, pose = self.shown.pose(self.position)
-        self.pose = pose if status == OK else None
-        self.no_pose = '' if status == OK else self._why_no_pose(status)
+        pose = self.shown.pose(self.position)
+        self.pose = pose if pose.status == OK else None
+        self.no_pose = '' if self.pose else self._why_no_pose(pose.status)
         self.alarm.set_text(self.no_pose or self.problem)
-        coordinate, low, high = (self.shown.linkage.input_coordinate, *self.bounds)
+        coordinate = self.shown.linkage.input_coordinate
         show(self.player, label=f'{coordinate.position} [{self.shown.input_unit}]',
-             bounds=[low, high], at=self.at,
+             bounds=list(self.shown.bounds), at=self.at,
              under=traces_svg(self.shown, self.view) if self.layers.curves else '',
              still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
              if self.pose else '')
@@ -296,13 +278,7 @@ class Page:
         for element in self._pose_elements():
             show(element, still=drawn[element](self.at, pose) if element in drawn else '')
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Return the ends of the input in the unit of the page."""
-        ranges = self.shown.ranges
-        return self.shown.shown_input(ranges[0][0]), self.shown.shown_input(ranges[-1][1])
-
-    def _picture(self, pose: PagePose) -> str:
+    def _picture(self, pose: DrawnPose) -> str:
         return mechanism_svg(self.shown, pose, self.view, self.per_newton, self.layers)
 
     def _why_no_pose(self, status: int) -> str:
@@ -315,13 +291,18 @@ class Page:
 
     def _pose_elements(self) -> list[PoseElement]:
         """Return all elements beside the picture that show a pose."""
-        return [self.now, self.cursor, self.forces, *self.polygons.values()]
+        return [self.now, self.cursor, *self.polygons.values()]
 
-    def _drawn(self) -> Drawings:
-        """Return the elements that show a pose now, and how each draws it."""
-        shown = self.shown
-        return {self.now: lambda at, pose: tables.now_html(shown, pose),
-                **self.drawings.get(self.tabs.value, {})}
+    def _drawn(self) -> dict[PoseElement, Drawn]:
+        """Return the elements that show a pose in the open view, and how each draws it."""
+        shown, view = self.shown, self.tabs.value
+        drawn: dict[PoseElement, Drawn] = {self.now: lambda at, pose: tables.now_html(shown, pose)}
+        if view == 'Curves' and self.names:
+            drawn[self.cursor] = lambda at, pose: charts.cursor_html(at, *shown.bounds)
+        if view == 'Polygons':
+            drawn |= {element: polygon_drawing(shown, name)
+                      for name, element in self.polygons.items()}
+        return drawn
 
     def fill(self) -> None:
         """Fill the view that is open, once for all that asked for it meanwhile."""
@@ -332,10 +313,8 @@ class Page:
         await asyncio.sleep(SOON)
         if self.refusal or self.client.is_deleted:
             return
-        name = self.tabs.value
         try:
-            if name not in self.drawings:
-                self.drawings[name] = FILL[name](self)
+            self._fill_view(self.tabs.value)
         except FourBarError as error:       # a search that is beyond the numbers
             self.problem = str(error)
         self.draw()
@@ -347,7 +326,8 @@ class Page:
             for element, properties in cycle.items():
                 show(element, **properties)
 
-    def _cycle(self, shown: Shown, drawn: Drawings) -> dict[Element, dict[str, Any]]:
+    def _cycle(self, shown: Shown, drawn: dict[PoseElement, Drawn]
+               ) -> dict[Element, dict[str, Any]]:
         """Return {element: its properties} for the frames of a cycle, the player last."""
         samples = shown.samples(FRAMES)
         inputs = [shown.shown_input(position) for position, _ in samples]
@@ -366,60 +346,29 @@ class Page:
 
     # --- views ----------------------------------------------------------------------------------
 
-    def extrema_found(self) -> list[Extremum]:
-        """Return the extrema of the quantities chosen, searched for once."""
-        if self.found is None:
-            self.found = self.shown.extrema(self.names)
-        return self.found
-
     def set_curves(self, options: charts.Options) -> None:
         """Give the chart of the curves other options."""
         self.curves.options.clear()
         self.curves.options.update(options)
         self.curves.update()
 
-    def fill_curves(self) -> Drawings:
-        """Draw the curves of the chosen quantities over the input, extrema marked."""
-        self.set_curves(charts.over_input(self.shown, self.names, self.extrema_found()))
-        self.curves.style(f'height:{charts.height(len(self.names))}px')
-        low, high = self.bounds
-        return ({self.cursor: lambda at, pose: charts.cursor_html(at, low, high)}
-                if self.names else {})
-
-    def fill_forces(self) -> Drawings:
-        """Draw the polar diagram of the forces, or say why there are no loads."""
-        why = self.shown.why_no_loads
-        self.no_loads.set_visibility(bool(why))
-        self.no_loads.set_text(f'no loads: {why}')
-        self.forces.set_visibility(not why)
-        if why:
-            return {}
-        under, drawn = force_drawing(self.shown)
-        show(self.forces, under=under)
-        return {self.forces: drawn}
-
-    def fill_polygons(self) -> Drawings:
-        """Find a scale for each polygon that suits all poses."""
-        return {element: polygon_drawing(self.shown, name)
-                for name, element in self.polygons.items()}
-
-    def fill_extrema(self) -> Drawings:
-        self.extrema.rows = tables.extrema_rows(self.shown, self.extrema_found())
-        return {}
-
-    def fill_facts(self) -> Drawings:
-        """Show type, ranges and letters of the mechanism."""
-        rows = [*facts(self.shown.scene.bare_linkage), *tables.joint_rows(self.shown)]
-        self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
-        return {}
+    def _fill_view(self, name: str) -> None:
+        """Fill a view with what does not follow the pose."""
+        shown = self.shown
+        if name == 'Curves':
+            self.set_curves(charts.over_input(shown, self.names, shown.extrema(self.names))
+                            if self.names else {})
+            self.curves.style(f'height:{charts.height(len(self.names))}px')
+        elif name == 'Extrema':
+            self.extrema.rows = tables.extrema_rows(shown, shown.extrema(self.names))
+        elif name == 'Facts':
+            rows = [*facts(shown.scene.bare_linkage), *tables.joint_rows(shown)]
+            self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 
 NOTHING: dict[str, Any] = {'under': '', 'still': '', 'label': '', 'bounds': [0.0, 1.0], 'at': 0.0,
                            'inputs': [], 'frames': [], 'joints': [], 'ranges': [], 'turns': 0}
 BLANK: dict[str, Any] = {'under': '', 'still': '', 'frames': []}
-FILL: dict[str, Callable[[Page], Drawings]] = {
-    'Curves': Page.fill_curves, 'Forces': Page.fill_forces, 'Polygons': Page.fill_polygons,
-    'Extrema': Page.fill_extrema, 'Facts': Page.fill_facts}
 
 
 def _panel(name: str) -> ui.tab_panel:

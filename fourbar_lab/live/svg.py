@@ -8,7 +8,7 @@ and a saved file is complete.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from html import escape
 from math import atan2, hypot
 from pathlib import Path
@@ -51,26 +51,24 @@ class View(NamedTuple):
         x, y = place
         return (x - self.left) * self.scale, (self.top - y) * self.scale
 
+    def length(self, vector: Iterable[float]) -> Pixel:
+        """Return an arrow [m] in pixels."""
+        x, y = vector
+        return x * self.scale, -y * self.scale
+
     def place(self, x: float, y: float) -> tuple[float, float]:
         """Return the place [m] of a pixel."""
         return self.left + x / self.scale, self.top - y / self.scale
 
 
-def view_of(places: Array, edges: Sequence[float] | Array = (MARGIN,) * 4) -> View:
-    """
-    Return the :class:`View` in which places [m], shape (n, 2), fill the picture, centred.
-
-    ``edges``: what is left free on the left, above, on the right, below [px].
-    """
+def view_of(places: Array) -> View:
+    """Return the :class:`View` in which places [m], shape (n, 2), fill the picture, centred."""
     places = places[np.isfinite(places).all(axis=1)]
     low, high = (places.min(axis=0), places.max(axis=0)) if len(places) else np.zeros((2, 2))
     size = np.maximum(high - low, 1e-300)
-    left, above, right, below = edges
-    room = WIDTH - left - right, HEIGHT - above - below
-    scale = float(np.min(room / size))
-    x, y = 0.5 * (low + high)
-    return View(float(x - (left + 0.5 * room[0]) / scale),
-                float(y + (above + 0.5 * room[1]) / scale), scale)
+    scale = float(np.min((np.array([WIDTH, HEIGHT]) - 2.0 * MARGIN) / size))
+    x, y = (0.5 * (low + high)).tolist()
+    return View(x - 0.5 * WIDTH / scale, y + 0.5 * HEIGHT / scale, scale)
 
 
 def line(kind: str, start: Pixel, end: Pixel) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_lab.drawing.poses import number
+from fourbar_lab.drawing.poses import DrawnPose, number
 from fourbar_lab.drawing.record import counted
-from fourbar_lab.live.model import PagePose, Shown, written
+from fourbar_lab.live.model import Shown, written
 from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
 
@@ -44,14 +44,14 @@ def joint_rows(shown: Shown) -> list[tuple[str, str]]:
     return [(letter, ', '.join(names)) for letter, names in joints.items()]
 
 
-def now_rows(shown: Shown, pose: PagePose) -> list[tuple[str, str, str]]:
+def now_rows(shown: Shown, pose: DrawnPose) -> list[tuple[str, str, str]]:
     """Return (name, value, unit) of all values of a pose; forces with their letters."""
     symbols = shown.labels.forces if shown.labels.words else {}
     return [(name + (f' = {plain(symbols[name])}' if name in symbols else ''), number(value), unit)
             for name, (value, unit) in shown.values(pose).items()]
 
 
-def now_html(shown: Shown, pose: PagePose) -> str:
+def now_html(shown: Shown, pose: DrawnPose) -> str:
     """Return the table of :func:`now_rows` as HTML."""
     rows = ''.join(f'<tr><td>{name}</td><td class="text-right">{value}</td><td>{unit}</td></tr>'
                    for name, value, unit in now_rows(shown, pose))

@@ -3,7 +3,14 @@
 """What a person reads in tables, plots, show and new: units, whole degrees, left-out weight."""
 import csv
 
-from fourbar_lab.drawing.curves import csv_of, curves_of, effort_of, make_figure, marks_of
+from fourbar_lab.drawing.curves import (
+    csv_of,
+    curves_of,
+    effort_of,
+    extrema_of,
+    make_figure,
+    marks_of,
+)
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
@@ -48,7 +55,7 @@ def test_a_machine_names_the_dyad_that_stops_it():
 def test_a_plot_has_ticks_each_90_degrees_symbols_and_extrema():
     paper = load_scene('paper')
     given = paper, paper.linkage, ['f41', 'omega4', 'theta4'], paper.drive.speed
-    marks = marks_of(*given)
+    marks = marks_of(paper.linkage, extrema_of(*given))
     figure = make_figure(curves_of(*given), marks)
     force, rate, angle = figure.axes
     ticks = [tick for tick in force.get_xticks() if 0.0 <= tick <= 360.0]

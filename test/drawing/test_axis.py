@@ -58,7 +58,7 @@ def test_a_line_along_an_edge_of_the_window_is_shown(line):
 def test_the_angle_passes_90_degrees_at_the_extrema_alone():
     linkage = FourBar(2.0, 6.0, 7.0, 5.0)
     theta1 = np.radians(np.arange(0.0, 360.0, 0.25))
-    angle = axis_angle(linkage).of(linkage.motion(theta1), None)
+    angle = axis_angle(linkage, linkage.motion(theta1))
     crossings = theta1[1:][np.diff(np.sign(angle - 90.0)) * 0.0 + np.diff(angle > 90.0) > 0.0]
     extrema = [extremum.theta1 for extremum in find_extrema(linkage, ('omega4',), 1.0)]
     np.testing.assert_allclose(crossings, extrema, atol=np.radians(0.25))

@@ -1,8 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Curves over the input with their extrema."""
-from fourbar_lab.drawing.curves import curves_of, make_figure
-from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.curves import curves_of, make_figure, marks_of
 from fourbar_ros import find_extrema
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.scene.scene import load
@@ -16,10 +15,8 @@ def test_marks_of_extrema_lie_on_their_curves(name):
     scene = load(name)
     linkage, speed = scene.linkage, scene.drive.speed
     curves = curves_of(scene, linkage, [one.name for one in select((), linkage)], speed)
-    unit = np.degrees(1.0) if curves.units[0] == 'deg' else 1.0
-    marks = [(found.quantity, unit * counted(linkage, found.input), found.value)
-             for found in find_extrema(linkage, rate=speed)
-             if found.kind != 'constant' and found.place == 'interior']
+    marks = marks_of(linkage, [found for found in find_extrema(linkage, rate=speed)
+                               if found.place == 'interior'])
     figure, seen = make_figure(curves, marks), 0
     for axis in figure.axes:
         lines = [line for line in axis.lines if line.get_marker() != 'o']

@@ -36,8 +36,8 @@ def expected(tab, name):
     position = found.scene.drive.start
     if link.at is not None:
         position = link.at if found.linkage.is_driven_by_slide else radians(link.at)
-    status, pose = found.pose(found.nearest_input(position))
-    assert status == 0
+    pose = found.pose(found.nearest_input(position))
+    assert pose.status == 0
     return found, pose.motion, now_rows(found, pose)
 
 
@@ -96,7 +96,7 @@ def is_empty(tab):
 
 def test_what_is_impossible_leaves_nothing_on_the_page(opened):
     tab = opened('paper', at=40)
-    for view in ('Curves', 'Forces', 'Polygons', 'Extrema', 'Facts'):
+    for view in ('Curves', 'Polygons', 'Extrema', 'Facts'):
         tab.open(view)
         tab.write('linkage.a2', '1.2')
         tab.until(lambda: not tab.alarm() and tab.now(), 'a mechanism')

@@ -12,7 +12,7 @@ import json
 from math import radians
 
 from fourbar_lab.balancing.loads import BalanceError, Loads
-from fourbar_lab.drawing.curves import curves_of, marks_of
+from fourbar_lab.drawing.curves import curves_of, extrema_of
 from fourbar_lab.drawing.cycles import make_cycle_figure
 from fourbar_lab.live.model import shown
 from fourbar_lab.studies.measures import Measures
@@ -99,7 +99,8 @@ def test_curves_of_plot_have_no_marks_of_loads():
     names = ['slide_velocity', 'f41', 'driving_torque']
     curves = curves_of(THERE, THERE.linkage, names, SPEED)
     assert are_true(*curves.values[2:, 10])
-    assert {name for name, *_ in marks_of(THERE, THERE.linkage, names, SPEED)} == {names[0]}
+    found = extrema_of(THERE, THERE.linkage, names, SPEED)
+    assert {one.quantity for one in found} == {names[0]}
 
 
 def test_vectors_that_draw_shows():
@@ -139,10 +140,10 @@ def test_the_service():
 
 def test_the_page():
     page = shown(VALUES)
-    _, pose = page.pose(GIVEN[0])
+    pose = page.pose(GIVEN[0])
     assert are_true(pose.loads.f41, pose.loads.driving_torque)
-    (x, y), = page.curves('f41')
-    at = int(np.argmin(np.abs(x - GIVEN[0])))
+    x, y = page.curves(['f41']).values
+    at = int(np.argmin(np.abs(np.radians(x) - GIVEN[0])))
     assert abs(y[at] - TRUE.f41) <= CLOSE * TRUE.f41
     assert {one.quantity for one in page.extrema(['omega_beta', 'f41'])} == {'omega_beta'}
 
@@ -170,7 +171,7 @@ def test_a_four_stroke_has_two_turns_and_the_page_says_that_it_shows_one():
         one = engine.loads(radians(degrees), 100.0).f41
         assert abs(curves.values[1, int(degrees)] - one) <= CLOSE * one
     assert '2 turns' in shown(engine.values).why_no_loads
-    assert shown(engine.values).pose(0.3)[1].loads is None
+    assert shown(engine.values).pose(0.3).loads is None
 
 
 def test_no_door_gives_loads_of_a_base_that_a_topic_moves(tmp_path, capsys):
@@ -188,6 +189,6 @@ def test_no_door_gives_loads_of_a_base_that_a_topic_moves(tmp_path, capsys):
     assert 'f41' not in (tmp_path / 'it.csv').read_text()
     assert main(['draw', str(path), '--at', '10', '-o', str(tmp_path / 'it.png')]) == 0
     page = shown(there.values)
-    assert page.pose(0.3)[1].loads is None and 'motion of the base' in page.why_no_loads
+    assert page.pose(0.3).loads is None and 'motion of the base' in page.why_no_loads
     with pytest.raises(InvalidParameter, match='motion of the base'):
         there.loads(0.3)
