@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 from fourbar_lab.cli.list import about  # noqa: E402
 from fourbar_lab.drawing.cycles import cycles  # noqa: E402
 from fourbar_lab.drawing.figure import STYLE  # noqa: E402
-from fourbar_lab.drawing.mechanism_panel import draw_plainly  # noqa: E402
+from fourbar_lab.drawing.mechanism_panel import draw_mechanism  # noqa: E402
 from fourbar_ros.mechanisms.points import point_motion  # noqa: E402, I100
 from fourbar_ros.scene.files import find  # noqa: E402
 from fourbar_ros.scene.scene import load  # noqa: E402
@@ -98,8 +98,10 @@ def draw(name, at):
     figure = Figure(figsize=SIZE)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.0, right=1.0, bottom=0.02, top=1.0)
-    draw_plainly(axes, linkage, linkage.motion(at if linkage.is_driven_by_slide else radians(at)),
-                 points, paths)
+    motion = linkage.motion(at if linkage.is_driven_by_slide else radians(at))
+    sheet = draw_mechanism(axes, linkage, motion, points, paths)
+    sheet.scale('m')
+    sheet.finish()
     return figure
 
 

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Draw conventions, sliders and the axis, .svg and .png, in docs: ``python docs/pictures.py``.
+Draw conventions, sliders and the axis in docs, .svg and .png: ``python docs/pictures.py``.
 
 Poses come from the core; black and white; the same bytes on every run with the same matplotlib.
 """
@@ -37,7 +37,8 @@ def main():
 def save(figure, name):
     """Save a picture."""
     figure.savefig(ROOT / 'docs' / f'{name}.svg', metadata={'Date': None, 'Creator': None})
-    figure.savefig(ROOT / 'docs' / f'{name}.png', dpi=160, metadata={'Software': None})
+    if name != 'axis':      # no page has it
+        figure.savefig(ROOT / 'docs' / f'{name}.png', dpi=160, metadata={'Software': None})
     plt.close(figure)
 
 

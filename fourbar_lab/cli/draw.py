@@ -77,7 +77,6 @@ def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: P
     _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
     pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
             f'{"m" if linkage.is_driven_by_slide else "deg"}')
-    title = ', '.join([linkage.description, pose,
-                       rates_in_words(linkage, speed, arguments.acceleration, ', '),
-                       f'assembly mode {mode_name(linkage)}'])
+    rates = rates_in_words(linkage, speed, arguments.acceleration, ', ')
+    title = f'{linkage.description}\n{pose}, {rates}, assembly mode {mode_name(linkage)}'
     print(save(make_figure(linkage, motion, loads, title, points), arguments.out))

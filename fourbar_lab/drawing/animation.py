@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from fourbar_lab.drawing.cycles import cycles, usual_points
-from fourbar_lab.drawing.figure import CannotDraw, need_matplotlib, new_figure, writing
+from fourbar_lab.drawing.figure import CannotDraw, new_figure, writing
 from fourbar_lab.drawing.mechanism_panel import draw_part, POINT
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
@@ -27,7 +27,6 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     The input turns once in the sense of ``rate``, or goes back and forth over its first range.
     CannotDraw of another suffix, or if the file cannot be written.
     """
-    need_matplotlib('draw --animate')
     from matplotlib.animation import FuncAnimation
     path, points, poses = Path(path), usual_points(mechanism, points), _poses(mechanism, rate)
     if path.suffix != '.gif':
@@ -35,7 +34,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
     places = [place for motion in poses for place in diagram_of(mechanism, motion).joints.values()]
-    with new_figure('draw', figsize=(6.4, 4.8)) as figure:
+    with new_figure(figsize=(6.4, 4.8)) as figure:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
         def draw(motion: NamedFields) -> None:

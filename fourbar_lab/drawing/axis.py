@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, new_figure
-from fourbar_lab.drawing.mechanism_panel import draw_plainly
+from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -93,16 +93,17 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
     reach = NEAR * np.array([size, size])
     # twice: poles near enough make room on the sheet, whose window then clips the lines
     _, poles = axis_parts(linkage, motion, middle - reach, middle + reach)
-    sheet = draw_plainly(axes, linkage, motion, {}, [], list(poles.values()))
-    axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
-    lines, poles = axis_parts(linkage, motion, np.array([sheet.left, sheet.bottom]), sheet.high)
+    sheet = draw_mechanism(axes, linkage, motion, {}, others=list(poles.values()), title=title)
+    lines, poles = axis_parts(linkage, motion, sheet.low, sheet.high)
     for name, ends in lines.items():
-        axes.plot(*ends.T, color=AXIS if name == 'axis' else LINE, zorder=1,
-                  lw=1.8 if name == 'axis' else 0.8, ls='-' if name == 'axis' else (0, (5, 3)))
-        sheet.occupy(*ends)
+        style = ({'color': AXIS, 'lw': 1.8} if name == 'axis' else
+                 {'color': LINE, 'lw': 0.8, 'ls': (0, (5, 3))})
+        sheet.line(*ends, zorder=1, **style)
     for letter, place in poles.items():
         axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)
         sheet.label(letter, sheet.around(place), AXIS)
+    sheet.scale('m')
+    sheet.finish()
     axes.annotate(f'axis at {axis_angle(linkage, motion):.4f}\N{DEGREE SIGN} to the coupler',
                   (0.98, 0.01), ha='right', xycoords='axes fraction', color=AXIS, fontsize=11,
                   zorder=8, bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
@@ -129,7 +130,7 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
     at = (max(extrema, key=lambda extremum: abs(extremum.value)).theta1 if position is None
           else position)
-    with new_figure('draw', figsize=(12.6, 5.6)) as figure:
+    with new_figure(figsize=(12.6, 5.6)) as figure:
         left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
         draw_axis(left, linkage, linkage.motion(at, rate),
                   f'{linkage.description}, theta1 {degrees(at):.4f} deg')

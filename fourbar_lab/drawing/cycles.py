@@ -79,7 +79,7 @@ def make_cycle_figure(what: str, mechanism: Mechanism, rate: float, acceleration
     """
     curves, unit = ((_of_forces(mechanism, (rate, acceleration), loads, turns), 'N')
                     if what == 'forces' else (_paths(mechanism, points), 'm'))
-    with new_figure('draw', figsize=(7.0, 7.0), layout='constrained') as figure:
+    with new_figure(figsize=(7.0, 7.0), layout='constrained') as figure:
         axes = figure.subplots()
         for name, parts in curves.items():
             colour = axes.plot([], [], label=name)[0].get_color()

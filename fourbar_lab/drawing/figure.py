@@ -14,8 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
-from fourbar_lab.drawing.mechanism_panel import draw_mechanism, sides_of
-from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, velocity_polygon
+from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
+from fourbar_lab.drawing.polygons import (
+    acceleration_polygon,
+    Arrow,
+    sides_of,
+    velocity_polygon,
+)
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -45,18 +50,9 @@ class CannotDraw(FourBarError, ValueError):
     """A picture or a table cannot be made or written; the message says why."""
 
 
-def need_matplotlib(what: str) -> None:
-    """Raise CannotDraw, 'WHAT requires matplotlib', if that is not installed."""
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise CannotDraw(f'{what} requires matplotlib: pip install matplotlib') from None
-
-
 @contextmanager
-def new_figure(what: str, **options: Any) -> Iterator[Figure]:
-    """Give a matplotlib Figure in the style of all pictures; CannotDraw without matplotlib."""
-    need_matplotlib(what)
+def new_figure(**options: Any) -> Iterator[Figure]:
+    """Give a matplotlib Figure in the style of all pictures."""
     import matplotlib
     from matplotlib.figure import Figure
     with matplotlib.rc_context(STYLE):
@@ -73,7 +69,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
-                 names: Mapping[str, str] | None = None) -> None:
+                 names: Letters) -> None:
     """
     Draw a velocity or acceleration polygon to scale, and every magnitude as text below it.
 
@@ -83,47 +79,46 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
     text, size = unit
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size)
               for arrow in arrows]
-    shown = sides_of(arrows, names or {}, LEAST * max(hypot(*arrow.vector) for arrow in arrows))
+    shown = sides_of(arrows, names, LEAST * max(hypot(*arrow.vector) for arrow in arrows))
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{text}]')
-    for arrow in shown:
-        sheet.arrow(arrow.start, arrow.vector, *((SUM, 2.0) if arrow.is_sum else (PART, 1.4)))
-        sheet.occupy(arrow.start, arrow.start + arrow.vector)
     axes.plot(0.0, 0.0, 'o', ms=5, mfc='w', mec='k', zorder=7)
     if not shown:
         axes.annotate('all zero', ORIGIN, (8, 0), textcoords='offset points', va='center')
         return
     sheet.label('o', sheet.around(ORIGIN), 'k')
     for arrow in shown:
-        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), SUM if arrow.is_sum
-                    else PART)
+        color = SUM if arrow.is_sum else PART
+        sheet.arrow(arrow.start, arrow.vector, color, 2.0 if arrow.is_sum else 1.4)
+        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), color)
     sheet.scale(text)
-    sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown])
+    sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown],
+                columns=2)
+    sheet.finish()
 
 
 def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None = None,
-                title: str = '', points: Points | None = None,
-                names: Mapping[str, str] | None = None, units: Units = Units()) -> Figure:
+                title: str = '', points: Points | None = None, names: Letters | None = None,
+                units: Units = Units()) -> Figure:
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
-    ``points``, ``names``: see :func:`~fourbar_lab.drawing.mechanism_panel.draw_mechanism`;
-    ``units`` of lengths and polygons.
+    ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``units`` of
+    lengths and polygons. Title and text are beside the figure: save it with a tight box.
     """
-    with new_figure('draw', figsize=(12.6, 6.2 if loads else 5.6)) as figure:
+    with new_figure(figsize=(12.6, 4.4)) as figure:
         axes = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.01, right=0.99, bottom=0.34 if loads else 0.24, top=0.89,
-                               wspace=0.06)
-        figure.suptitle(title, x=0.012, y=0.98, ha='left', fontsize=13, fontweight='bold')
-        labels = labels_of(diagram_of(mechanism, motion))
-        names = {**(names or {}), **labels.letters}
-        of_whom = ('on the link that hangs at the joint' if labels.letters
-                   else 'of link $i$ on link $j$')
-        symbol = 'F' if labels.letters else 'F_{ij}'
-        below = f'   ${symbol}$: force {of_whom}' if loads else ''
-        draw_mechanism(axes[0], mechanism, motion, loads, points, names, units.length,
-                       f'mechanism{below}')
+        figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.06)
+        figure.suptitle(title, x=0.003, y=0.95, ha='left', va='bottom', fontsize=13,
+                        fontweight='bold')
+        letters = labels_of(diagram_of(mechanism, motion)).letters
+        names = {**(names or {}), **letters}
+        what = 'mechanism'
+        if loads:
+            what += ('   $F$: force on the link that hangs at the joint' if letters
+                     else '   $F_{ij}$: force of link $i$ on link $j$')
+        draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, what)
         draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed,
                      names)
         draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations',
@@ -134,8 +129,7 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
 def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel: str,
                 title: str) -> Figure:
     """Return a figure of axes below each other: {text of an axis: (label, x, y) of its curves}."""
-    with new_figure('plot', figsize=(9.0, 0.6 + 2.4 * len(panels)),
-                    layout='constrained') as figure:
+    with new_figure(figsize=(9.0, 0.6 + 2.4 * len(panels)), layout='constrained') as figure:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (text, curves) in zip(axes, panels.items()):
             for label, x, y in curves:
@@ -161,5 +155,5 @@ def save(figure: Figure, path: str | Path) -> Path:
         path = path.with_name(path.name + '.png')
     options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
     with matplotlib.rc_context(STYLE), writing(path):
-        figure.savefig(path, dpi=200, **options)
+        figure.savefig(path, dpi=200, bbox_inches='tight', **options)
     return path

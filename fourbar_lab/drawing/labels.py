@@ -3,7 +3,7 @@
 """Letters of joints, symbols of forces and rates, and numbers, for pictures; in mathtext."""
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 from math import degrees, hypot, pi, remainder
 import re
@@ -145,16 +145,14 @@ def motion_lines(mechanism: Mechanism, motion: NamedFields, unit: tuple[str, flo
     return lines
 
 
-def load_lines(loads: NamedFields, labels: Labels, drawn: Collection[str],
-               torque: str) -> list[str]:
+def load_lines(loads: NamedFields, labels: Labels, torque: str) -> list[str]:
     """
     Return lines of text: a force at each joint, the drive, guide and shaking loads.
 
-    ``drawn``: the forces that have an arrow; ``torque``: symbol of the driving torque.
+    ``torque``: symbol of the driving torque.
     """
     lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
-                                    f'= {significant(getattr(loads, name))} N',
-                                    '' if name in drawn or labels.words else '(not drawn)')))
+                                    f'= {significant(getattr(loads, name))} N')))
              for name, symbol in labels.forces.items()]
     values = {name: significant(value) for name, value in loads._asdict().items()}
     lines.append(f'drive $P$ = {values["driving_force"]} N'

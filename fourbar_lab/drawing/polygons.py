@@ -3,7 +3,9 @@
 """The velocity and acceleration polygon of a mechanism in one pose, as arrows."""
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from math import hypot
+import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.machine import Machine
@@ -116,19 +118,32 @@ def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     return [*of_a, *of_b]
 
 
-def without_repeats(arrows: Sequence[Arrow], least: float) -> list[Arrow]:
+def sides_of(arrows: Sequence[Arrow], names: Mapping[str, str], least: float) -> list[Arrow]:
     """
-    Return the arrows without the parts that coincide with a sum, but for less than ``least``.
+    Return the sides of a polygon to draw: above a length, with other letters, none twice.
 
-    At zero alpha the normal part of an acceleration is all of it: one arrow with two labels.
+    Joints at one place have one letter: of equal labels the first is drawn. At zero alpha the
+    normal part of an acceleration is all of it: one arrow with two labels, so the sum is drawn.
     """
-    sums = [arrow for arrow in arrows if arrow.is_sum]
+    named: dict[tuple[str, bool], Arrow] = {}
+    for arrow in arrows:
+        label = renamed(arrow.label, names)
+        if hypot(*arrow.vector) > least:
+            named.setdefault((label, arrow.is_sum), arrow._replace(label=label))
+    sums = [arrow for arrow in named.values() if arrow.is_sum]
+    return [arrow for arrow in named.values() if arrow.is_sum or not any(
+        max(abs(arrow.vector - whole.vector)) <= least
+        and max(abs(arrow.start - whole.start)) <= least for whole in sums)]
 
-    def repeats(part: Arrow) -> bool:
-        """Return whether a part lies on one of the sums."""
-        return any(np.allclose(part.vector, whole.vector, 0.0, least)
-                   and np.allclose(part.start, whole.start) for whole in sums)
-    return [arrow for arrow in arrows if arrow.is_sum or not repeats(arrow)]
+
+def renamed(label: str, names: Mapping[str, str]) -> str:
+    """Return a label with other letters for points: 'v_{B/A}' by {'A': 'P'} is 'v_{B/P}'."""
+    def replace(match: re.Match[str]) -> str:
+        letters = [names.get(letter, letter) for letter in match[1].strip('{}').split('/')]
+        return f'_{{{"/".join(letters)}}}'
+    if label in names:
+        return names[label]
+    return re.sub(r'_(\{[^}]*\}|\w)', replace, label) if names else label
 
 
 def total(vector: Array, label: str) -> Arrow:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from math import floor, hypot, log10
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -39,10 +39,11 @@ class Sheet:
     """
     Axes with equal scales that show all ``points``; labels keep off lines and other labels.
 
-    ``inch`` is an inch of paper in units of the drawing, ``high`` the upper right corner.
+    ``inch`` is an inch of paper in units of the drawing, ``high`` the upper right corner. Labels
+    are written when all lines are there: :meth:`finish`.
     """
 
-    def __init__(self, axes: Axes, points: Sequence[Array], title: str) -> None:
+    def __init__(self, axes: Axes, points: Sequence[Array] | Array, title: str) -> None:
         """Scale the axes so that all points fit in them with room for labels around."""
         every = np.asarray(points)
         low, high = every.min(axis=0), every.max(axis=0)
@@ -53,20 +54,23 @@ class Sheet:
         self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
         half = 0.5 * self.inch * np.array([width, height])
-        self.axes, self.left, self.bottom = axes, middle[0] - half[0], middle[1] - half[1]
-        axes.set(xlim=(self.left, middle[0] + half[0]), ylim=(self.bottom, middle[1] + half[1]),
+        self.axes, self.low, self.high = axes, middle - half, middle + half
+        axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]),
                  aspect='equal')
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
-        self.width = 2.0 * half[0]
-        self.low = np.array([self.left, self.bottom + SCALE * self.inch])    # corner for labels
-        self.high = middle + half
-        self.taken: list[Array] = []                      # points on lines
-        self.labels: list[tuple[Array, Array]] = []       # (place, half of width and height)
+        self.taken: list[Array] = []                        # points on lines
+        self._labels: list[tuple[str, Sequence[Array], str]] = []
+        self._rows = 0                                      # of text below
 
     def occupy(self, start: Array, end: Array) -> None:
         """Keep labels off a line."""
         self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 25))
+
+    def line(self, start: Array, end: Array, **style: Any) -> None:
+        """Draw a line in matplotlib's style."""
+        self.axes.plot(*zip(start, end), **style)
+        self.occupy(start, end)
 
     def arrow(self, start: Array, vector: Array, color: str, width: float) -> None:
         """Draw an arrow; its head takes at most half of its length."""
@@ -74,26 +78,35 @@ class Sheet:
         self.axes.annotate('', start + vector, start, zorder=9, arrowprops={
             'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}',
             'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
+        self.occupy(start, start + vector)
 
     def label(self, text: str, places: Sequence[Array], color: str) -> None:
-        """Write a label at the first of several places that is free, or else the freest."""
-        half = 0.5 * self.inch * _size_of(text)
-        best = max(places, key=lambda at: self._room(at, half))
-        self.labels.append((best, half))
-        self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
-                       fontsize=FONT)
+        """Have a label at the first of several places that is free, or else the freest."""
+        self._labels.append((text, places, color))
 
-    def _room(self, at: Array, half: Array) -> tuple[float, float]:
+    def finish(self) -> None:
+        """Write the labels, first ones first."""
+        lines, written = np.reshape(self.taken, (-1, 2)), []
+        for text, places, color in self._labels:
+            half = 0.5 * self.inch * _size_of(text)
+            best = max(places, key=lambda at: self._room(at, half, lines, written))
+            written.append((best, half))
+            self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
+                           fontsize=FONT)
+
+    def _room(self, at: Array, half: Array, lines: Array, written: list[tuple[Array, Array]]
+              ) -> tuple[float, float]:
         """
-        Return how free a place is for a label, to compare: the more the better.
+        Return how free a place is for a label of this half size, to compare: the more the better.
 
         First the overlap with labels and edges (negative, 0: none), then the distance to lines.
         """
-        gaps = [(np.abs(at - other) - half - its).max() for other, its in self.labels]
-        edges = np.minimum(at - half - self.low, self.high - at - half).min()
-        beyond = np.maximum(np.abs(np.array(self.taken) - at) - half, 0.0)
-        lines = np.hypot(*beyond.T).min() if self.taken else np.inf
-        return min(0.0, edges, *gaps), min(FREE * self.inch, lines)
+        gaps = [(np.abs(at - other) - half - its).max() for other, its in written]
+        low = self.low + (0.0, SCALE * self.inch)
+        edges = np.minimum(at - half - low, self.high - at - half).min()
+        beyond = np.maximum(np.abs(lines - at) - half, 0.0)
+        nearest = np.hypot(*beyond.T).min(initial=FREE * self.inch)
+        return min(0.0, edges, *gaps), nearest
 
     def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return places for the label of a point, on circles about it, first in this direction."""
@@ -116,20 +129,19 @@ class Sheet:
         It stands at the lower edge, at the share ``place`` of the width from the left.
         """
         length = nice(1.3 * self.inch / factor)
-        start, y = self.left + 0.1 * self.inch + place * self.width, self.bottom + 0.05 * self.inch
-        self.axes.plot([start, start + length * factor], [y, y], color='k', lw=1.2, marker='|',
-                       ms=7, clip_on=False)
-        self.axes.annotate(f'{length:g} {unit}', (start + length * factor, y), (6, 0),
+        x, y = self.low + (place * (self.high[0] - self.low[0]) + 0.1 * self.inch,
+                           0.05 * self.inch)
+        self.axes.plot([x, x + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7,
+                       clip_on=False)
+        self.axes.annotate(f'{length:g} {unit}', (x + length * factor, y), (6, 0),
                            textcoords='offset points', va='center', fontsize=10)
 
-    def write(self, lines: Sequence[str], wide: Sequence[str] = ()) -> None:
-        """Write lines of text below the drawing: ``wide`` ones first, others in two columns."""
-        half = (len(lines) + 1) // 2
-        rows = [(0, row, text) for row, text in enumerate(wide)]
-        rows += [(column, len(wide) + row, text)
-                 for column, part in enumerate((lines[:half], lines[half:]))
-                 for row, text in enumerate(part)]
-        for column, row, text in rows:
-            self.axes.annotate(text, (0.02 + 0.49 * column, 0.0), (0, -14 - 16 * row),
-                               xycoords='axes fraction', textcoords='offset points',
-                               va='center', fontsize=11)
+    def write(self, lines: Sequence[str], columns: int = 1) -> None:
+        """Write lines of text below the drawing and what is written there, in columns."""
+        height = -(-len(lines) // columns)
+        for i, text in enumerate(lines):
+            column, row = divmod(i, height)
+            self.axes.annotate(text, (0.02 + 0.49 * column, 0.0),
+                               (0, -14 - 16 * (self._rows + row)), va='center', fontsize=11,
+                               xycoords='axes fraction', textcoords='offset points')
+        self._rows += height

@@ -12,8 +12,12 @@ from typing import NamedTuple
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
 from fourbar_lab.drawing.collineation import instant_centre
 from fourbar_lab.drawing.labels import significant
-from fourbar_lab.drawing.mechanism_panel import sides_of
-from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, velocity_polygon
+from fourbar_lab.drawing.polygons import (
+    acceleration_polygon,
+    Arrow,
+    sides_of,
+    velocity_polygon,
+)
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Shown

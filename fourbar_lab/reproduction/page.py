@@ -14,7 +14,6 @@ from typing import Any, TYPE_CHECKING
 from fourbar_lab.drawing.figure import (
     make_figure,
     make_panels,
-    need_matplotlib,
     STYLE,
     Units,
     writing,
@@ -142,7 +141,7 @@ def svg(name: str) -> tuple[str, str]:
     figure, caption = figure_of(name)
     file = StringIO()
     with matplotlib.rc_context({**STYLE, 'svg.hashsalt': name}):
-        figure.savefig(file, format='svg', metadata={'Date': None})
+        figure.savefig(file, format='svg', bbox_inches='tight', metadata={'Date': None})
     text = file.getvalue()
     return text[text.index('<svg'):], caption           # without the head of an XML file
 
@@ -172,7 +171,6 @@ def _section(section: Section) -> str:
 
 def write_report(sections: Sequence[Section], path: str | Path) -> None:
     """Write the page of today to a file."""
-    need_matplotlib('reproduce --html')
     text = page(sections, date.today().isoformat())
     with writing(Path(path)):
         Path(path).write_text(text, encoding='utf-8')

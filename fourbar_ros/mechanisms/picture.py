@@ -57,7 +57,6 @@ class Diagram(NamedTuple):
     blocks: tuple[Block, ...]
     forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
     angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
-    drawn_whole: tuple[str, ...] = ()       # links not to be drawn longer for points on them
 
 
 class Pivot(NamedTuple):
@@ -190,7 +189,7 @@ def _of_bar(mechanism: InvertedSlider, motion: Any, a: Array) -> Diagram:
         blocks.append(Block(a, bar))
     return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
                    tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
-                   {'theta1': 'O_1', 'theta4': 'O_4'}, drawn_whole=('output',))
+                   {'theta1': 'O_1', 'theta4': 'O_4'})
 
 
 def _places_of(mechanism: Machine, motion: NamedFields) -> dict[str, Array]:

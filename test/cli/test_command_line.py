@@ -154,7 +154,7 @@ def test_a_picture_is_where_the_output_says(given, written, tmp_path, capsys):
     ('main("draw paper --at 60 -o x.svg".split())', 'matplotlib', 1,
      'fourbar: draw requires matplotlib: pip install matplotlib'),
     ('main("reproduce --html x.html".split())', 'matplotlib', 1,
-     'fourbar: reproduce --html requires matplotlib: pip install matplotlib'),
+     'fourbar: reproduce requires matplotlib: pip install matplotlib'),
     ('main("scene check paper".split())', 'fourbar_lab', 0,
      'fourbar: no verb balance, draw, generate'),
     ('main("describe paper --as sdf".split())', 'fourbar_lab', 1,

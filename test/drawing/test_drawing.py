@@ -5,8 +5,7 @@ from itertools import combinations, cycle
 from math import hypot
 
 from fourbar_lab.drawing.labels import significant
-from fourbar_lab.drawing.mechanism_panel import renamed
-from fourbar_lab.drawing.polygons import acceleration_polygon, velocity_polygon
+from fourbar_lab.drawing.polygons import acceleration_polygon, renamed, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
