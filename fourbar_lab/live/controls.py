@@ -9,6 +9,8 @@ from fourbar_lab.live.model import Shown
 from fourbar_ros.scene import parameters
 from fourbar_ros.scene.settings import Parameter
 from nicegui import ui
+from nicegui.element import Element
+from nicegui.elements.mixins.value_element import ValueElement
 
 GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
           'bodies': 'Bodies', 'external': 'Loads from outside', 'points': 'Points'}
@@ -18,24 +20,31 @@ SPAN = 2.5                                 # sliders reach so many times the fir
 OnChange = Callable[[str, float], None]       # takes a parameter's name and new value
 
 
-def field(label: str, value: float, take: Callable[[float], None], name: str = '') -> ui.number:
+def number(label: str, value: float, change: Callable[[float], None], name: str = '',
+           span: tuple[float, float, float] | None = None) -> ui.number:
     """
-    Build a field for a number with a label: a typed one takes effect on Enter or leaving it.
+    Build a field for a number; a typed one takes effect on Enter or on leaving it.
 
-    ``name`` is the one for screen readers, by default the label.
+    ``name`` is the one for screen readers, by default the label; ``span``: low, high and step of a
+    slider beside it. A typed number may lie beyond its ends: it then stands at an end.
     """
-    def commit() -> None:
+    def take(new: float | None) -> None:
         nonlocal value
-        if made.value is None:              # emptied, or no number
-            made.set_value(value)
-        elif made.value != value:
-            value = float(made.value)
-            take(value)
+        before, value = value, value if new is None else float(new)     # None: emptied
+        for shown in made:
+            shown.set_value(value)
+        if value != before:
+            change(value)
 
-    made = ui.number(label, value=value, format='%.12g').props(
-        f'dense step=any aria-label="{name or label}"').on('keydown.enter', commit).on(
-        'blur', commit)
-    return made
+    typed = ui.number(label, value=value, format='%.12g').props(
+        f'dense step=any aria-label="{name or label}"').on('change', lambda: take(typed.value))
+    made: list[ValueElement] = [typed]
+    if span:
+        low, high, step = span
+        made.append(ui.slider(min=low, max=high, step=step, value=value,
+                              on_change=lambda event: take(event.value)).props(
+            f'aria-label="{name} slider"').classes('col'))
+    return typed
 
 
 def shown_parameters(shown: Shown) -> dict[str, list[Parameter]]:
@@ -67,61 +76,30 @@ def build(shown: Shown, change: OnChange) -> None:
         with ui.expansion(GROUPS[group], value=group in OPEN).classes('full-width').props(
                 'dense expand-separator'):
             for parameter in members:
-                is_choice = parameter.name.endswith('.mode') and parameter.type == 'integer'
                 with ui.row().classes('fb-middle full-width no-wrap fb-control'):
-                    if is_choice:
-                        _choice(parameter, shown, change)
-                    else:
-                        _number(parameter, shown, change)
+                    _control(parameter, shown, change)
 
 
-def _tooltip(parameter: Parameter) -> None:
-    """Add the text of a parameter to its control, on its right: below is the next one."""
+def _control(parameter: Parameter, shown: Shown, change: OnChange) -> None:
+    """Build the buttons of an assembly mode, or field and slider of a number; with a tooltip."""
+    name, value = parameter.name, shown.scene.values[parameter.name]
+    made: Element
+    if name.endswith('.mode'):
+        modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
+        dyad = name.split('.')[1] if name.startswith('dyads.') else ''
+        ui.label(f'{dyad} assembly mode'.strip())
+        made = ui.toggle(dict(modes), value=value,
+                         on_change=lambda event: change(name, event.value)).props(
+            f'dense no-caps aria-label="{name}"')
+    else:
+        unit = f' [{parameter.unit}]' if parameter.unit else ''
+        made = number(f'{name.split(".", 1)[1]}{unit}', float(value),
+                      lambda new: change(name, new), name,
+                      _span(parameter, float(value), shown)).classes('fb-number')
     text = parameter.text.partition('; for the sliders')[0]         # a page has no docs
-    ui.tooltip(text[0].upper() + text[1:]).props(
-        'anchor="center right" self="center left" :delay="400"')
-
-
-def _choice(parameter: Parameter, shown: Shown, change: OnChange) -> None:
-    """Build the buttons of an assembly mode."""
-    name = parameter.name
-    modes = shown.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
-    dyad = name.split('.')[1] if name.startswith('dyads.') else ''
-    ui.label(' '.join(filter(None, (dyad, 'assembly mode'))))
-    with ui.toggle(dict(modes), value=shown.scene.values[name],
-                   on_change=lambda event: change(name, event.value)).props(
-            f'dense no-caps aria-label="{name}"'):
-        _tooltip(parameter)
-
-
-def _number(parameter: Parameter, shown: Shown, change: OnChange) -> None:
-    """
-    Build a field for a number and a slider beside it.
-
-    A typed number may lie beyond the ends of the slider, which then stands at an end.
-    """
-    name, value = parameter.name, float(shown.scene.values[parameter.name])
-    low, high, step = _span(parameter, value, shown)
-
-    def take(new: float) -> None:
-        nonlocal value
-        if new != value:
-            value = new
-            slider.set_value(min(max(new, low), high))
-            change(name, new)
-
-    def move(new: float) -> None:
-        if new != min(max(value, low), high):           # not what take has just set
-            typed.set_value(new)
-            take(new)
-
-    unit = f' [{parameter.unit}]' if parameter.unit else ''
-    typed = field(f'{name.split(".", 1)[1]}{unit}', value, take, name).classes('fb-number')
-    with typed:
-        _tooltip(parameter)
-    slider = ui.slider(min=low, max=high, step=step, value=min(max(value, low), high),
-                       on_change=lambda event: move(float(event.value))).props(
-        f'aria-label="{name} slider"').classes('col')
+    with made:                          # on its right: below is the next one
+        ui.tooltip(text[0].upper() + text[1:]).props(
+            'anchor="center right" self="center left" :delay="400"')
 
 
 def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, float, float]:

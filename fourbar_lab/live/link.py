@@ -4,19 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 from urllib.parse import urlencode
 
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.given import number
 from fourbar_ros.scene import files, parameters
 from fourbar_ros.scene.settings import ParameterValues
 
 AT, ACCELERATION, SCENE = 'at', 'acceleration', 'scene'
-
-
-class BadLink(FourBarError, ValueError):
-    """The address of a page names something that does not exist; the message says what."""
 
 
 class PageAddress(NamedTuple):
@@ -47,28 +43,15 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageA
     """
     Return the :class:`PageAddress` of a query to a page that serves a scene.
 
-    BadLink if it is to another scene, unless that comes with this software; if it names an unknown
-    parameter; or if input or acceleration is no number.
+    InvalidParameter if it is to another scene, unless that comes with this software, or if input
+    or acceleration is no number. Parameters are checked with the scene that is made of them.
     """
-    first, scene = dict(values), query.get(SCENE, title)
+    scene, shipped = query.get(SCENE, title), files.shipped()
     if scene != title:
-        shipped = {file.stem: file for file in files.folder().glob('*.yaml')}
         if scene not in shipped:
-            raise BadLink(f'the link is to the scene {scene}, this page shows {title}: '
-                          f'fourbar live {scene}')
-        first = parameters.check(files.read_values(shipped[scene]))
-    numbers: dict[str, float] = {}
-    changed: dict[str, Any] = {}
-    for name, text in query.items():
-        value = files.parse(text)
-        if name in (AT, ACCELERATION):
-            try:
-                numbers[name] = number(name, value)
-            except InvalidParameter as error:
-                raise BadLink(f'the link has {error}') from None
-        elif name != SCENE:
-            if parameters.find_parameter(name) is None:
-                raise BadLink(f'the link has the unknown parameter {name}')
-            changed[name] = value
-    return PageAddress(scene, first, {**first, **changed}, numbers.get(AT),
+            raise InvalidParameter(SCENE, scene, f'this page shows {title}: fourbar live {scene}')
+        values = parameters.check(files.read_values(shipped[scene]))
+    given = {name: files.parse(text) for name, text in query.items() if name != SCENE}
+    numbers = {name: number(name, given.pop(name)) for name in (AT, ACCELERATION) if name in given}
+    return PageAddress(scene, values, {**values, **given}, numbers.get(AT),
                        numbers.get(ACCELERATION, 0.0))

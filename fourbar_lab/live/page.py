@@ -136,8 +136,9 @@ class Page:
             with ui.element('div').classes('fb-controls') as self.panel:
                 controls.build(self.shown, lambda name, value: self.change(
                     values={**self.state.values, name: value}))
-                controls.field('acceleration of the input', self.state.acceleration,
-                               lambda value: self.change(acceleration=value)).classes('full-width')
+                controls.number('acceleration of the input', self.state.acceleration,
+                                lambda value: self.change(acceleration=value)).classes(
+                    'full-width')
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
