@@ -9,7 +9,7 @@ or slowest. Only the functions that draw import matplotlib.
 from __future__ import annotations
 
 from math import degrees, hypot, inf
-from typing import TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
@@ -28,7 +28,9 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
 
 NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
-AXIS, LINE = '#1f4e8c', '0.55'      # colours
+AXIS = '#1f4e8c'        # colour
+AXIS_STYLE: dict[str, Any] = {'color': AXIS, 'lw': 1.8}
+LINE_STYLE: dict[str, Any] = {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))}
 
 
 def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
@@ -96,8 +98,7 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
     sheet = draw_mechanism(axes, linkage, motion, {}, others=list(poles.values()), title=title)
     lines, poles = axis_parts(linkage, motion, sheet.low, sheet.high)
     for name, ends in lines.items():
-        style = ({'color': AXIS, 'lw': 1.8} if name == 'axis' else
-                 {'color': LINE, 'lw': 0.8, 'ls': (0, (5, 3))})
+        style = AXIS_STYLE if name == 'axis' else LINE_STYLE
         sheet.line(*ends, zorder=1, **style)
     for letter, place in poles.items():
         axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)

@@ -86,7 +86,8 @@ class Sheet:
 
     def finish(self) -> None:
         """Write the labels, first ones first."""
-        lines, written = np.reshape(self.taken, (-1, 2)), []
+        lines: Array = np.reshape(self.taken, (-1, 2))
+        written: list[tuple[Array, Array]] = []
         for text, places, color in self._labels:
             half = 0.5 * self.inch * _size_of(text)
             best = max(places, key=lambda at: self._room(at, half, lines, written))

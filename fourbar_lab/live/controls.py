@@ -36,7 +36,7 @@ def number(label: str, value: float, change: Callable[[float], None], name: str 
         if value != before:
             change(value)
 
-    typed = ui.number(label, value=value, format='%.12g').props(
+    typed: ui.number = ui.number(label, value=value, format='%.12g').props(
         f'dense step=any aria-label="{name or label}"').on('change', lambda: take(typed.value))
     made: list[ValueElement] = [typed]
     if span:

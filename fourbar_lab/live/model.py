@@ -1,13 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What a page shows of a scene: a cycle of the mechanism, its extrema, the facts; no page yet."""
+"""What a page shows of a scene: poses of the mechanism, its curves and extrema; no page yet."""
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, degrees, isfinite, remainder, tau
-from typing import Any, NamedTuple
+from math import degrees, remainder, tau
 
 from fourbar_lab.drawing.collineation import has_axis
 from fourbar_lab.drawing.curves import Curves, curves_of, extrema_of
@@ -16,9 +15,7 @@ from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.drawing.record import counted
 from fourbar_ros.extrema.find import Extremum
-from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import Asked, positions, select
@@ -29,18 +26,6 @@ from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 SAMPLES = 361           # of a cycle: one a degree of a full turn
-
-
-class Cycle(NamedTuple):
-    """
-    The mechanism over one range of its input at constant rate and acceleration.
-
-    Inputs [rad] or [m] grow; fields of motion and loads (None without masses) are arrays (n,).
-    """
-
-    inputs: Array
-    motion: NamedFields
-    loads: NamedFields | None
 
 
 @dataclass(frozen=True)
@@ -83,16 +68,6 @@ class Shown:
         low, high = min(self.ranges, key=lambda ends: max(ends[0] - place, place - ends[1]))
         margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
         return min(max(place, low + margin), high - margin)
-
-    @cached_property
-    def cycles(self) -> tuple[Cycle, ...]:
-        """Return a :class:`Cycle` for each range of the input."""
-        found = []
-        for inputs in cycles(self.linkage, SAMPLES, from_zero=True):
-            given = inputs, self.rate, self.acceleration
-            found.append(Cycle(inputs, self.linkage.motion(*given),
-                               None if self.why_no_loads else self.scene.loads(*given)))
-        return tuple(found)
 
     @cached_property
     def why_no_loads(self) -> str:
@@ -148,32 +123,26 @@ class Shown:
         return dict(usual_points(self.linkage, self.scene.points))
 
     @cached_property
-    def traces(self) -> dict[str, list[PointMotion]]:
-        """Return {name: motion of the point over each range}."""
-        return {name: [point_motion(self.linkage, cycle.motion, *point) for cycle in self.cycles]
-                for name, point in self.points.items()}
+    def traces(self) -> list[Array]:
+        """Return the path of each point over each range, shape (n, 2) [m]."""
+        motions = [self.linkage.motion(inputs) for inputs in cycles(self.linkage, SAMPLES)]
+        return [point_motion(self.linkage, motion, *point).place
+                for point in self.points.values() for motion in motions]
 
     def samples(self, most: int) -> list[tuple[float, DrawnPose]]:
         """
-        Return (input, pose) at evenly spread samples of the cycles, about ``most`` altogether.
+        Return (input, pose) at evenly spread inputs of the ranges, about ``most`` altogether.
 
-        Samples in a toggle, where rates and loads are infinite, are left out.
+        Toggles, where rates and loads are infinite, are left out.
         """
-        samples = []
-        for cycle in self.cycles:
-            # each range has as many samples: they share ``most``
-            step = max(1, ceil(len(cycle.inputs) * len(self.cycles) / most))
-            for i in range(0, len(cycle.inputs), step):
-                motion = _sample(cycle.motion, i)
-                loads = _sample(cycle.loads, i) if cycle.loads else None
-                if isfinite(sum(motion) + sum(loads or ())):
-                    samples.append((float(cycle.inputs[i]), DrawnPose(OK, motion, loads)))
-        return samples
+        inputs = np.concatenate(cycles(self.linkage, most // len(self.ranges), from_zero=True))
+        poses = [(position, self.pose(position)) for position in inputs.tolist()]
+        return [(position, pose) for position, pose in poses if pose.status == OK]
 
     @cached_property
     def poses(self) -> list[DrawnPose]:
         """Return some forty poses over the cycles: pictures get a size that suits all of them."""
-        return [pose for _, pose in self.samples(40)]
+        return [pose for _, pose in self.samples(37)]
 
     def values(self, pose: DrawnPose) -> dict[str, tuple[float, str]]:
         """Return {name: (value, unit)} of a pose: all joints, transmission angle, all loads."""
@@ -214,11 +183,6 @@ class Shown:
 def written(unit: str) -> str:
     """Return a unit as the page writes it."""
     return unit.replace('^2', '²')
-
-
-def _sample(columns: Any, i: int) -> Any:
-    """Return sample i of a named tuple of arrays; numbers are the same in every sample."""
-    return type(columns)(*[float(column[i] if np.ndim(column) else column) for column in columns])
 
 
 def shown(values: ParameterValues, acceleration: float = 0.0) -> Shown:

@@ -151,6 +151,7 @@ class Page:
                                 on_change=lambda event, name=name: self.set_layer(
                                     name, event.value)
                                 ).set_visibility(name != 'axis' or self.shown.has_axis)
+                self.no_loads = ui.label()
             with ui.column().classes('fb-views'):
                 self._build_views()
             with ui.column().classes('fb-now'):
@@ -214,6 +215,7 @@ class Page:
         self.names = [name for name in self.names if name in shown.quantities]
         self.position = shown.nearest_input(self.position)
         self.words.set_text(shown.linkage.description)
+        self.no_loads.set_text(shown.why_no_loads and f'no forces: {shown.why_no_loads}')
         self._refill()
 
     def _clear(self) -> None:

@@ -53,7 +53,7 @@ class Layers(NamedTuple):
 def mechanism_view(shown: Shown) -> View:
     """Return the view in which poses, forces and coupler curves of a cycle have room."""
     per_newton = force_scale(shown)
-    places = [trace.place for traces in shown.traces.values() for trace in traces]
+    places = [*shown.traces]
     for pose in shown.poses:
         diagram = diagram_of(shown.linkage, pose.motion)
         places += [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
@@ -141,9 +141,8 @@ def grips_svg(shown: Shown, pose: DrawnPose, view: View) -> str:
 
 def traces_svg(shown: Shown, view: View) -> str:
     """Return the SVG content of the coupler curves, which are the same in every pose."""
-    return ''.join(['<g class="fb">', *(svg.polyline('trace', trace.place, view)
-                                        for traces in shown.traces.values() for trace in traces),
-                    '</g>'])
+    traces = ''.join([svg.polyline('trace', trace, view) for trace in shown.traces])
+    return f'<g class="fb">{traces}</g>'
 
 
 def _centres(linkage: Mechanism, motion: NamedFields, view: View,

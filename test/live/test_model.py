@@ -49,28 +49,23 @@ def shown_of(name):
 
 
 @pytest.mark.parametrize('name', SCENES)
-def test_a_cycle_is_that_of_the_mechanism(name):
+def test_a_curve_passes_through_every_pose(name):
     found = shown_of(name)
-    assert len(found.cycles) == len(found.ranges)
-    for cycle, (low, high) in zip(found.cycles, found.ranges):
-        assert low <= cycle.inputs[0] < cycle.inputs[-1] <= high
-        middle = float(cycle.inputs[100])
-        status, motion, _ = found.pose(middle)
-        assert status == 0
-        for field, value in zip(motion._fields, motion):
-            column = getattr(cycle.motion, field)
-            here = column if np.ndim(column) == 0 else column[100]
-            assert here == pytest.approx(value, rel=1e-9, abs=1e-9)
     assert set(found.usual_quantities) <= set(found.quantities)
+    names = [name for name in found.usual_quantities if '.' not in name]
+    inputs, *columns = found.curves(names).values
+    for position, pose in found.samples(37):
+        here = np.flatnonzero(np.abs(inputs - found.shown_input(position)) <= 1e-9)
+        for name, column in zip(names, columns):
+            value = getattr(pose.loads if hasattr(pose.loads, name) else pose.motion, name)
+            assert column[here] == pytest.approx(value, rel=1e-6, abs=1e-9)
 
 
 @pytest.mark.parametrize('name', SCENES)
 def test_pictures_are_svg_with_every_joint_where_it_is(name):
     found = shown_of(name)
     view, per_newton = mechanism_view(found), force_scale(found)
-    for share in (0.1, 0.5, 0.9):
-        inputs = found.cycles[0].inputs
-        pose = found.pose(float(inputs[int(share * (len(inputs) - 1))]))
+    for _, pose in found.samples(9)[1:-1:3]:
         root = ElementTree.fromstring(document(mechanism_svg(
             found, pose, view, per_newton, Layers(True, True, True, True))))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
@@ -87,8 +82,7 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
 def test_force_labels_have_the_values_of_the_core():
     found = shown_of('paper')
     seen = set()
-    for position in found.cycles[0].inputs[::20]:
-        pose = found.pose(float(position))
+    for _, pose in found.samples(19):
         text = mechanism_svg(found, pose, mechanism_view(found), force_scale(found))
         for number, value in re.findall(r'F(\d+) = (\S+) N', ' '.join(texts_of(text))):
             seen.add(number)        # four digits
@@ -135,7 +129,7 @@ def test_curves_that_go_to_infinity_are_cut_off_above_their_extrema():
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder'])
 def test_instant_centres_are_at_rest_and_obey_kennedy(name):
     found = shown_of(name)
-    motion = found.pose(float(found.cycles[0].inputs[120])).motion
+    motion = found.samples(4)[1][1].motion
     links = {link.name: found.linkage.link_motion(motion, link.name)
              for link in found.linkage.LINKS}
     size = max(map(abs, found.linkage.lengths))
