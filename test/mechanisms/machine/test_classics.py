@@ -62,24 +62,17 @@ def test_scott_russell_draws_the_y_axis():
         close(point.acceleration_y, -0.4 * np.sin(its))
 
 
-def test_peaucellier_draws_a_line():
-    machine = machine_of('peaucellier')
+# square: what O P times O Q is, by the rods; diameter: of the circle that P runs on
+@pytest.mark.parametrize('name, square, diameter, pivot, times', [
+    ('peaucellier', 0.4**2 - 0.15**2, 0.3, 0.15, 64),
+    ('hart', 0.25 * (0.5**2 - 0.2**2), 0.2, 0.1, 256)])
+def test_inversors_draw_a_line(name, square, diameter, pivot, times):
+    machine = machine_of(name)
     theta = inside(machine)
-    point = traced('peaucellier', theta)
-    k = 0.4**2 - 0.15**2
-    close(point.x + 0.15, k / 0.3, 64)
-    close(point.y, k / 0.3 * np.tan(0.5 * theta), 64)
-    limit = 2.0 * np.arccos(0.25 / 0.3)          # O P = L - l
-    assert not np.any(machine.transmission_sine(machine.motion(theta)) == 0.0)
-    assert max(end for _, end in machine.input_ranges) == pytest.approx(limit, abs=1e-12)
-
-
-def test_hart_draws_a_line():
-    theta = inside(machine_of('hart'))
-    point = traced('hart', theta)
-    k = 0.25 * (0.5**2 - 0.2**2)
-    close(point.x + 0.1, k / 0.2, 256)
-    close(point.y, k / 0.2 * np.tan(0.5 * theta), 256)
+    point = traced(name, theta)
+    close(point.x + pivot, square / diameter, times)
+    close(point.y, square / diameter * np.tan(0.5 * theta), times)
+    assert np.all(machine.transmission_sine(machine.motion(theta)) != 0.0)
 
 
 # --- parallelograms ------------------------------------------------------------------------------
@@ -201,19 +194,22 @@ def test_the_arms_of_a_door_closer():
     assert leverage.max() == leverage[:15].max() > 1.4 * leverage[-1]       # it latches
 
 
+@pytest.mark.parametrize('name, lever, crank, rod, arm, ground', [
+    ('wiper', 'left_lever', 0.045, 0.25, 0.06, np.hypot(0.25, 0.06)),
+    ('wiper', 'right_lever', 0.045, 0.25, 0.06, np.hypot(0.25, 0.06)),
+    ('pumpjack', 'beam', 0.9, 2.9, 2.5, np.hypot(2.4, 2.8))])
+def test_a_lever_swings_between_crank_and_rod_in_line(name, lever, crank, rod, arm, ground):
+    far, near = (np.arccos((ground**2 + arm**2 - reach**2) / (2.0 * ground * arm))
+                 for reach in (rod + crank, rod - crank))
+    found = [e.value for e in find_extrema(machine_of(name), (f'theta_{lever}',))]
+    assert max(found) - min(found) == pytest.approx(far - near, abs=64 * EPS)
+
+
 def test_a_wiper_swings_without_a_toggle():
     machine, points = machine_of('wiper'), load_scene(SCENES['wiper']).points
-    assert machine.turns_fully
-    a, b, c, d = 0.045, 0.25, 0.06, np.hypot(0.25, 0.06)
-
-    def at_the_pivot(reach):            # crank and rod in line
-        return np.arccos((d * d + c * c - reach * reach) / (2.0 * d * c))
-    swing = at_the_pivot(b + a) - at_the_pivot(b - a)
-    for lever in ('left_lever', 'right_lever'):
-        found = [e.value for e in find_extrema(machine, (f'theta_{lever}',))]
-        assert max(found) - min(found) == pytest.approx(swing, abs=64 * EPS)
-    assert 95.0 < np.degrees(swing) < 105.0
     motion = machine.motion(TURN)
+    assert machine.turns_fully
+    assert 95.0 < np.degrees(np.ptp(np.unwrap(motion.theta_left_lever))) < 105.0
     assert np.abs(np.sin(motion.theta_left_lever - motion.theta_rod)).min() > np.sin(pi / 6.0)
     left, right = (point_motion(machine, motion, *points[name]) for name in ('left', 'right'))
     close(right.x - left.x, 0.5, 256)
@@ -227,17 +223,6 @@ def test_a_toggle_press_has_no_bound():
         torque = machine.loads(straight + side * NEAR[:3]).driving_torque
         advantage = 5000.0 / np.abs(torque)             # force for a torque of 1 N m
         assert (advantage[1:] / advantage[:-1] > 900.0).all()
-
-
-def test_the_stroke_of_a_pumpjack():
-    machine = machine_of('pumpjack')
-    d, c = np.hypot(2.4, 2.8), 2.5
-
-    def at_the_saddle(reach):
-        return np.arccos((d * d + c * c - reach * reach) / (2.0 * d * c))
-    swing = at_the_saddle(2.9 + 0.9) - at_the_saddle(2.9 - 0.9)
-    found = [e.value for e in find_extrema(machine, ('theta_beam',))]
-    assert 3.0 * (max(found) - min(found)) == pytest.approx(3.0 * swing, abs=64 * EPS)
 
 
 def orders(machine, rate):
