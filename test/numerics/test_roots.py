@@ -9,48 +9,6 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.cartesian import EPS
-from support.waves import roots_in_a_turn, slope, value, waves
-
-
-def sampled(coefficients, points):
-    """Return x, f and a third of the rise in a step, of all rows over one turn."""
-    x = 2.0 * pi * np.arange(points) / points
-    rows = np.arange(coefficients.shape[1])
-    at = np.broadcast_to(x[:, None], (points, len(rows)))
-    f, df = (function(coefficients, at, rows) for function in (value, slope))
-    return x, f, df * (2.0 * pi / points) / 3.0
-
-
-def test_all_roots_are_bracketed_and_found_to_the_last_bits():
-    """Against brentq: every root, none twice, from few samples; the condition is 1/f'."""
-    rng, count, points = np.random.default_rng(1), 40, 64
-    coefficients = waves(rng, count, 5)
-    x, f, rise = sampled(coefficients, points)
-
-    def at(i, row):
-        return x[i % points] + 0.0 * row, np.full(np.shape(i), 2.0 * pi / points / 3.0)
-
-    def positive_multiple(x, row):
-        return value(coefficients, x, row)
-
-    def newton(x, row):
-        f = value(coefficients, x, row)
-        return f, f / slope(coefficients, x, row)
-
-    i, row, xa, xb, fa, guess = roots.find_brackets(positive_multiple, at, f, rise, True)
-    found, *_ = newton_roots(newton, row, xa, xb, fa, guess)
-    total = 0
-    for k in range(count):
-        ours = np.sort(roots.fold(found[row == k]))
-        theirs = np.sort(roots_in_a_turn(lambda x, k=k: value(coefficients, x, k)))
-        total += len(theirs)
-        assert len(ours) == len(theirs), k
-        error = np.abs(value(coefficients, ours, np.full(ours.shape, k)))
-        size = np.abs(coefficients[:, k]).sum()
-        steep = np.abs(slope(coefficients, ours, np.full(ours.shape, k)))
-        assert (error <= 16 * EPS * (size + 2.0 * pi * steep)).all()
-        assert (np.abs(ours - theirs) <= 64 * EPS * (size / steep + 2.0 * pi)).all()
-    assert total > 2 * count
 
 
 @pytest.mark.parametrize('function, derivative, low, high', [
