@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The collineation axis of a linkage as a picture, clipped to a window, and its angle to the coupler.
+The collineation axis of a linkage as a picture, and its angle to the coupler.
 
 It passes through the poles P13 and P24; where it is square to the coupler, the output is fastest
 or slowest. Only the functions that draw import matplotlib.
@@ -36,39 +36,25 @@ LINE_STYLE: dict[str, Any] = {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))}
 def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
                ) -> tuple[dict[str, Array], dict[str, Array]]:
     """
-    Return the parts of the axis in one pose in a window with these corners [m].
+    Return the parts of the axis in one pose that are in a window with these corners [m].
 
-    {name of a line: its two ends at the edges of the window, shape (2, 2)}, and {letter of a pole:
-    its place}.
+    {name of a line: its two ends beyond the window, shape (2, 2)}, and {letter of a pole: its
+    place}.
     """
     axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
-    clipped = {name: _clipped(line, low / unit, high / unit) for name, line in axis.lines.items()}
+    middle, reach = 0.5 * (low + high), 0.5 * hypot(*(high - low))
+    lines = {}
+    for name, (a, b, c) in axis.lines.items():
+        size = hypot(a, b)
+        distance = (a * middle[0] + b * middle[1] + c * unit) / size if size > 0.0 else inf
+        if abs(distance) < reach:       # not at infinity, nor NaN
+            normal, along = np.array([[a, b], [-b, a]]) / size
+            lines[name] = middle - distance * normal + np.outer([-reach, reach], along)
     with np.errstate(divide='ignore', invalid='ignore'):
         places = {letter: unit * pole[:2] / pole[2]
                   for letter, pole in (('P_{13}', axis.p13), ('P_{24}', axis.p24))}
-    return ({name: unit * ends for name, ends in clipped.items() if ends is not None},
-            {letter: place for letter, place in places.items()
-             if (low <= place).all() and (place <= high).all()})
-
-
-def _clipped(line: Array, low: Array, high: Array) -> Array | None:
-    """
-    Return the ends, shape (2, 2), of the line a x + b y + c = 0 in a window, or None.
-
-    The line is foot + s direction, with its foot nearest to the origin; each pair of edges bounds
-    s (Liang and Barsky). ``line``: (a, b, c); ``low``, ``high``: corners of the window.
-    """
-    size = hypot(line[0], line[1])
-    if not size > 0.0:               # the line at infinity, or NaN
-        return None
-    foot, direction = -line[2] / size**2 * line[:2], np.array([-line[1], line[0]]) / size
-    with np.errstate(divide='ignore', invalid='ignore'):
-        # s at the edges, by x and y, the earlier one first; infinite for a line parallel to them
-        between = np.sort(np.array([low - foot, high - foot]) / direction, axis=0)
-    on_edge = np.isnan(between).any(axis=0)          # 0/0: there these edges do not bound s
-    between[:, on_edge] = [[-inf], [inf]]
-    first, last = between[0].max(), between[1].min()
-    return np.array([foot + first * direction, foot + last * direction]) if first < last else None
+    return lines, {letter: place for letter, place in places.items()
+                   if (low <= place).all() and (place <= high).all()}
 
 
 def axis_angle(linkage: Mechanism, motion: NamedFields) -> Array:

@@ -3,7 +3,7 @@
 """The picture of the collineation axis: its lines go through joints and poles, and turn square."""
 from math import degrees, hypot
 
-from fourbar_lab.drawing.axis import _clipped, axis_angle, axis_parts, extrema_inside
+from fourbar_lab.drawing.axis import axis_angle, axis_parts, extrema_inside
 from fourbar_ros import find_extrema, FourBar, InvertedSlider, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.picture import diagram_of
@@ -31,9 +31,8 @@ def test_lines_in_a_window_go_through_joints_and_poles(linkage):
         low, high = np.array([-1.7, -1.6]) * size, np.array([2.9, 2.0]) * size
         lines, poles = axis_parts(linkage, motion, low, high)
         for name, ends in lines.items():
-            # both ends on edges of the window
-            edges = np.minimum(np.abs(ends - low), np.abs(ends - high)).min(axis=1)
-            assert edges.max() <= 1e-12 * size
+            # both ends beyond the window, or on its edge
+            assert ((ends <= low + 1e-12 * size) | (ends >= high - 1e-12 * size)).any(axis=1).all()
             assert all(off(ends, joints[joint]) <= 1e-12 * size for joint in THROUGH[name]
                        if joint in joints and (isinstance(linkage, FourBar) or name == 'crank'))
         for letter, place in poles.items():
@@ -44,15 +43,7 @@ def test_a_line_beside_the_window_is_not_shown():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0)
     lines, poles = axis_parts(linkage, linkage.motion(1.0), np.array([5.0, 1.0]),
                               np.array([6.0, 1.5]))
-    assert 'ground' not in lines and not poles
-
-
-@pytest.mark.parametrize('line', [(1.0, 0.0, -1.0), (1.0, 0.0, -5.0), (0.0, 1.0, -2.0),
-                                  (0.0, 1.0, -7.0), (1.0, -0.0, -1.0)])
-def test_a_line_along_an_edge_of_the_window_is_shown(line):
-    for sign in (1.0, -1.0):
-        ends = _clipped(sign * np.array(line), np.array([1.0, 2.0]), np.array([5.0, 7.0]))
-        assert ends is not None and np.abs(ends @ line[:2] + line[2]).max() == 0.0
+    assert 'ground' not in lines and not poles and len(lines) < 5
 
 
 def test_the_angle_passes_90_degrees_at_the_extrema_alone():
