@@ -65,7 +65,7 @@ class Sheet:
 
     def occupy(self, start: Array, end: Array) -> None:
         """Keep labels off a line."""
-        self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 25))
+        self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 49))
 
     def line(self, start: Array, end: Array, **style: Any) -> None:
         """Draw a line in matplotlib's style."""

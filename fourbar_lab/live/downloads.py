@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.curves import csv_of
 from fourbar_lab.live.model import Shown
-from fourbar_lab.live.picture import document, Layers, mechanism_svg, traces_svg
+from fourbar_lab.live.picture import document, mechanism_svg, traces_svg, USUAL
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
@@ -68,8 +68,7 @@ def cycle_csv(shown: Shown) -> str:
 def html(page: Page) -> str:
     """Return a page that needs no server: the moving mechanism, its scene and its extrema."""
     shown, title = page.shown, escape(page.state.title)
-    layers = Layers(page.layers.curves, page.layers.forces)
-    frames = [mechanism_svg(shown, pose, page.view, page.per_newton, layers)
+    frames = [mechanism_svg(shown, pose, page.view, page.per_newton, page.layers & USUAL)
               for _, pose in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'

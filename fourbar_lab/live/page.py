@@ -25,12 +25,13 @@ from fourbar_lab.live.picture import (
     force_scale,
     grips_svg,
     joints_of,
-    Layers,
+    LAYERS,
     mechanism_svg,
     mechanism_view,
     polygon_drawing,
     POLYGONS,
     traces_svg,
+    USUAL,
 )
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
@@ -43,8 +44,6 @@ from nicegui.events import GenericEventArguments
 FRAMES = 181                # of a cycle, about
 SOON, LATER = 0.005, 0.1    # [s] until charts, then the frames of a cycle follow a picture
 VIEWS = 'Curves', 'Polygons', 'Extrema', 'Facts'
-LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
-          'axis': 'collineation axis'}
 HEAD = f"""<style>{STYLE}
 :root{{--fb-aspect:{WIDTH:g}/{HEIGHT:g};--fb-top:{charts.TOP}px;--fb-gap:{charts.GAP}px;
 --fb-cursor:{charts.CURSOR}}}
@@ -99,7 +98,7 @@ class Page:
         if self.state.at is not None:
             self.position = self._position_of(self.state.at)
         self.names = self.shown.usual_quantities        # whose curves are drawn
-        self.layers = Layers()                          # what is drawn beside the links
+        self.layers = USUAL                             # what is drawn beside the links
         self.pose: DrawnPose | None = None          # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''            # why there is no mechanism, why it has no pose
 
@@ -147,9 +146,8 @@ class Page:
                 self.player.on('rest', self._rest, [None])
             with ui.row().classes('fb-options fb-middle'):
                 for name, text in LAYERS.items():
-                    ui.checkbox(text, value=getattr(self.layers, name),
-                                on_change=lambda event, name=name: self.set_layer(
-                                    name, event.value)
+                    ui.checkbox(text, value=name in USUAL,
+                                on_change=lambda _, name=name: self.switch(name)
                                 ).set_visibility(name != 'axis' or self.shown.has_axis)
                 self.no_loads = ui.label()
             with ui.column().classes('fb-views'):
@@ -248,9 +246,9 @@ class Page:
             self.draw()
             self._remember()
 
-    def set_layer(self, name: str, value: bool) -> None:
-        """Show or hide one of :class:`~fourbar_lab.live.picture.Layers`."""
-        self.layers = self.layers._replace(**{name: value})
+    def switch(self, layer: str) -> None:
+        """Show or hide one of :data:`~fourbar_lab.live.picture.LAYERS`."""
+        self.layers = self.layers ^ {layer}
         self._refill()
 
     def choose(self, names: list[str]) -> None:
@@ -274,7 +272,7 @@ class Page:
         coordinate = self.shown.linkage.input_coordinate
         show(self.player, label=f'{coordinate.position} [{self.shown.input_unit}]',
              bounds=list(self.shown.bounds), at=self.at,
-             under=traces_svg(self.shown, self.view) if self.layers.curves else '',
+             under=traces_svg(self.shown, self.view) if 'curves' in self.layers else '',
              still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
              if self.pose else '')
         drawn = self._drawn() if self.pose else {}

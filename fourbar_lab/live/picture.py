@@ -3,11 +3,10 @@
 """SVG pictures of a mechanism and of its polygons, from the same diagram as print."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Set
 from itertools import combinations
 from math import hypot, isfinite
 from types import MappingProxyType
-from typing import NamedTuple
 
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
 from fourbar_lab.drawing.collineation import instant_centre
@@ -36,24 +35,19 @@ import numpy as np
 
 LONGEST = 0.3                      # of the longest force, over the size of the mechanism
 NEAR = 24.0                        # [px] a joint is caught from so far
+# what a picture may show besides the links, and what it shows at first
+LAYERS = {'curves': 'coupler curves', 'forces': 'forces', 'centres': 'instant centres',
+          'axis': 'collineation axis'}
+USUAL = frozenset({'curves', 'forces'})
 # {name: (its arrows, their unit)}
 POLYGONS = {'velocity': (velocity_polygon, 'm/s'),
             'acceleration': (acceleration_polygon, 'm/s²')}
 
 
-class Layers(NamedTuple):
-    """What a picture shows besides the links."""
-
-    curves: bool = True
-    forces: bool = True
-    centres: bool = False
-    axis: bool = False
-
-
 def mechanism_view(shown: Shown) -> View:
     """Return the view in which poses, forces and coupler curves of a cycle have room."""
-    per_newton = force_scale(shown)
-    places = [*shown.traces]
+    per_newton, places = force_scale(shown), [*shown.traces]
+    longest = 1.2 * LONGEST * _size(shown) if per_newton else 0.0       # of an arrow with room
     for pose in shown.poses:
         diagram = diagram_of(shown.linkage, pose.motion)
         places += [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
@@ -62,7 +56,7 @@ def mechanism_view(shown: Shown) -> View:
             # a few near toggles leave the picture
             places += [force.place + per_newton * force.vector
                        for force in forces_of(diagram, pose.loads)
-                       if per_newton * force.size <= 1.2 * LONGEST * _size(shown)]
+                       if per_newton * force.size <= longest]
     return view_of(np.concatenate([np.zeros((0, 2)), *(place.reshape(-1, 2)
                                                        for place in places)]))
 
@@ -95,21 +89,22 @@ def document(content: str) -> str:
 # --- the mechanism -------------------------------------------------------------------------------
 
 def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, per_newton: float,
-                  layers: Layers = Layers()) -> str:
+                  layers: Set[str] = USUAL) -> str:
     """
     Return the SVG content of the mechanism in one pose; ``per_newton``: [m/N] of forces.
 
-    Links first, then letters of the joints, points and forces with labels where there is room.
+    ``layers``: names of :data:`LAYERS`. Links first, then letters of the joints, points and forces
+    with labels where there is room.
     """
     (_, motion, loads), linkage = pose, shown.linkage
     diagram = diagram_of(linkage, motion)
     joints = {name: view.at(place) for name, place in diagram.joints.items()}
-    primitives = picture(linkage, motion, shown.points if layers.curves else {})
+    primitives = picture(linkage, motion, shown.points if 'curves' in layers else {})
     parts = [svg.primitive(part, view) for part in primitives]
     letters = {shown.labels.letters.get(name, name): pixel for name, pixel in joints.items()}
     forces = [(view.at(force.place), view.length(per_newton * force.vector),
                f'{shown.labels.forces[force.name]} = {significant(force.size)} N')
-              for force in (forces_of(diagram, loads) if layers.forces and loads else [])]
+              for force in (forces_of(diagram, loads) if 'forces' in layers and loads else [])]
     room = svg.Room(joints.values(), [(start, vector) for start, vector, _ in forces
                                       if hypot(*vector) <= WIDTH])
     middle = np.mean(list(joints.values()), axis=0)
@@ -120,9 +115,9 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, per_newton: float,
         parts += [svg.circle('point', tip, 4.5), room.label(
             'point', tip, (0.6, -0.8), f'point {name}' if name in letters else name)]
     parts += [svg.arrow('force', *force, room) for force in forces]
-    if layers.centres:
+    if 'centres' in layers:
         parts += _centres(linkage, motion, view, joints.values())
-    if layers.axis and shown.has_axis:
+    if 'axis' in layers and shown.has_axis:
         parts += _axis(linkage, motion, view)
     return f'<g class="fb">{"".join(parts)}</g>'
 

@@ -14,7 +14,7 @@ from fourbar_lab.live.picture import (
     document,
     force_scale,
     joints_of,
-    Layers,
+    LAYERS,
     mechanism_svg,
     mechanism_view,
     polygon_svg,
@@ -67,7 +67,7 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
     view, per_newton = mechanism_view(found), force_scale(found)
     for _, pose in found.samples(9)[1:-1:3]:
         root = ElementTree.fromstring(document(mechanism_svg(
-            found, pose, view, per_newton, Layers(True, True, True, True))))
+            found, pose, view, per_newton, LAYERS.keys())))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
             '{http://www.w3.org/2000/svg}circle') if pin.get('class') == 'pin']
         joints = diagram_of(found.linkage, pose.motion).joints.values()
