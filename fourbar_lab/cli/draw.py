@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
@@ -58,10 +57,10 @@ def _draw(arguments: Namespace) -> None:
         from fourbar_lab.drawing.axis import make_axis_figure
         print(save(make_axis_figure(linkage, speed, position), arguments.out))
     elif arguments.over:
-        from fourbar_lab.drawing.cycles import make_cycle_figure
-        loads = partial(scene.loads, mode=linkage.mode) if scene.tells_loads else None
-        print(save(make_cycle_figure(arguments.over, linkage, speed, arguments.acceleration,
-                                     scene.points, loads, scene.turns), arguments.out))
+        from fourbar_lab.drawing.cycles import make_forces_figure, make_paths_figure
+        print(save(make_paths_figure(linkage, scene.points) if arguments.over == 'paths' else
+                   make_forces_figure(scene, linkage, speed, arguments.acceleration),
+                   arguments.out))
     elif position is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:

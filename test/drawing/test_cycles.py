@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pictures over cycles and moving ones: their curves are the core's, mistakes are refused."""
 from fourbar_lab.drawing.animation import animate
-from fourbar_lab.drawing.cycles import make_cycle_figure, usual_points
+from fourbar_lab.drawing.cycles import make_forces_figure, make_paths_figure, usual_points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
@@ -18,21 +18,22 @@ def lines_of(figure):
 
 @pytest.mark.parametrize('name', SCENES)
 def test_curves_lie_on_those_of_single_poses(name):
-    linkage, rate = load(find(name)).linkage, 3.0
+    linkage = load(find(name)).linkage
     points = usual_points(linkage, {}) or {'at': (linkage.LINKS[0].name, 0.1, 0.05)}
     low, high = linkage.input_ranges[0]
     size = max(map(abs, linkage.lengths))
-    curve = lines_of(make_cycle_figure('paths', linkage, rate, points=points))[0]
+    curve = lines_of(make_paths_figure(linkage, points))[0]
     for share in (0.25, 0.5, 0.75):
-        motion = linkage.motion(low + share * (high - low), rate)
+        motion = linkage.motion(low + share * (high - low))
         place = point_motion(linkage, motion, *next(iter(points.values()))).place
         nearest = np.nanmin(np.hypot(*(curve - place).T))
         assert nearest <= 1e-2 * max(size, np.hypot(*place))       # spacing of the samples
 
 
 def test_the_polar_diagram_of_forces_reaches_the_peak_of_the_shaking_force():
-    linkage = load(find('paper')).linkage
-    curve = lines_of(make_cycle_figure('forces', linkage, 25.0))[0]
+    scene = load(find('paper'))
+    linkage = scene.linkage
+    curve = lines_of(make_forces_figure(scene, linkage, 25.0))[0]
     angles = np.linspace(-np.pi, np.pi, 20001)
     peak = linkage.loads(angles, 25.0).shaking_force.max()
     assert np.hypot(*curve.T).max() == pytest.approx(peak, rel=1e-4)

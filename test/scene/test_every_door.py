@@ -13,7 +13,7 @@ from math import radians
 
 from fourbar_lab.balancing.loads import BalanceError, Loads
 from fourbar_lab.drawing.curves import curves_of, extrema_of
-from fourbar_lab.drawing.cycles import make_cycle_figure
+from fourbar_lab.drawing.cycles import make_forces_figure
 from fourbar_lab.live.model import shown
 from fourbar_lab.studies.measures import Measures
 from fourbar_ros import find_extrema, load_scene
@@ -104,7 +104,7 @@ def test_curves_of_plot_have_no_marks_of_loads():
 
 
 def test_vectors_that_draw_shows():
-    figure = make_cycle_figure('forces', THERE.linkage, SPEED, loads=THERE.loads)
+    figure = make_forces_figure(THERE, THERE.linkage, SPEED)
     found = [np.hypot(*line.get_data()) for line in figure.axes[0].lines
              if len(line.get_xdata()) == 721]
     assert min(abs(forces[2 * 190] - TRUE.f41) for forces in found) <= CLOSE * TRUE.f41
