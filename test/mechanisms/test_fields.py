@@ -94,10 +94,3 @@ def test_a_sample_does_not_depend_on_those_beside_it(case):
         part = slice(200, 200 + size)
         for one, other in zip(sum(mechanism.step(x[part], w[part], a[part]), ()), whole):
             assert np.array_equal(one, other[part], equal_nan=True)
-
-
-def test_short_arrays_with_what_is_out_of_range_are_nan_there():
-    rocker = contract.with_rods((4.0, 3.0, 2.0, 8.0))
-    found = rocker.loads([0.1, 1.0, 0.2], 1.0)
-    assert all(np.isnan(field).tolist() == [False, True, False] for field in found)
-    assert np.isnan(rocker.step([np.inf, 0.1], 1.0, fields=('f41',))[0]).tolist() == [True, False]

@@ -4,14 +4,14 @@
 import re
 
 from fourbar_ros import FourBar, InvalidParameter, load_scene
-from fourbar_ros.transmission import branch_of, CannotFollow, ratio_of, trajectory, Transmission
+from fourbar_ros.transmission import branch_of, CannotFollow, trajectory, Transmission
 import numpy as np
 import pytest
 from support import contract
+from support.contract import every_case
 from support.power import power
 
 EPS = 2.0**-52
-every_case = pytest.mark.parametrize('case', contract.CASES, ids=contract.name_of)
 ROCKER = FourBar(0.4, 1.2, 0.8, 1.0)
 
 
@@ -82,13 +82,6 @@ def test_rates_are_those_of_a_difference(case):
         assert abs(curve - got.acceleration[0]) <= 1e-5 * scale
 
 
-def test_branches_end_at_the_dead_points():
-    dead = sorted(point.theta1 % (2.0 * np.pi) for point in ROCKER.dead_points)
-    ends = {round(end.input % (2.0 * np.pi), 12)
-            for start in (dead[0] + 0.1, dead[1] + 0.1) for end in branch_of(ROCKER, start).ends}
-    assert ends == {round(angle, 12) for angle in dead}
-
-
 def test_beyond_a_toggle_it_is_refused_with_its_angle():
     through = Transmission(ROCKER, 1.0)
     low, high = sorted(end.output for end in through.branch.ends)
@@ -110,22 +103,8 @@ def test_the_drive_does_not_leave_its_branch():
         through.to_output(trajectory([beyond]))
 
 
-# a double crank whose points are far apart
+# a double crank
 TURNING = FourBar(0.5, 0.6, 0.55, 0.2)
-
-
-@pytest.mark.parametrize('step', [3.5, 4.0, 12.0, -9.0, 200.0, -1000.0])
-@pytest.mark.parametrize('way', ['to_input', 'to_output'])
-def test_points_far_apart_are_answered_as_dense_ones(way, step):
-    """Where a continuous motion ends does not depend on how many points it is sent with."""
-    through = Transmission(TURNING, 0.5)
-    assert through.branch.ends is None
-    begin = 0.5 if way == 'to_output' else through.to_output(trajectory(0.5)).position[0]
-    dense = begin + step * np.linspace(0.0, 1.0, 20 * int(abs(step)) + 1)
-    followed = getattr(through, way)(trajectory(dense, 1.0)).position
-    assert np.abs(np.diff(followed)).max() < 1.0          # continuous, so a reference for turns
-    found = getattr(through, way)(trajectory(dense[[0, -1]], 1.0)).position
-    assert np.abs(found - followed[[0, -1]]).max() <= 8.0 * EPS * (1.0 + abs(step))
 
 
 def test_turns_are_those_of_the_positions_in_whatever_message():
@@ -200,12 +179,6 @@ def test_what_is_not_given_is_not_answered():
     for way in (heavy.to_input, heavy.to_output):
         with pytest.raises(InvalidParameter, match='acceleration: must be given for an effort'):
             way(trajectory(1.9, 1.0, None, 0.0))
-
-
-def test_without_masses_the_effort_is_the_static_map():
-    through, wanted = Transmission(ROCKER, 1.0), trajectory([1.9, 2.0], 1.0, 0.0, [3.0, -2.0])
-    driven = through.to_input(wanted)
-    assert (driven.effort == ratio_of(ROCKER, driven.position) * wanted.effort).all()
 
 
 @pytest.mark.parametrize('wrong', [float('nan'), float('inf')])
