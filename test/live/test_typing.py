@@ -150,6 +150,8 @@ def test_every_step_of_a_slider_counts(tab, held):
               'seven steps')
     tab.until(lambda: float(tab.text('linkage.a2')) == pytest.approx(first + 7 * step, 1e-9),
               'the field')
+    tab.write('linkage.a2', str(first))
+    tab.until(lambda: 'linkage.a2' not in tab.query(), 'the first value, typed')
 
 
 def test_a_click_on_the_slider_of_the_input_goes_there(tab):
