@@ -57,7 +57,7 @@ def picture(page: Page) -> str:
     """Return the present picture as an SVG file."""
     assert page.pose is not None, 'nobody asks where there is no pose'
     return document(traces_svg(page.shown, page.view) + mechanism_svg(
-        page.shown, page.pose, page.view, page.per_newton, page.layers))
+        page.shown, page.pose, page.view, page.layers))
 
 
 def cycle_csv(shown: Shown) -> str:
@@ -68,7 +68,7 @@ def cycle_csv(shown: Shown) -> str:
 def html(page: Page) -> str:
     """Return a page that needs no server: the moving mechanism, its scene and its extrema."""
     shown, title = page.shown, escape(page.state.title)
-    frames = [mechanism_svg(shown, pose, page.view, page.per_newton, page.layers & USUAL)
+    frames = [mechanism_svg(shown, pose, page.view, page.layers & USUAL)
               for _, pose in shown.samples(FRAMES)]
     rows = ''.join(f'<tr><td>{row["quantity"]}</td><td>{row["kind"]}</td><td>{row["value"]}</td>'
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'

@@ -22,7 +22,6 @@ from fourbar_lab.live.model import Shown
 from fourbar_lab.live.model import shown as shown_of
 from fourbar_lab.live.picture import (
     Drawn,
-    force_scale,
     grips_svg,
     joints_of,
     LAYERS,
@@ -202,7 +201,7 @@ class Page:
         """
         try:
             shown = shown_of(self.state.values, self.state.acceleration)
-            self.view, self.per_newton = mechanism_view(shown), force_scale(shown)
+            self.view = mechanism_view(shown)
         except FourBarError as error:
             self.refusal, self.pose = str(error), None
             self.alarm.set_text(self.refusal)
@@ -280,7 +279,7 @@ class Page:
             show(element, still=drawn[element](self.at, pose) if element in drawn else '')
 
     def _picture(self, pose: DrawnPose) -> str:
-        return mechanism_svg(self.shown, pose, self.view, self.per_newton, self.layers)
+        return mechanism_svg(self.shown, pose, self.view, self.layers)
 
     def _why_no_pose(self, status: int) -> str:
         """Return a status with the input that has it, for the alarm of the page."""

@@ -45,38 +45,26 @@ POLYGONS = {'velocity': (velocity_polygon, 'm/s'),
 
 
 def mechanism_view(shown: Shown) -> View:
-    """Return the view in which poses, forces and coupler curves of a cycle have room."""
-    per_newton, places = force_scale(shown), [*shown.traces]
-    longest = 1.2 * LONGEST * _size(shown) if per_newton else 0.0       # of an arrow with room
-    for pose in shown.poses:
-        diagram = diagram_of(shown.linkage, pose.motion)
-        places += [*diagram.joints.values(), *(end for bar in diagram.bars for end in bar[:2]),
-                   *(block.place for block in diagram.blocks)]
-        if per_newton and pose.loads:
-            # a few near toggles leave the picture
-            places += [force.place + per_newton * force.vector
-                       for force in forces_of(diagram, pose.loads)
-                       if per_newton * force.size <= longest]
-    return view_of(np.concatenate([np.zeros((0, 2)), *(place.reshape(-1, 2)
-                                                       for place in places)]))
-
-
-def _size(shown: Shown) -> float:
-    """Return the larger one of width and height that all joints take over a cycle [m]."""
-    return float(max(np.ptp([place for pose in shown.poses for place in diagram_of(
-        shown.linkage, pose.motion).joints.values()], axis=0)))
-
-
-def force_scale(shown: Shown) -> float:
     """
-    Return the scale [m/N] at which the longest joint force of a cycle has its full length.
+    Return the view in which poses, forces and coupler curves of a cycle have room.
 
-    The longest but for 2 %, which may be near toggles; 0.0 without forces.
+    The longest force has its full length; a few near toggles are longer and may leave the picture.
     """
-    names = diagram_of(shown.linkage, shown.poses[0].motion).forces if shown.poses else ()
-    sizes = [getattr(pose.loads, name) for pose in shown.poses if pose.loads for name in names]
-    largest = float(np.quantile(sizes, 0.98)) if sizes else 0.0
-    return LONGEST * _size(shown) / largest if largest > 0.0 and isfinite(largest) else 0.0
+    diagrams = [diagram_of(shown.linkage, pose.motion) for pose in shown.poses]
+    joints = np.reshape([place for diagram in diagrams for place in diagram.joints.values()],
+                        (-1, 2))
+    ends = [end for diagram in diagrams for end in (
+        *(end for bar in diagram.bars for end in bar[:2]),
+        *(block.place for block in diagram.blocks))]
+    forces = [force for diagram, pose in zip(diagrams, shown.poses) if pose.loads
+              for force in forces_of(diagram, pose.loads)]
+    longest = float(np.quantile([force.size for force in forces], 0.98)) if forces else 0.0
+    per_newton = 0.0
+    if longest > 0.0 and isfinite(longest):
+        per_newton = LONGEST * float(max(np.ptp(joints, axis=0))) / longest
+        ends += [force.place + per_newton * force.vector for force in forces
+                 if force.size <= 1.2 * longest]
+    return view_of(np.vstack([joints, *ends, *shown.traces]))._replace(per_newton=per_newton)
 
 
 def document(content: str) -> str:
@@ -88,13 +76,11 @@ def document(content: str) -> str:
 
 # --- the mechanism -------------------------------------------------------------------------------
 
-def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, per_newton: float,
-                  layers: Set[str] = USUAL) -> str:
+def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, layers: Set[str] = USUAL) -> str:
     """
-    Return the SVG content of the mechanism in one pose; ``per_newton``: [m/N] of forces.
+    Return the SVG content of the mechanism in one pose; ``layers``: names of :data:`LAYERS`.
 
-    ``layers``: names of :data:`LAYERS`. Links first, then letters of the joints, points and forces
-    with labels where there is room.
+    Links first, then letters of the joints, points and forces with labels where there is room.
     """
     (_, motion, loads), linkage = pose, shown.linkage
     diagram = diagram_of(linkage, motion)
@@ -102,7 +88,7 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, per_newton: float,
     primitives = picture(linkage, motion, shown.points if 'curves' in layers else {})
     parts = [svg.primitive(part, view) for part in primitives]
     letters = {shown.labels.letters.get(name, name): pixel for name, pixel in joints.items()}
-    forces = [(view.at(force.place), view.length(per_newton * force.vector),
+    forces = [(view.at(force.place), view.length(view.per_newton * force.vector),
                f'{shown.labels.forces[force.name]} = {significant(force.size)} N')
               for force in (forces_of(diagram, loads) if 'forces' in layers and loads else [])]
     room = svg.Room(joints.values(), [(start, vector) for start, vector, _ in forces

@@ -40,11 +40,12 @@ INDEX = re.compile(r'([_^])(?:\{([^}]*)\}|(\w))')
 
 
 class View(NamedTuple):
-    """The part of the plane that a picture shows: its upper left corner [m], and [px/m]."""
+    """The part of the plane that a picture shows: its upper left corner [m], and its scales."""
 
     left: float
     top: float
-    scale: float
+    scale: float                # [px/m]
+    per_newton: float = 0.0     # of force arrows [m/N]; 0: no forces
 
     def at(self, place: Iterable[float]) -> Pixel:
         """Return the pixel of a place [m]."""

@@ -12,7 +12,6 @@ from fourbar_lab.live import link as links
 from fourbar_lab.live.model import shown
 from fourbar_lab.live.picture import (
     document,
-    force_scale,
     joints_of,
     LAYERS,
     mechanism_svg,
@@ -64,10 +63,10 @@ def test_a_curve_passes_through_every_pose(name):
 @pytest.mark.parametrize('name', SCENES)
 def test_pictures_are_svg_with_every_joint_where_it_is(name):
     found = shown_of(name)
-    view, per_newton = mechanism_view(found), force_scale(found)
+    view = mechanism_view(found)
     for _, pose in found.samples(9)[1:-1:3]:
         root = ElementTree.fromstring(document(mechanism_svg(
-            found, pose, view, per_newton, LAYERS.keys())))
+            found, pose, view, LAYERS.keys())))
         pins = [(float(pin.get('cx')), float(pin.get('cy'))) for pin in root.iter(
             '{http://www.w3.org/2000/svg}circle') if pin.get('class') == 'pin']
         joints = diagram_of(found.linkage, pose.motion).joints.values()
@@ -83,7 +82,7 @@ def test_force_labels_have_the_values_of_the_core():
     found = shown_of('paper')
     seen = set()
     for _, pose in found.samples(19):
-        text = mechanism_svg(found, pose, mechanism_view(found), force_scale(found))
+        text = mechanism_svg(found, pose, mechanism_view(found))
         for number, value in re.findall(r'F(\d+) = (\S+) N', ' '.join(texts_of(text))):
             seen.add(number)        # four digits
             assert float(value) == pytest.approx(getattr(pose.loads, f'f{number}'), rel=5e-4)
@@ -93,7 +92,7 @@ def test_force_labels_have_the_values_of_the_core():
 def test_joints_with_words_for_names_have_one_letter_a_place():
     found = shown_of('jansen')
     pose = found.pose(1.0)
-    text = mechanism_svg(found, pose, mechanism_view(found), force_scale(found))
+    text = mechanism_svg(found, pose, mechanism_view(found))
     texts = texts_of(text)
     letters = [text for text in texts if re.fullmatch(r'[A-Z]\d?', text)]
     joints = diagram_of(found.linkage, pose.motion).joints
@@ -184,13 +183,13 @@ def test_joints_that_can_be_dragged_are_those_that_move(name):
 @pytest.mark.parametrize('kind', ['mechanism', 'velocity', 'acceleration'])
 def test_no_arrow_and_no_label_leaves_the_picture_or_covers_another(name, kind):
     found = shown_of(name)
-    view, per_newton = mechanism_view(found), force_scale(found)
+    view = mechanism_view(found)
     polygon, _ = POLYGONS.get(kind, (None, ''))
     covered = labels = 0
     view = view if polygon is None else polygon_view([
         polygon(found.linkage, pose.motion) for pose in found.poses])
     for pose in found.poses[::4]:
-        svg = (mechanism_svg(found, pose, view, per_newton) if polygon is None
+        svg = (mechanism_svg(found, pose, view) if polygon is None
                else polygon_svg(polygon(found.linkage, pose.motion), view, 'm/s',
                                 found.labels.letters))
         boxes = []
@@ -211,7 +210,8 @@ def test_no_arrow_and_no_label_leaves_the_picture_or_covers_another(name, kind):
 def test_forces_of_every_pose_have_room():
     for name in ('paper', 'jansen', 'andrews', 'slider_crank'):
         found = shown_of(name)
-        view, scale = mechanism_view(found), force_scale(found)
+        view = mechanism_view(found)
+        scale = view.per_newton
         for pose in found.poses:
             for force in forces_of(diagram_of(found.linkage, pose.motion), pose.loads):
                 tip = np.array(view.at(force.place + scale * force.vector))
