@@ -56,6 +56,7 @@ AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
 WITHIN_A_STEP = 5000       # evaluations beyond the bound after which a step is broken off
+LONGER = 1.01              # first step in a piece of a table over the time in the one before
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
 COMPARED = 400             # steps of a run at which it is compared
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
@@ -475,8 +476,9 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         if stands and leg.end in (HANDED_OVER, AT_KINK):
             leg = leg._replace(end=LIMIT)
         yield leg
-        # the next piece of a table takes about as long
-        step = float(leg.time[-1] - first) if leg.end == AT_KINK else None
+        # the next piece of a table takes about as long; a step that ends exactly at its end stops
+        # scipy before 1.12
+        step = LONGER * float(leg.time[-1] - first) if leg.end == AT_KINK else None
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
