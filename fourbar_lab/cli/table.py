@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_rates, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.scene.scene import Scene
@@ -20,6 +22,7 @@ TABLE = """\
 examples:
   fourbar table paper f41 shaking_force -o paper.csv     for a spreadsheet
   fourbar table paper -o paper.csv                       all that has a name
+  fourbar table paper --speeds 0rpm 600rpm -o servo.csv
   fourbar table paper theta4 --speed 300rpm --samples 73 -o every_5_degrees.csv
 """
 PLOT = """\
@@ -35,6 +38,10 @@ def add(verbs: Verbs) -> None:
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)
     _add_arguments(table, 'table to write: .csv', 'default all')
+    table.add_argument('--speeds', nargs=2, type=of('angular speed', 'speed'),
+                       metavar=('LOW', 'HIGH'),
+                       help='instead, what the drive must give at 25 speeds of the input: root '
+                            'mean square and peak of its torque, peak of its power')
     table.set_defaults(run=_table)
     plot = add_verb(verbs, 'plot', 'quantities over the input as a picture',
                     'Draw quantities over all of the input, one pair of axes for each unit.\n'
@@ -56,14 +63,22 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
 
 
 def _table(arguments: Namespace) -> None:
-    """Write all quantities, or those asked for."""
-    from fourbar_lab.drawing.curves import curves_of, write_table
+    """Write all quantities, or those asked for, or what the drive must give at some speeds."""
+    from fourbar_lab.drawing.curves import curves_of, envelope_of, write_table
     scene, linkage, speed = asked(arguments)
-    curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
-                       arguments.samples)
+    if arguments.speeds:
+        if arguments.names:
+            raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
+        for each in arguments.speeds:
+            require('--speeds', each,
+                    'speed' if linkage.is_driven_by_slide else 'angular speed')
+        curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration)
+    else:
+        curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
+                           arguments.samples)
     write_table(curves, Path(arguments.out))
     print(arguments.out)
-    _tell_weight(scene, curves.names)
+    _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
 
 
 def _plot(arguments: Namespace) -> None:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
         'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
+SPEEDS = 25         # in a table over the speed
 OF_DRIVE = 'inertia', 'bias'        # by name alone
 
 
@@ -128,6 +129,18 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     if not np.isfinite(effort).all():
         raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows')
     return effort
+
+
+def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
+                acceleration: float = 0.0) -> Curves:
+    """Return the effort of the drive over the speed of the input, from one speed to another."""
+    unit = linkage.input_coordinate.unit
+    force = 'N' if linkage.is_driven_by_slide else 'N m'
+    rows = [(speed, *effort_of(scene, linkage, speed, acceleration))
+            for speed in np.linspace(*speeds, SPEEDS).tolist()]
+    columns = 'speed', *Effort._fields
+    return Curves(f'drive of {linkage.description}', columns, (f'{unit}/s', force, force, 'W'),
+                  np.array(rows).T, columns)
 
 
 def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,

@@ -35,17 +35,18 @@ COMPILERS = ('cc', 'gcc', 'clang')
 TYPES = {2: 'Integer Boolean String',
          3: 'Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String'}
 NOT_OFFERED = {
-    2: """GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate
+    2: """SerializedFMUstateSize SerializeFMUstate
         DeSerializeFMUstate GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus
         GetStringStatus CancelStep SetRealInputDerivatives GetRealOutputDerivatives
         GetDirectionalDerivative""",
-    3: """GetFMUState SetFMUState FreeFMUState SerializedFMUStateSize SerializeFMUState
+    3: """SerializedFMUStateSize SerializeFMUState
         DeserializeFMUState EnterConfigurationMode ExitConfigurationMode EvaluateDiscreteStates
         EnterStepMode GetBinary SetBinary GetClock SetClock GetNumberOfVariableDependencies
         GetVariableDependencies GetAdjointDerivative GetOutputDerivatives GetIntervalDecimal
         SetIntervalDecimal GetShiftDecimal SetShiftDecimal GetIntervalFraction
         SetIntervalFraction GetShiftFraction SetShiftFraction ActivateModelPartition
         GetDirectionalDerivative"""}
+STATE = {2: 'FMUstate', 3: 'FMUState'}
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
@@ -153,9 +154,10 @@ def _source(code: Code, version: int) -> str:
         'GIVEN_TORQUE': ', state->torque' * is_torque_given,
         'BEGIN': f'{name}_{"start" if is_torque_given else "complete"}'}
     defined = ''.join(f'#define {word} {meaning}\n' for word, meaning in settings.items())
-    # the versions differ in the type of flags and in a letter
+    # the versions differ in the type of flags and in a letter of the state
     flag = '#include <stdbool.h>\ntypedef bool Flag;\n' if version == 3 else 'typedef int Flag;\n'
     shared = (snippet('fmu.c') + snippet(f'fmu{version}.c')).replace('FMI_', f'fmi{version}')
+    shared = shared.replace(STATE[3], STATE[version])
     not_there = [*(f'NONE(fmi{version}{access}{kind})\n' for kind in TYPES[version].split()
                    for access in ('Get', 'Set')),
                  *(f'REFUSED(fmi{version}{what})\n' for what in NOT_OFFERED[version].split())]
@@ -224,7 +226,8 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
     # model exchange is for motion by its inputs, which has no state: it is solved with the model
     # around it, without the delay of a step; motion by torque has steps of its own
     for tag in ('CoSimulation',) if model.moves_by_torque else ('ModelExchange', 'CoSimulation'):
-        kind = add(root, tag, modelIdentifier=model.name)
+        kind = add(root, tag, modelIdentifier=model.name,
+                   **{f'canGetAndSet{STATE[version]}': 'true'})
         if tag == 'CoSimulation':
             kind.set('canHandleVariableCommunicationStepSize', 'true')
         if is_2:

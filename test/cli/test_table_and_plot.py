@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person reads in tables, plots, show and new: units, whole degrees, left-out weight."""
 import csv
+from math import radians
 
 from fourbar_lab.drawing.curves import (
     csv_of,
@@ -31,6 +32,25 @@ def test_a_table_has_whole_degrees_and_units_and_so_has_the_page():
     assert [row[0] for row in rows] == [f'{degrees}.0' for degrees in range(361)]
     assert all(name.endswith(']') for name in head) and head[0] == 'theta1 [deg]'
     assert cycle_csv(shown(paper.values)) == text
+
+
+def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
+    file = tmp_path / 'servo.csv'
+    assert not main(['table', 'paper', '--speeds', '0', '600rpm', '-o', str(file)])
+    head, *rows = csv.reader(file.read_text().splitlines())
+    assert head == ['speed [rad/s]', 'root_mean_square [N m]', 'peak [N m]', 'peak_power [W]']
+    speed, mean, peak, power = map(float, rows[-1])
+    assert len(rows) == 25 and speed == pytest.approx(radians(3600.0))
+    torques = load_scene('paper').loads(np.radians(np.arange(0.25, 360.0, 0.5)),
+                                        speed).driving_torque
+    assert (mean, peak) == pytest.approx((np.sqrt(np.mean(torques**2)), np.abs(torques).max()))
+    assert power == pytest.approx(speed * peak)
+    assert 'weight: left out' in capsys.readouterr().err
+    for given, why in ((['f41', '--speeds', '0', '1'], 'not with --speeds'),
+                       (['--speeds', '0', '1e200'], 'overflows'),
+                       (['--speeds', '0', '1m/s'], '--speeds has a unit of speed')):
+        assert main(['table', 'paper', *given, '-o', str(file)])
+        assert why in capsys.readouterr().err
 
 
 def test_the_drive_of_a_four_stroke_is_that_of_both_turns():

@@ -126,10 +126,17 @@ def test_out_of_range_is_a_status_and_parameters_change(paper):
 
 
 @needs_compiler
-def test_a_reset_unit_is_a_new_one(paper):
-    first = paper.get('theta1', 'a1', 'f41')
+def test_states_are_kept_and_restored(paper):
+    kept, first = c_void_p(), paper.get('theta1', 'a1', 'f41')
     paper.set(**{'theta1': 0.7, 'omega1': 3.0, 'bodies.crank.mass': 1.5})
-    assert paper.get('theta1', 'a1', 'f41') != first
+    before = paper.get('f41', 'status')
+    paper('GetFMUstate', byref(kept))
+    paper.set(theta1=2.0, a1=0.3)
+    assert paper.get('f41', 'status') != before
+    paper('SetFMUstate', kept)
+    assert paper.get('f41', 'status') == before
+    paper('FreeFMUstate', byref(kept))
+    assert kept.value is None
     paper('Reset')
     assert paper.get('theta1', 'a1', 'f41') == first
 

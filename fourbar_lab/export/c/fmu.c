@@ -156,6 +156,29 @@ EXPORT Status FMI_SetDebugLogging(Instance instance, Flag on, size_t count, cons
   return OK;
 }
 
+/* A copy of the whole state, kept by the master; `to` is made if it is not there. */
+EXPORT Status FMI_GetFMUState(Instance instance, void **to)
+{
+  if (*to == NULL) *to = malloc(sizeof(State));
+  if (*to == NULL) return ERROR;
+  memcpy(*to, instance, sizeof(State));
+  return OK;
+}
+
+EXPORT Status FMI_SetFMUState(Instance instance, void *from)
+{
+  memcpy(instance, from, sizeof(State));
+  return OK;
+}
+
+EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
+{
+  (void)instance;
+  free(*kept);
+  *kept = NULL;
+  return OK;
+}
+
 EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag *enters_event,
                                           Flag *terminates)
 {
