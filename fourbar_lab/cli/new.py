@@ -46,6 +46,9 @@ examples:
   fourbar new my.yaml --a1 50mm --a2 150mm --a3 100mm --a4 125mm --speed 300rpm --bar 20x5mm
   fourbar new pump.yaml --kind slider_crank --a1 30mm --a2 90mm --rod 8mm --material aluminium
 
+machines of more links begin with a shipped one:
+  fourbar scene print watt > my.yaml
+
 then:
   fourbar show my.yaml
   fourbar plot my.yaml shaking_force -o shaking.png

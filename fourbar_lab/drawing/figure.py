@@ -32,6 +32,7 @@ if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+PICTURES = '.png', '.svg', '.pdf'
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
          'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
@@ -145,7 +146,7 @@ def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel
 
 def save(figure: Figure, path: str | Path) -> Path:
     """
-    Write a figure as .svg, .pdf, .png (also without a suffix), ... and return the path.
+    Write a figure as .svg, .pdf or .png (also without a suffix) and return the path.
 
     One figure gives the same bytes each time, so an SVG has no date.
     """
@@ -153,6 +154,8 @@ def save(figure: Figure, path: str | Path) -> Path:
     path = Path(path)
     if not path.suffix:
         path = path.with_name(path.name + '.png')
+    if path.suffix not in PICTURES:
+        raise CannotDraw(f'{path}: must end in {", ".join(PICTURES)}')
     options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
     with matplotlib.rc_context(STYLE), writing(path):
         figure.savefig(path, dpi=200, bbox_inches='tight', **options)

@@ -84,8 +84,8 @@ def add_rates(parser: argparse.ArgumentParser) -> None:
                         default=0.0, metavar='ACCELERATION',
                         help='input acceleration [rad/s^2], for a slide [m/s^2]; default 0')
     parser.add_argument('--mode', type=assembly_mode, metavar='MODE',
-                        help='assembly mode: 1 (crossed) or 2 (open); of a machine, what '
-                             '`fourbar show` prints; default: that of the scene')
+                        help='assembly mode: 1 (crossed) or 2 (open); default: that of the '
+                             'scene. Modes of a machine are dyads.NAME.mode of its scene')
 
 
 def assembly_mode(text: str) -> int:

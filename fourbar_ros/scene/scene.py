@@ -22,7 +22,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.linkage import linkage_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in
-from fourbar_ros.scene.settings import ParameterValues, SOURCES
+from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
     applied_topic,
@@ -95,8 +95,10 @@ class Scene:
         """Return the linkage in an assembly mode; None or 0: the scene's mode."""
         known = self.linkage.modes
         if mode and mode not in known:
-            raise InvalidParameter('mode', mode, 'must be '
-                                   f'{" or ".join(map(str, known))}: {self.linkage.description}')
+            where = (', or change dyads.NAME.mode in the scene'
+                     if self.values['linkage.kind'] == MACHINE else '')
+            raise InvalidParameter('mode', mode, f'must be {" or ".join(map(str, known))}: '
+                                   f'{self.linkage.description}{where}')
         return self.linkage.in_mode(mode or self.linkage.mode)
 
     def with_values(self, changes: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
@@ -445,7 +447,7 @@ def _check_together(scene: Scene) -> None:
     if scene.needs_loads and not scene.has_loads:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
         refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
-                                    'masses')
+                                    'masses. Or leave it out of outputs')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
     for name in ('frame_id', 'joint_states.prefix'):

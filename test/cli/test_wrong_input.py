@@ -100,7 +100,7 @@ WRONG_LINES = [
     ('table paper -o x.xls', 1, 'must end in'),
     ('table paper -o x.csv --samples 0', 2, '--samples'),
     ('table paper -o nowhere/x.csv', 1, 'nowhere/x.csv'),
-    ('plot paper -o x.csv', 1, "Format 'csv' is not supported"),
+    ('plot paper -o x.csv', 1, 'must end in .png, .svg, .pdf'),
     ('draw paper --at x -o x.png', 2, "'x' must be a number"),
     ('draw paper --speed 1m/s --over paths -o x.png', 1, 'takes angular speed'),
     ('draw paper -o x.png', 1, '--at: must be given'),

@@ -98,6 +98,7 @@ def test_a_dyad_is_changed_live_and_a_wrong_one_refused(run_node, client):
     assert (found['omega_foot'], found['driving_torque']) == (motion.omega_foot,
                                                               loads.driving_torque)
     refused = set_parameters(client, {'dyads.leg.length_2': 9.0})[0]
-    assert refused.reason == ('dyads.leg: cannot close at any input at which those before it do')
+    assert refused.reason == ('dyads.leg: cannot close at any input at which those before it do; '
+                              'its rods are 0.394 and 9 m long')
     refused = set_parameters(client, {'dyads.leg.kind': 'RRP'})[0]
     assert not refused.successful

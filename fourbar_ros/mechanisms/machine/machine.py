@@ -137,11 +137,13 @@ class Machine(Mechanism):
         """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
         name = self._ranges.stopped
         if name:
-            one, other = next((dyad.first.link, dyad.second.link) for dyad in self.stages
-                              if dyad.name == name)
+            dyad = next(dyad for dyad in self.stages if dyad.name == name)
+            one, other = dyad.first.link, dyad.second.link
+            rods = (f'; its rods are {dyad.length_1:g} and {dyad.length_2:g} m long'
+                    if dyad.kind == 'RRR' else '')
             why = (f': it hangs on {one} alone, so no input moves its ends' if one == other else
                    '' if name == self.dyads[0].name else ' at which those before it do')
-            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}')
+            raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}{rods}')
 
     def with_loads(self, **loads: Any) -> Machine:
         """Return the same with other bodies, gravity and external loads, sharing geometry."""
