@@ -101,9 +101,8 @@ def _density(text: str) -> float:
 
 def _new(arguments: Namespace) -> None:
     """Write the scene file, unless there is one or it would not load, as with wrong lengths."""
-    from fourbar_ros.scene.files import flatten
+    from fourbar_ros.scene.files import flatten, parse
     from fourbar_ros.scene.scene import from_values
-    import yaml
     path = Path(arguments.file)
     if not path.suffix:
         path = path.with_suffix('.yaml')
@@ -112,7 +111,7 @@ def _new(arguments: Namespace) -> None:
     lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
     text = scene_text(arguments.kind, lengths, arguments.mode, arguments.speed,
                       arguments.bar or arguments.rod or '', arguments.material)
-    scene = from_values(flatten(yaml.safe_load(text)['/**']['ros__parameters'], path))
+    scene = from_values(flatten(parse(text)['/**']['ros__parameters'], path))
     with open(path, 'x', encoding='utf-8') as file:
         file.write(text)
     print(f'{path}: {scene.linkage.description}')

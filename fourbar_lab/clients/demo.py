@@ -24,6 +24,7 @@ from fourbar_ros.ros.messages import Message, to_stamp
 from fourbar_ros.scene.arguments import Parser, positive
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
+from fourbar_ros.scene.topics import INPUTS
 from fourbar_ros.terminal import make_console, make_table
 from rclpy.node import Node
 from rich.console import Console
@@ -38,7 +39,7 @@ KINDS = {Extremum.KIND_MINIMUM: 'min', Extremum.KIND_MAXIMUM: 'max',
 
 
 class Driver(NodeClient):
-    """Swings the input of a node that listens for motion, and keeps its latest outputs."""
+    """Swings the input of a node that messages drive, and keeps its latest outputs."""
 
     def __init__(self, node: Node, scene: Scene) -> None:
         super().__init__(node, PATIENCE)
@@ -47,7 +48,7 @@ class Driver(NodeClient):
         self.received = Counter[str]()
         for name, topic in scene.topics.items():
             self.subscribe(topic, partial(self._take, name))
-        self.input = self.publisher('motion') if scene.drive.source == 'motion' else None
+        self.input = self.publisher(scene.drive.source) if scene.drive.source in INPUTS else None
 
     def _take(self, name: str, message: Message) -> None:
         self.latest[name] = message
@@ -55,7 +56,7 @@ class Driver(NodeClient):
 
     def drive(self, seconds: float) -> None:
         """
-        Send the input of a time [s] after the start, if the node listens for motion.
+        Send the input of a time [s] after the start, if messages drive the node.
 
         It swings as a sine through 0.95 of its last range, with the scene's speed in the middle.
         """
@@ -67,8 +68,13 @@ class Driver(NodeClient):
         sine, cosine = reach * sin(frequency * seconds), reach * cos(frequency * seconds)
         message = self.input.msg_type()
         message.header.stamp = to_stamp(self.node.get_clock().now().nanoseconds)
-        message.position, message.velocity = middle + sine, frequency * cosine
-        message.acceleration = -frequency * frequency * sine
+        position, velocity = middle + sine, frequency * cosine
+        if self.scene.drive.source == 'joint_state':
+            message.name = [self.scene.drive.joint]
+            message.position, message.velocity = [position], [velocity]
+        else:
+            message.position, message.velocity = position, velocity
+            message.acceleration = -frequency * frequency * sine
         self.input.publish(message)
 
 

@@ -90,10 +90,11 @@ def add_rates(parser: argparse.ArgumentParser) -> None:
 
 def assembly_mode(text: str) -> int:
     """Return the assembly mode for a number or a name, '1' or 'crossed': an argument's type."""
-    modes = {**MODES, **{str(mode): mode for mode in MODES.values()}}
-    if text not in modes:
+    if text in MODES:
+        return MODES[text]
+    if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r}: must be 1 or crossed, 2 or open')
-    return modes[text]
+    return int(text)                # whether a mechanism has it: a machine has more than two
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:

@@ -146,7 +146,7 @@ def _why_no_yaml(text: str, error: Exception) -> str:
 
 
 def parse(text: str) -> Any:
-    """Return the value of ``-p NAME:=text`` as rcl reads it; None if rcl refuses it."""
+    """Return the value of a text, as of ``-p NAME:=text``, as rcl reads it; None if it refuses."""
     try:
         return yaml.load(text, _Loader)
     except yaml.YAMLError:

@@ -38,6 +38,19 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     assert ours == pytest.approx(theirs, rel=1e-8)
 
 
+def test_numbers_without_a_point_are_numbers_as_ros_reads_them():
+    lengths = [word.replace('mm', 'um') for word in GIVEN]
+    assert main(['new', 'my.yaml', *lengths, '--rod', '1um']) == 0
+    assert 'a1: 5e-05 ' in Path('my.yaml').read_text()
+    assert load_scene('my.yaml').linkage.a1 == 5e-5
+
+
+def test_the_mode_that_is_printed_can_be_asked_for(capsys):
+    for mode in ([], ['--mode', '4']):
+        assert main(['show', 'watt', *mode]) == 0
+        assert 'one 2, two 2' in capsys.readouterr().out
+
+
 @pytest.mark.parametrize('kind', FACTS)
 def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
     given = [word for length in FACTS[kind].lengths if not length.signed

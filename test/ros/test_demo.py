@@ -1,9 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What ``make run`` shows in a narrow terminal."""
+import re
 import sys
 
+import pytest
 from support.samples import some
+from support.scenes import file_of, PAPER
 from support.terminals import NUMBER, shown
 
 
@@ -18,3 +21,12 @@ def test_numbers_of_the_demonstration_are_whole(width, scene, expected, tmp_path
     assert code == 0 and '…' not in text, text
     assert set(expected) <= set(NUMBER.findall(text)), text
     assert 'largest difference 0' in text
+
+
+@pytest.mark.parametrize('source', ['motion', 'joint_state'])
+def test_a_scene_that_messages_drive_is_driven(source, tmp_path):
+    scene = file_of({**PAPER, 'drive.source': source, 'drive.joint': 'motor', 'drive.speed': 2.0,
+                     'outputs': ['state']}, tmp_path)
+    text, code = shown([sys.executable, '-m', 'fourbar_lab.clients.demo', str(scene),
+                        '--seconds', '1', '--directory', str(tmp_path)], 120)
+    assert code == 0 and int(re.search(r'recomputed: (\d+) outputs', text)[1]) > 20, text
