@@ -8,12 +8,13 @@ Lock step with a node, from a simulator's own loop: publish, wait for the answer
     force = answer.shaking_wrench.wrench.force
 
 The order is settled here: the base is in effect before the input is sent, and a torque is sent
-before the clock.
+before the clock. Stamps rise strictly, so that no answer is taken for that to another question:
+one at the time of the last question, or before it, is stamped a nanosecond after the last.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import nan
+from math import inf, isnan, nan
 import time as clock
 from types import SimpleNamespace
 from typing import Any
@@ -22,6 +23,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.given import number
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
+from fourbar_ros.ros.node.clock_input import CATCH_UP
 from fourbar_ros.scene.topics import (
     BASE,
     BASES,
@@ -84,6 +86,7 @@ class LockStep:
         self._heard: list[Any] = []          # subscriptions
         self._clock: Any = None
         self._met: set[str] = set()
+        self._asked = 0                      # [ns] newest stamp that was sent
         for output in self._outputs:
             self._listen(OUTPUTS[output])
 
@@ -94,9 +97,13 @@ class LockStep:
 
         For a node with ``drive.source: motion``; rates that are NaN are estimated. ``base``: a
         Base for one with ``base.topic: motion_of_base``, a sensor_msgs/Imu for ``imu``; the input
-        is sent when it is in effect. Raises Late.
+        is sent when it is in effect. A time may come again or go back, as in the stages of a
+        Runge-Kutta step, unless rates come from the stamps: then InvalidParameter. Raises Late,
+        also if somebody else sends inputs to the node.
         """
-        stamp = _stamp_of(time)
+        is_estimated = (isnan(rate) or isnan(acceleration)
+                        or base is not None and not isinstance(base, Base))
+        stamp = self._stamp(time, 'rates are estimated from the stamps' if is_estimated else '')
         if base is not None:
             self._move_base(base, stamp)
         return self._ask(INPUTS['motion'], self._outputs, stamp, position=position,
@@ -121,13 +128,16 @@ class LockStep:
         Return the answer to a torque [N m], or force [N], up to a time [s] of the simulation.
 
         For a node with ``drive.source: torque`` and ``use_sim_time``: sends the torque, then the
-        clock. Raises Late, also if the step was made with another torque.
+        clock. Raises Late, also if the step was made with another torque; InvalidParameter for a
+        time that does not rise, or by so much that the node would skip steps.
         """
-        stamp, send = _stamp_of(time), self._publisher(TORQUE)
+        send = self._publisher(TORQUE)
+        stamp = self._stamp(time, 'the clock of a simulation only goes on', CATCH_UP)
         if self._clock is None:
             self._clock = self._own.create_publisher(Clock, '/clock', DEPTH)
             self._listen(DRIVE_STATE)
             self._meet(self._clock, send)
+        self._be_alone(send)
         message = send.msg_type()
         message.wrench.torque.z = message.wrench.force.x = float(torque)
         send.publish(message)
@@ -169,12 +179,39 @@ class LockStep:
                 resolve(topic.type), self._name(topic), DEPTH)
         return self._publishers[topic.name]
 
+    def _stamp(self, time: float, why_it_must_rise: str, longest: float = inf) -> Any:
+        """
+        Return a stamp above that of the last question: of a time [s], or a nanosecond later.
+
+        InvalidParameter for a time that must rise and does not, or by more than ``longest`` [s].
+        """
+        stamp = round(number('time', time, 'must be above zero: a stamp of 0 is none',
+                             above=0.0) * 1e9)
+        last = f'the last one, {self._asked * 1e-9:.9g}'
+        if why_it_must_rise and stamp <= self._asked:
+            raise InvalidParameter('time', time, f'must be above {last}: {why_it_must_rise}')
+        if self._asked and stamp - self._asked > longest * 1e9:
+            raise InvalidParameter('time', time, f'must be at most {longest:g} s above {last}: '
+                                   'the node skips the steps of a longer pause')
+        self._asked = max(stamp, self._asked + 1)
+        return to_stamp(self._asked)
+
+    def _be_alone(self, publisher: Any) -> None:
+        """Raise Late if others keep sending on a topic too: answers could be to their messages."""
+        end = clock.monotonic() + self._patience
+        while (others := self._own.count_publishers(publisher.topic_name) - 1) > 0:
+            if clock.monotonic() > end:
+                raise Late(f'{publisher.topic_name} has {others} other publisher'
+                           f'{"s" * (others > 1)}: one LockStep alone can step a node')
+            self._executor.spin_once(timeout_sec=AGAIN)
+
     def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: Any
              ) -> SimpleNamespace:
         """Send a message and return the answers of its stamp."""
         message = resolve(topic.type)(**fields)
         message.header.stamp = stamp
         publisher = self._publisher(topic)
+        self._be_alone(publisher)
         return self._wait(names, stamp, lambda: publisher.publish(message))
 
     def _wait(self, names: Sequence[str], stamp: Any, send: Callable[[], None]
@@ -199,9 +236,3 @@ class LockStep:
                        or self._newest[name].header.stamp != stamp}
         self._met.update(names)
         return SimpleNamespace(**{name: self._newest[name] for name in names})
-
-
-def _stamp_of(time: float) -> Any:
-    """Return the stamp of a time [s]; one of zero or less counts as none."""
-    return to_stamp(round(number('time', time, 'must be above zero: a stamp of 0 is none',
-                                 above=0.0) * 1e9))

@@ -10,6 +10,7 @@ from math import hypot, inf, isfinite, nan
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline.rate_estimator import Estimate, NANOSECOND
 from fourbar_ros.scene.base import rotation_of
+from fourbar_ros.scene.message_fields import nanoseconds
 
 UNKNOWN = Base(nan, nan, nan, nan)
 LONGER = 2.5         # a message may be lost
@@ -25,7 +26,7 @@ class Imu:
     """
 
     def __init__(self, rotation: Sequence[float], window: int, gap: float) -> None:
-        self._axes, self._gap = rotation_of(rotation), gap / NANOSECOND
+        self._axes, self._gap = rotation_of(rotation), nanoseconds(gap)
         self._rates: deque[tuple[int, float]] = deque(maxlen=window)     # stamps [ns], [rad/s]
         self._step = inf                     # between the last two messages [ns]
         # specific force [m/s^2] and rate [rad/s] of the last message that are left out

@@ -35,6 +35,7 @@ from collections.abc import Sequence
 from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
 from typing import NamedTuple
 
+from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.scene import Scene
 
 NANOSECOND = 1e-9        # [s]
@@ -111,7 +112,7 @@ class _Sample(NamedTuple):
     step: float = nan
 
 
-KEY, VERSION = 'estimator', 3      # bags keep the version of the estimator that made their rates
+KEY, VERSION = 'estimator', 4      # bags keep the version of the estimator that made their rates
 
 
 class RateEstimator:
@@ -141,10 +142,10 @@ class RateEstimator:
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
                  turn: float = tau, length: float = 1.0, top_speed: float = nan) -> None:
         """Begin without a sample; the gap and all stamps are kept in ns."""
-        self._gap, self._jump, self._turn, self._length = gap / NANOSECOND, jump, turn, length
+        self._gap, self._jump, self._turn, self._length = nanoseconds(gap), jump, turn, length
         self._top_speed = top_speed
         self._samples: deque[_Sample] = deque(maxlen=window)
-        # how often it started afresh, and samples older than the newest
+        # how often it started afresh, and samples that are not newer than the newest
         self.restarts = self.late = 0
         # mean squares of the distances from the predictions, and of the accelerations
         self._scatter, self._size = _MeanSquare(), _MeanSquare()
@@ -186,18 +187,22 @@ class RateEstimator:
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
         ``time`` is its stamp [ns]; ``position`` an angle [rad], wrapped or not, or a slide [m];
-        ``velocity`` NaN if the stream has none. A stamp that stands still or goes back leaves the
-        memory as it is. If it goes back by more than ``gap``, or the next one follows it there,
-        the clock was set and the estimate starts afresh.
+        ``velocity`` NaN if the stream has none. A sample that comes again keeps its rates.
+        Another one with the same stamp is late, as is one that goes back: it leaves the memory as
+        it is. If a stamp goes back by more than ``gap``, or the next one follows it there, the
+        clock was set and the estimate starts afresh.
         """
         if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
         sample = _Sample(time, position, velocity)
-        if self._samples and time <= (newest := self._samples[-1].time):
-            if time == newest:
-                return velocity if isfinite(velocity) else self._estimate[0], self._estimate[1]
-            if newest - time < self._gap and not self._is_set_back(sample):
-                return velocity, nan
+        newest = self._samples[-1] if self._samples else None
+        if newest and time == newest.time:
+            if position == newest.position and (velocity == newest.velocity or isnan(velocity)):
+                return self._estimate
+            self.late += 1
+            return velocity, nan
+        if newest and 0 < newest.time - time < self._gap and not self._is_set_back(sample):
+            return velocity, nan
         self._late_sample = None
         self._append(sample)
         self._estimate = self._fitted(velocity)

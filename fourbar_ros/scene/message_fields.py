@@ -155,6 +155,11 @@ def driven_of(message: Any, joint: str = '') -> Any:
     return position, message.velocity[i] if i < len(message.velocity) else nan, nan
 
 
+def nanoseconds(seconds: float) -> int:
+    """Return a time [s] in whole nanoseconds, as stamps and clocks have it: compare such alone."""
+    return round(seconds * 1e9)
+
+
 def is_time(sec: int | Array, nanosec: int | Array) -> Any:
     """
     Return whether a stamp is a valid time; element by element for arrays.

@@ -81,6 +81,32 @@ def test_jump_gap_and_wrong_order():
     assert update(0.1, 3.4)[0] == pytest.approx(1.0)
 
 
+def test_a_stamp_that_stands_still_while_the_position_moves_is_late():
+    """A driver with a stuck clock; the same sample again keeps its rates."""
+    estimator = RateEstimator()
+    feed(estimator, np.arange(6) * 0.01, 0.05 * np.arange(6))
+    assert feed(estimator, [0.05] * 2, [0.25] * 2) == pytest.approx(np.array([[5.0, 0.0]] * 2),
+                                                                    abs=1e-9)
+    assert estimator.late == 0
+    assert np.isnan(feed(estimator, [0.05] * 3, [0.3, 0.35, 0.4])).all() and estimator.late == 3
+    assert feed(estimator, [0.05], [0.3], [7.0])[0, 0] == 7.0 and estimator.late == 4
+    assert feed(estimator, [0.06], [0.3])[0] == pytest.approx([5.0, 0.0], abs=1e-9)
+    assert estimator.restarts == 0
+
+
+@pytest.mark.parametrize('gap', [1.0, 0.29, 0.57, 1.1, 4.1, 0.001])
+def test_a_step_as_long_as_the_gap_is_none(gap):
+    """1.0/1e-9 is 999999999.9999999: exact steps of a second never had rates."""
+    steps = round(gap * 1e9) * np.arange(20)
+    estimator = RateEstimator(gap=gap)
+    found = feed(estimator, steps, 0.5 * np.arange(20))[3:]
+    assert np.isfinite(found).all() and estimator.restarts == 0
+    steps[-1] += 1
+    estimator.reset()
+    feed(estimator, steps, 0.5 * np.arange(20))
+    assert estimator.restarts == 1
+
+
 @pytest.mark.parametrize('back', [0.02, 0.1, 0.8, 0.999, 1.0, 50.0])
 def test_a_clock_set_back_by_any_step_costs_no_more_than_a_start(back):
     """A simulation that starts again: the second sample after it has a velocity, the third all."""

@@ -7,6 +7,7 @@ from fourbar_ros import Base, InvalidParameter
 from fourbar_ros.clients import Late
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 from fourbar_ros.scene.scene import from_values
+from fourbar_ros.scene.topics import INPUTS
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu
@@ -88,6 +89,46 @@ def test_lock_step_says_what_is_late(run_node, lockstep):
         ask(0.2, 0.4, 1.0, 0.0)
 
 
+def test_a_question_at_the_time_of_the_last_one_or_before_has_its_own_answer(run_node, lockstep,
+                                                                             tmp_path):
+    """As the stages of a Runge-Kutta step; the base moves too, and there are several outputs."""
+    outputs = ('shaking_wrench', 'state', 'loads')
+    given = {**LOADED, 'gravity.y': 0.0, 'outputs': list(outputs), 'base.topic': 'motion_of_base',
+             'base.timeout': 0.0, **recording_in(tmp_path)}
+    node, ask, linkage = run_node(given), lockstep(*outputs), from_values(given).bare_linkage
+    rng, asked = np.random.default_rng(7), 0
+    for step in range(25):
+        for share in (0.0, 0.5, 0.5, 1.0):
+            x, force = rng.uniform(-3.0, 3.0, 2).tolist()
+            base = Base(0.0, 9.81 + force)
+            answer = ask(1.0 + 0.01 * (step + share), x, 25.0, 0.0, base)
+            due = linkage.loads(x, 25.0, 0.0, base=base)
+            assert answer.shaking_wrench.wrench.force.y == due.shaking_force_y
+            assert (answer.state.theta1, answer.loads.f41) == (x, due.f41)
+            asked += 1
+    without_base = ask(1.0, 0.3, 25.0, 0.0)
+    assert without_base.state.theta1 == 0.3
+    for estimated in ({'rate': 25.0}, {'acceleration': 0.0},
+                      {'rate': 2.0, 'acceleration': 0.0, 'base': Imu()}):
+        with pytest.raises(InvalidParameter, match=r'time = 1\.0: must be above the last one, '
+                                                   r'1\.25.*: rates are estimated from the stamps'):
+            ask(1.0, 0.3, **estimated)
+    node.stop()
+    assert recomputed(tmp_path / 'run').compared >= 3 * asked
+
+
+def test_a_second_lock_step_on_one_node_is_said(run_node, lockstep):
+    run_node({**LOADED, 'outputs': ['state']})
+    ask, other = lockstep('state', patience=0.5), lockstep('state', patience=0.5)
+    assert ask(0.1, 0.3, 1.0, 0.0).state.theta1 == 0.3
+    other._publisher(INPUTS['motion'])
+    with pytest.raises(Late, match='/fourbar/input has 1 other publisher: one LockStep alone'):
+        for number in range(2, 10**6):
+            ask(0.1 * number, 0.3, 1.0, 0.0)
+    other.close()
+    assert ask(2e5, 0.4, 1.0, 0.0).state.theta1 == 0.4
+
+
 def test_torques_act_in_the_step_they_are_for(run_node, lockstep):
     """The clock of each step follows its torque; every step says which torque it took."""
     given = {**LOADED, 'drive.source': 'torque', 'drive.rate': 1000.0, 'use_sim_time': True,
@@ -97,3 +138,9 @@ def test_torques_act_in_the_step_they_are_for(run_node, lockstep):
     torques = [float(5.0 * np.sin(0.1 * k)) for k in range(1, 200)]
     rates = [ask.push(1.0 + 0.001 * k, torque).state.omega1 for k, torque in enumerate(torques)]
     assert np.ptp(rates) > 0.1
+    for time, why in ((1.198, r'must be above the last one, 1\.198: the clock'),
+                      (1.1, r'must be above the last one, 1\.198'),
+                      (4.198, r'must be at most 1 s above the last one, 1\.198: the node skips')):
+        with pytest.raises(InvalidParameter, match=why):
+            ask.push(time, 1.0)
+    assert ask.push(2.198, 1.0).drive_state.step == 0.001

@@ -12,6 +12,7 @@ from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.topics import BASE, BASES, Topic, wrench_topic
 from rclpy.node import Node
 
@@ -95,7 +96,7 @@ class ActingInputs:
         """Return the motion of the base from a message on; None for one that comes late."""
         stamp, settings = message.header.stamp, self._stream.scene.base
         time = stamp.sec * 10**9 + stamp.nanosec
-        if 0 <= self._newest - time < (settings.timeout or 1.0) * 1e9 and self._newest:
+        if 0 <= self._newest - time < nanoseconds(settings.timeout or 1.0) and self._newest:
             self._troubles.count('base_late', f'{self._topics[BASE.name].topic}: a stamp that is '
                                  'not newer than the one before')
             return None
@@ -122,7 +123,7 @@ class ActingInputs:
             limit = scene.base.timeout if is_base else scene.wrenches.timeout
             if last == 0 or now < last:    # simulated time has begun, or gone back
                 self._received[name] = now
-            elif limit and now - last > limit * 1e9:
+            elif limit and now - last > nanoseconds(limit):
                 del self._received[name]
                 self._troubles.count('base_silences' if is_base else 'wrench_silences')
                 self._be_silent(name)

@@ -16,7 +16,7 @@ from fourbar_ros.ros.node.clock_input import Reported
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.message_fields import driven_of, is_time
+from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
 from fourbar_ros.scene.scene import differ
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.node import Node
@@ -193,7 +193,7 @@ class TopicInput:
     def _check_future(self, stamp: int) -> None:
         """Count a stamp [ns] too far ahead of the clock, which is read once in a while only."""
         now = self._node.get_clock().now().nanoseconds
-        self._horizon = now + round(FUTURE * 1e9)
+        self._horizon = now + nanoseconds(FUTURE)
         if stamp > self._horizon:
             self._troubles.count('future', f'input stamped {(stamp - now) * 1e-9:.3f} s ahead of '
                                  'the clock')
@@ -204,7 +204,7 @@ class TopicInput:
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._time()
         limit = self._stream.scene.drive.timeout
-        if limit and self._waiting and self.age() > limit:
+        if limit and self._waiting and self._time() - self._received > nanoseconds(limit):
             self._waiting = False
             self._troubles.count('timeouts')
             self._estimator.reset()

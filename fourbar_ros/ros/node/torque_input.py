@@ -21,6 +21,7 @@ from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import ClockInput, Reported
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
+from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 from rclpy.node import Node
@@ -117,7 +118,8 @@ class TorqueInput(ClockInput):
         settings = self._stream.scene.drive
         if self._received == 0:              # the torque came before simulated time began
             self._received = self._time()
-        is_silent = self._received is None or 0.0 < settings.timeout < self.age()
+        is_silent = self._received is None or (
+            0 < nanoseconds(settings.timeout) < self._time() - self._received)
         if is_silent and not self._was_silent:
             self._note('silences', f'no torque for {settings.timeout:g} s: '
                                    f'{settings.when_silent}')
