@@ -111,7 +111,7 @@ def test_a_question_at_the_time_of_the_last_one_or_before_has_its_own_answer(run
     for estimated in ({'rate': 25.0}, {'acceleration': 0.0},
                       {'rate': 2.0, 'acceleration': 0.0, 'base': Imu()}):
         with pytest.raises(InvalidParameter, match=r'time = 1\.0: must be above the last one, '
-                                                   r'1\.25.*: rates are estimated from the stamps'):
+                                                   r'1\.25.*: rates are estimated from'):
             ask(1.0, 0.3, **estimated)
     node.stop()
     assert recomputed(tmp_path / 'run').compared >= 3 * asked
