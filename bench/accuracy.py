@@ -1,13 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Errors in eps times condition over ordinary and extreme cases, of naive formulas too."""
+"""Errors in eps times condition over ordinary and extreme cases, of plain.py too."""
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import astuple
 from functools import partial
 from math import inf, nan, tau
 
 from flint import acb, arb, ctx
-from fourbar_ros import Applied, FourBar, FourBarError
+from fourbar_ros import External, FourBar, FourBarError, plain
 import numpy as np
 from support.cartesian import beside, BITS, conditions, EPS, exact, kept_at, MANY_BITS
 from support.contract import (
@@ -19,11 +18,10 @@ from support.contract import (
     random_masses,
 )
 
-from . import naive
 from .pages import table
 
 SAMPLES, RANDOM_TIMES, WORKERS = 600, 4, 2      # poses a family; random: 4 times
-OURS, NAIVE = 'fourbar_ros', 'naive'
+OURS, PLAIN = 'fourbar_ros', 'plain'
 CRANKS = [case for case in CASES if case.kind is FourBar]
 AT_CHANGE_POINT = 'next to an exact change point'
 FAMILIES = *families_of(CRANKS[0]), AT_CHANGE_POINT
@@ -42,32 +40,25 @@ def ours(linkage, given):
             np.array(loads[:8:2]) + 1j * np.array(loads[1:8:2]))
 
 
-def by_textbook(linkage, given):
-    """Return the same by the law of cosines and the 9x9 system."""
-    x, omega, alpha = given
-    x, lengths = np.float64(x), [np.float64(a) for a in linkage.lengths]
-    with np.errstate(all='ignore'):
-        motion = naive.law_of_cosines(lengths, linkage.sign, x)
-        try:
-            loads = naive.nine_by_nine(
-                lengths, motion, x, omega, alpha, [astuple(body) for body in linkage.bodies],
-                [astuple(applied) for applied in linkage.external], linkage.gravity)
-        except np.linalg.LinAlgError:
-            loads = np.full(8, nan)
-    y, _, dy, _, ddy, _ = motion
-    return (y, dy * omega, ddy * omega**2), loads[:8:2] + 1j * loads[1:8:2]
+def by_plain(linkage, given):
+    """Return the same by the equations of the paper."""
+    m = plain.motion(linkage.lengths, *given, linkage.mode)
+    try:
+        forces = plain.loads(linkage.lengths, linkage.bodies, m, linkage.gravity)
+    except np.linalg.LinAlgError:
+        forces = np.full(8, nan)
+    return (m.theta4, m.omega4, m.alpha4), np.array(forces[:8:2]) + 1j * np.array(forces[1:8:2])
 
 
 def drawn(rng, family):
-    """Return a four-bar with everything acting, its input at constant rate, and its conditions."""
+    """Return a four-bar with masses and weight, its input at constant rate, and its conditions."""
     case = CRANKS[rng.integers(2)]
     while True:
         lengths, (x, omega, _) = (draw(rng, case, family) if family != AT_CHANGE_POINT else
                                   (at_change_point(rng, case), (0.0, float(rng.normal()), 0.0)))
         masses = random_masses(rng, case, float(np.median(lengths)), abs(omega))
-        linkage = case.make(lengths, masses)
-        # the 9x9 system knows none on the crank
-        linkage = linkage.with_external(linkage.external._replace(crank=Applied()))
+        # plain.py knows masses and weight, no other loads
+        linkage = case.make(lengths, masses).with_external(External())
         if family != AT_CHANGE_POINT:
             given = x, omega, 0.0
             with ctx.workprec(BITS):
@@ -98,7 +89,7 @@ def errors(rng, family):
     # the rates of a parallelogram are constant, so that no error is zero: at least the input's
     least = 1.0, abs(given[1]), given[1]**2
     motions, forces = {}, {}
-    for way, function in ((OURS, ours), (NAIVE, by_textbook)):
+    for way, function in ((OURS, ours), (PLAIN, by_plain)):
         found, its = function(linkage, given)
         true, cond = motion['theta4']
         turn = tau * round(float(true - found[0]) / tau) if np.isfinite(found[0]) else 0.0
@@ -118,7 +109,7 @@ def family_errors(family, samples):
     """Return the errors of :func:`errors` by their ways: arrays (poses, 4) and (poses,)."""
     rng = np.random.default_rng(FAMILIES.index(family))
     samples *= RANDOM_TIMES if family == 'random' else 1
-    return [{way: np.array([row[way] for row in rows]) for way in (OURS, NAIVE)}
+    return [{way: np.array([row[way] for row in rows]) for way in (OURS, PLAIN)}
             for rows in zip(*(errors(rng, family) for _ in range(samples)))]
 
 
@@ -158,8 +149,8 @@ def main(samples=SAMPLES):
                      np.isnan(its).any(axis=1).sum() + np.isnan(loads[OURS]).sum()))
     table(('family', 'poses', 'theta4 [rad]', 'theta4', "theta4'", "theta4''", 'worst reaction',
            'not finite'), rows)
-    print('The same poses by the law of cosines and the 9x9 system: largest error in eps times '
-          'condition; in brackets how many poses in 1000 have no finite result.\n')
+    print('The same poses by the equations of the paper, fourbar_ros/plain.py: largest error in '
+          'eps times condition; in brackets how many poses in 1000 have no finite result.\n')
     table(('family', 'theta4', "theta4''", 'worst reaction'),
-          [(family, failing(motion[NAIVE][:, 0]), failing(motion[NAIVE][:, 2]),
-            failing(loads[NAIVE])) for family, (motion, loads) in found.items()])
+          [(family, failing(motion[PLAIN][:, 0]), failing(motion[PLAIN][:, 2]),
+            failing(loads[PLAIN])) for family, (motion, loads) in found.items()])

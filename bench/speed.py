@@ -149,7 +149,7 @@ def print_methods(errors, times):
 
 def print_verdict(errors, times):
     """Print for accuracies the cheapest engine that reaches them: forces, and motion only."""
-    engines = [name for name in errors if not name.startswith((OURS, '9x9', 'textbook'))]
+    engines = [name for name in errors if not name.startswith((OURS, 'plain.py', 'textbook'))]
     rows = []
     for what, key, single, batch in (('F41', 'f41', SCALAR, BATCH),
                                      ("theta4''", 'alpha4', SCALAR_MOTION, BATCH_MOTION)):
@@ -167,7 +167,7 @@ def print_verdict(errors, times):
 # many samples in one call: fair beside our batch
 IN_BATCH = ('MuJoCo connect', 'pylinkage', 'Exudyn')
 
-GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('9x9 numpy', '#7f7f7f', 's'),
+GROUPS = ((OURS, '#d62728', '*'), ('textbook', '#000000', 'd'), ('plain.py', '#7f7f7f', 's'),
           ('fourbarhinge', '#8c564b', 'D'),
           ('pylinkage', '#e377c2', 'v'), ('MuJoCo tree', '#1f77b4', 'o'),
           ('MuJoCo connect, default', '#17becf', 'x'), ('MuJoCo connect, hardest', '#9467bd', 'o'),

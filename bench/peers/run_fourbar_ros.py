@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""This package, a textbook script, and 9x9 systems in numpy."""
+"""This package, its plain.py (the paper in numpy), and a textbook script."""
 from functools import partial
 import math
 from pathlib import Path
@@ -12,15 +12,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from bench.naive import (  # noqa: E402, I100
-    ARRAY,
-    FIELDS,
-    law_of_cosines,
-    nine_by_nine,
-    SCALAR,
-    textbook,
-)
-from fourbar_ros import Bodies, Body, FourBar  # noqa: E402
+from bench.naive import ARRAY, FIELDS, SCALAR, textbook  # noqa: E402, I100
+from fourbar_ros import Bodies, Body, FourBar, plain  # noqa: E402
 
 case = Case()
 omega = float(case.omega)
@@ -77,20 +70,19 @@ def read_textbook(found):
     return read(dict(zip(FIELDS, found)))
 
 
-def system(theta1, rate, acceleration, m=ARRAY):
-    """Return motion and solution of the 9x9 system."""
-    motion = law_of_cosines(linkage.lengths, sign, theta1, m)
-    return motion, nine_by_nine(linkage.lengths, motion, theta1, rate, acceleration, masses, m=m)
+def by_plain(theta1, rate, acceleration):
+    motion = plain.motion(linkage.lengths, theta1, rate, acceleration, linkage.mode)
+    return motion, plain.loads(linkage.lengths, linkage.bodies, motion)
 
 
-def read_system(found):
-    (y, _, dy, _, ddy, _), forces = found
-    return {'theta4': y, 'omega4': dy * omega, 'alpha4': ddy * omega**2, 'f41': forces[..., :2]}
+def read_plain(found):
+    return read(found[0]._asdict() | found[1]._asdict())
 
 
-def read_systems(rows):
-    motions, forces = zip(*rows)
-    return read_system((np.array(motions).T, np.array(forces)))
+def read_plain_rows(rows):
+    motions, loads = zip(*rows)
+    return read_plain((plain.Motion._make(np.array(motions).T),
+                       plain.Loads._make(np.array(loads).T)))
 
 
 serve(case, [
@@ -106,5 +98,5 @@ serve(case, [
     Method('textbook numpy, batch of 10000', batch(by_textbook, 10000), read_textbook),
     Method('textbook, one a call', each(partial(by_textbook, m=SCALAR)),
            lambda rows: read_textbook(np.array(rows).T)),
-    Method('9x9 numpy, one a call', each(partial(system, m=SCALAR)), read_systems),
-    Method('9x9 numpy, batch of 1000', batch(system, 1000), read_system)])
+    Method('plain.py, one a call', each(by_plain), read_plain_rows),
+    Method('plain.py, batch of 1000', batch(by_plain, 1000), read_plain)])

@@ -18,16 +18,14 @@ from collections.abc import Mapping, Sequence
 from math import prod
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.loop import bilinear_factors
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.plain import io_equation
 import numpy as np
 
 # Eq.: joints i and j; factors of vi^2 vj^2, vi^2, vj^2, 1; the coefficient of vi vj and the
 # lengths in it
-Printed = Mapping[int, tuple[int, int, str, int, tuple[int, ...]]]
-SLIDES: Printed = {
+SLIDES: Mapping[int, tuple[int, int, str, int, tuple[int, ...]]] = {
     16: (1, 4, 'A1 A2, B1 B2, C1 C2, D1 D2', -8, (1, 3)),
     17: (1, 2, 'A1 B1, A2 B2, C1 D2, C2 D1', 8, (2, 4)),
     18: (1, 3, 'A2 B1, A1 B2, C1 D1, C2 D2', 0, ()),
@@ -35,14 +33,8 @@ SLIDES: Printed = {
     20: (2, 4, 'A1 C1, B1 D2, A2 C2, B2 D1', 0, ()),
     21: (3, 4, 'A2 C1, B1 D1, A1 C2, B2 D2', -8, (2, 4)),
 }
-PAPER: Printed = {
-    1: (1, 4, 'A1 A2, B1 B2, C1 C2, D1 D2', -8, (1, 3)),
-    2: (1, 2, 'A1 B2, A2 B1, C1 D2, C2 D1', -8, (2, 4)),
-    3: (1, 3, 'A1 B1, A2 B2, C2 D2, C1 D1', 0, ()),
-    4: (2, 3, 'A1 D2, B2 C1, B1 C2, A2 D1', -8, (1, 3)),
-    5: (2, 4, 'A1 C1, B2 D2, A2 C2, B1 D1', 0, ()),
-    6: (3, 4, 'A1 C2, B1 D2, A2 C1, B2 D1', 8, (2, 4)),
-}
+# Eq. of the paper: joints i and j; their coefficients are in fourbar_ros/plain.py
+PAPER = {1: (1, 4), 2: (1, 2), 3: (1, 3), 4: (2, 3), 5: (2, 4), 6: (3, 4)}
 
 
 class Angle(NamedTuple):
@@ -71,8 +63,8 @@ class AngleEquation(NamedTuple):
     both: float
     first: float
     second: float
-    constant: float
     mixed: float
+    constant: float
 
     def position(self, a: Angle, b: Angle) -> tuple[Scalar, ...]:
         """Return the terms of Eqs. (16)-(21) of the slides, (1)-(6) of the paper [m^2]."""
@@ -102,40 +94,19 @@ class AngleEquation(NamedTuple):
                 (self.both * a.v**2 + self.second) * b.v + 0.5 * self.mixed * a.v)
 
 
-def equations(printed: Printed, lengths: Sequence[float]) -> dict[int, AngleEquation]:
+def equations_of_slides(lengths: Sequence[float]) -> dict[int, AngleEquation]:
     """Return {number of the equation: :class:`AngleEquation`} for a1 to a4 [m]."""
     a1, a2, a3, a4 = lengths
-    factors = (bilinear_factors(a1, a2, a3, a4)._asdict() if printed is SLIDES
-               else paper_factors(a1, a2, a3, a4))
-    found = {}
-    for name, (i, j, products, factor, sides) in printed.items():
+    factors, equations = bilinear_factors(a1, a2, a3, a4)._asdict(), {}
+    for name, (i, j, products, factor, sides) in SLIDES.items():
         both, first, second, constant = (prod(factors[letter] for letter in product.split())
                                          for product in products.split(', '))
-        found[name] = AngleEquation(i, j, both, first, second, constant,
-                                    factor * prod(lengths[n - 1] for n in sides))
-    return found
+        equations[name] = AngleEquation(i, j, both, first, second,
+                                        factor * prod(lengths[n - 1] for n in sides), constant)
+    return equations
 
 
-def paper_factors(a1: float, a2: float, a3: float, a4: float) -> dict[str, float]:
-    """Return the eight sums by the paper's letters [m], as it prints them below its Eq. (1)."""
-    return {'A1': a1 - a2 + a3 - a4, 'A2': a1 + a2 + a3 - a4, 'B1': a1 + a2 - a3 - a4,
-            'B2': a1 - a2 - a3 - a4, 'C1': a1 - a2 - a3 + a4, 'C2': a1 + a2 - a3 + a4,
-            'D1': a1 + a2 + a3 + a4, 'D2': a1 - a2 + a3 + a4}
-
-
-def output_by_steps(linkage: FourBar, theta1: Array, speed: float) -> Angle:
-    """
-    Return theta4, omega4, alpha4 of theta1 alone, in mode 2 at constant speed, step by step.
-
-    Steps 1 to 4 of the slides: the root of Eq. (16), a quadratic in v4, then Eq. (22), and
-    Eq. (28) for the second derivative of v4; angles from v by Eqs. (35) and (37).
-    """
-    equation = equations(SLIDES, linkage.lengths)[16]
-    a = half_angle(theta1, speed)
-    p, r = equation.both * a.v**2 + equation.second, equation.first * a.v**2 + equation.constant
-    m = -0.5 * equation.mixed * a.v
-    theta4 = 2.0 * np.arctan2(m - np.sqrt(m * m - p * r), p)
-    b = half_angle(theta4, speed * equation.ratio(a, half_angle(theta4)))
-    rest = sum(equation.acceleration(a, b._replace(ddv=0.0)))
-    ddv4 = -rest / equation._slopes(a, b)[1]
-    return b._replace(alpha=2.0 * ddv4 / (1.0 + b.v**2) - b.omega**2 * b.v, ddv=ddv4)
+def equations_of_paper(lengths: Sequence[float]) -> dict[int, AngleEquation]:
+    """Return {number of the equation: :class:`AngleEquation`} for a1 to a4 [m]."""
+    return {name: AngleEquation(i, j, *io_equation(lengths, i, j))
+            for name, (i, j) in PAPER.items()}

@@ -26,8 +26,9 @@ from fourbar_lab.reproduction.documents import (
     WRONG,
     zero,
 )
-from fourbar_lab.reproduction.equations import equations, half_angle, PAPER
+from fourbar_lab.reproduction.equations import equations_of_paper, half_angle
 from fourbar_lab.reproduction.published import PAPER_SPEED, THIN
+from fourbar_ros import plain
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
@@ -54,7 +55,7 @@ def io_equations() -> Section:
     angles = {1: half_angle(m.theta1 + pi, m.omega1, m.alpha1),
               2: half_angle(m.theta2), 3: half_angle(m.theta3),
               4: half_angle(-m.theta4, -m.omega4, -m.alpha4)}
-    printed = equations(PAPER, published.EXAMPLE_7_6.lengths)
+    printed = equations_of_paper(published.EXAMPLE_7_6.lengths)
     a, b, first = angles[1], angles[4], printed[1]
     return Section(title, [
         *(zero(f'Eq. ({name})', *equation.position(angles[equation.i], angles[equation.j]),
@@ -140,7 +141,8 @@ def _extremum(mode: int, quantity: str, kind: str, value: str, place: str, in_de
 def eq_9() -> Section:
     motion, loads = published.PAPER.step(np.linspace(0.0, tau, 361), PAPER_SPEED)
     ours = np.stack([getattr(loads, name) for name in UNKNOWNS], axis=1)
-    miss = published.largest(published.solve_eq_9(published.PAPER, motion) - ours)
+    by_eq_9 = plain.loads(published.PAPER.lengths, published.RODS, motion)
+    miss = published.largest(np.stack(by_eq_9[:len(UNKNOWNS)], axis=1) - ours)
     return Section('Paper, Eqs. (9) and (10), over a turn of its example', [
         equal('Eqs. (9) and (10): the nine unknowns, beside our closed forms', '',
               miss / published.largest(ours), 0.0,

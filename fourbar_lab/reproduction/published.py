@@ -11,7 +11,7 @@ from dataclasses import replace
 from math import pi, radians
 
 from fourbar_lab.reproduction.documents import equal, Row
-from fourbar_lab.reproduction.equations import output_by_steps
+from fourbar_ros import plain
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.mechanics.bodies import Bodies, Body
 from fourbar_ros.mechanics.rods import round_rod
@@ -75,45 +75,13 @@ def largest(values: Values) -> float:
 
 def steps(linkage: FourBar, speed: float, names: tuple[str, str, str]) -> list[Row]:
     """Return three Rows: theta4, omega4, alpha4 by the documents' steps against our motion."""
-    found, motion = output_by_steps(linkage, TURN, speed), linkage.motion(TURN, speed)
+    by_steps, ours = plain.motion(linkage.lengths, TURN, speed), linkage.motion(TURN, speed)
     return [
-        equal(names[0], '', largest(np.sin(0.5 * (found.theta - motion.theta4))), 0.0,
+        equal(names[0], '', largest(np.sin(0.5 * (by_steps.theta4 - ours.theta4))), 0.0,
               why='largest difference from our motion over a turn'),
-        equal(names[1], '', largest(found.omega - motion.omega4) / largest(found.omega), 0.0,
-              why='the same over the largest value'),
-        equal(names[2], '', largest(found.alpha - motion.alpha4) / largest(found.alpha), 0.0,
-              why='the same over the largest value')]
-
-
-def solve_eq_9(linkage: FourBar, motion: NamedFields, with_velocities: bool = False) -> Array:
-    """
-    Return the nine unknowns of the paper's Eq. (9), shape (n, 9).
-
-    They are F41, F21, F32, F43 (x, y each) and T41: three equations, Newton's and Euler's, for
-    each of three links. ``with_velocities``: the force rows hold m v in place of m a.
-    """
-    assert linkage.bodies is not None
-    f41, f21, f32, f43, torque = 0, 2, 4, 6, 8              # columns of the unknowns
-    # forces on each link: column, sign (a reaction is minus the action), joint where it acts
-    acting = {'crank': ((f41, 1.0, 'first'), (f21, 1.0, 'end')),
-              'coupler': ((f21, -1.0, 'first'), (f32, 1.0, 'end')),
-              'output': ((f32, -1.0, 'end'), (f43, 1.0, 'first'))}
-    turning = {'crank': motion.alpha1, 'coupler': motion.alpha_beta, 'output': motion.alpha4}
-    size = np.size(motion.theta1)
-    matrix, right = np.zeros((size, 9, 9)), np.zeros((size, 9))
-    for row, link, body, length in zip((0, 3, 6), acting, linkage.bodies, linkage.lengths):
-        first, centre, end = (point_motion(linkage, motion, link, along)
-                              for along in (0.0, body.cg_along, length))
-        for column, sign, joint in acting[link]:
-            arm = (first if joint == 'first' else end).place - centre.place
-            matrix[:, row, column] = matrix[:, row + 1, column + 1] = sign
-            matrix[:, row + 2, column] = -sign * arm[:, 1]
-            matrix[:, row + 2, column + 1] = sign * arm[:, 0]
-        right[:, row:row + 2] = body.mass * (centre.velocity if with_velocities
-                                             else centre.acceleration)
-        right[:, row + 2] = body.inertia * turning[link]
-    matrix[:, 2, torque] = 1.0
-    return np.linalg.solve(matrix, right[..., None])[..., 0]
+        *(equal(name, '', largest(getattr(by_steps, field) - getattr(ours, field))
+                / largest(getattr(by_steps, field)), 0.0, why='the same over the largest value')
+          for name, field in zip(names[1:], ('omega4', 'alpha4')))]
 
 
 def wrong_curves() -> tuple[Array, Array, Array, Array]:
@@ -126,11 +94,18 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     """
     theta1 = np.radians(np.arange(3600) / 10.0)
     motion = THIN.motion(theta1, PAPER_SPEED)
-    unknowns = solve_eq_9(THIN, motion, with_velocities=True)
-    f41, f43, torque = unknowns[:, 0:2], unknowns[:, 6:8], unknowns[:, 8]
-    along = THIN_RODS.output.cg_along
-    literal = along * (motion.cos_y * f43[:, 1] - motion.sin_y * f43[:, 0]) - torque
-    return theta1, np.hypot(*(f41 + f43).T), np.abs(-torque - 0.01 * f43[:, 1]), np.abs(literal)
+    arms, momenta = [], []
+    for link, length, rod in zip(THIN_RODS._fields, PAPER_LENGTHS, THIN_RODS):
+        first, centre, end = (point_motion(THIN, motion, link, along)
+                              for along in (0.0, rod.cg_along, length))
+        arms.append([(joint.place - centre.place) @ (1.0, 1j) for joint in (first, end)])
+        momenta.append(rod.mass * centre.velocity @ (1.0, 1j))
+    turning = zip(THIN_RODS, (motion.alpha1, motion.alpha_beta, motion.alpha4))
+    f41_x, f41_y, *_, f43_x, f43_y, torque = plain.joint_forces(
+        arms, momenta, [rod.inertia * alpha for rod, alpha in turning])
+    literal = THIN_RODS.output.cg_along * (motion.cos_y * f43_y - motion.sin_y * f43_x) - torque
+    return (theta1, np.hypot(f41_x + f43_x, f41_y + f43_y), np.abs(-torque - 0.01 * f43_y),
+            np.abs(literal))
 
 
 def force_share(linkage: FourBar) -> float:

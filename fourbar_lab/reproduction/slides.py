@@ -28,7 +28,7 @@ from fourbar_lab.reproduction.documents import (
     Section,
     zero,
 )
-from fourbar_lab.reproduction.equations import equations, half_angle, SLIDES
+from fourbar_lab.reproduction.equations import equations_of_slides, half_angle
 from fourbar_lab.reproduction.published import (
     at_extrema,
     EXAMPLE_7_2,
@@ -273,7 +273,7 @@ def io_equations() -> Section:
                                                                         'alpha')))
               for n in (1, 2, 3, 4)}
     position, ratio, acceleration = [], [], []
-    for name, equation in equations(SLIDES, EXAMPLE_7_6.lengths).items():
+    for name, equation in equations_of_slides(EXAMPLE_7_6.lengths).items():
         a, b = angles[equation.i], angles[equation.j]
         position.append(zero(f'Eq. ({name})', *equation.position(a, b)))
         ratio.append(equal(f'Eq. ({name + 6})', '', equation.ratio(a, b), b.omega / a.omega))
@@ -339,7 +339,7 @@ def example_7_6() -> Section:
 
 
 def example_7_7() -> Section:
-    eq_38 = equations(SLIDES, EXAMPLE_7_7.lengths)[16]
+    eq_38 = equations_of_slides(EXAMPLE_7_7.lengths)[16]
     (low, low_at), (high, high_at) = ((e.value, degrees(e.theta1)) for e in (
         extreme(EXAMPLE_7_7, 'omega4', kind, 10.0) for kind in ('minimum', 'maximum')))
     low_1_at, high_1_at = (

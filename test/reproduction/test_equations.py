@@ -43,8 +43,8 @@ def poses():
 def test_equations_hold_at_all_three_levels(poses, document):
     for lengths, both in poses:
         angles = both[document]
-        table = (printed.SLIDES, printed.PAPER)[document]
-        for equation in printed.equations(table, lengths).values():
+        equations = (printed.equations_of_slides, printed.equations_of_paper)[document]
+        for equation in equations(lengths).values():
             a, b = angles[equation.i], angles[equation.j]
             scale = sum(map(abs, equation.position(a, b))) * (1.0 + a.v**2) * (1.0 + b.v**2)
             speed = (max(abs(angle.dv) for angle in angles.values())
@@ -61,7 +61,7 @@ def test_equations_hold_at_all_three_levels(poses, document):
 def test_the_tables_of_the_paper_use_absolute_angles_not_those_of_its_equation_1():
     lengths = (0.4, 1.2, 0.8, 1.0)
     slides, paper = angles_of(FourBar(*lengths), 1.66716501134)
-    equation = printed.equations(printed.PAPER, lengths)[1]
+    equation = printed.equations_of_paper(lengths)[1]
     assert abs(sum(equation.position(slides[1], slides[4]))) > 0.1
     assert abs(sum(equation.position(paper[1], paper[4]))) <= 1e-13
 

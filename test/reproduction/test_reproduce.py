@@ -32,7 +32,7 @@ from fourbar_lab.reproduction.documents import (
     zero,
 )
 from fourbar_lab.reproduction.paper import reproduce
-from fourbar_ros import __version__
+from fourbar_ros import __version__, plain
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
@@ -179,10 +179,10 @@ def test_the_moment_with_the_arm_of_fig_2_from_eq_9(sections):
     """The same maximum on a fine grid of Eq. (9), with r34 from the places of the points."""
     theta1 = np.radians(np.linspace(350.0, 365.0, 20001))
     motion = published.THIN.motion(theta1, published.PAPER_SPEED)
-    unknowns = published.solve_eq_9(published.THIN, motion)
+    by_eq_9 = plain.loads(published.PAPER_LENGTHS, published.THIN_RODS, motion)
     centre = point_motion(published.THIN, motion, 'output', 0.4).place
-    arm, force = np.array([1.0, 0.0]) - centre, -unknowns[:, 6:8]
-    moment = np.abs(-unknowns[:, 8] + arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0])
+    arm_x, arm_y = (np.array([1.0, 0.0]) - centre).T
+    moment = np.abs(-by_eq_9.driving_torque - arm_x * by_eq_9.f43_y + arm_y * by_eq_9.f43_x)
     row, = (row for row in rows(sections, 'Table 3') if 'r34 of Fig. 2' in row.what)
     assert row.ours == pytest.approx(moment.max(), rel=1e-9)
 
