@@ -55,8 +55,8 @@ def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
     """
     Return the coefficients [m^2] of the equation between vi and vj, ``i`` < ``j`` from 1 to 4.
 
-    Eqs. (1) to (6) count all four angles from one link to the next, so that they add up to zero:
-    the angle at joint 1 is theta1 + pi, that at joint 4 is -theta4.
+    In the paper's Eqs. (1)-(6) all four angles turn from one link to the next, so that they add up
+    to zero: the angle at joint 1 is theta1 + pi, that at joint 4 is -theta4.
     """
     a1, a2, a3, a4 = lengths
     A1, A2 = a1 - a2 + a3 - a4, a1 + a2 + a3 - a4
@@ -77,7 +77,7 @@ def solved(equation: IOEquation, sign: float, theta1: Any, omega: Any,
     """
     Return the angle y at joint j, its rate and acceleration, for the angle x at joint 1.
 
-    These are both algorithms of the paper up to the acceleration. Its Eqs. (7) and (8) are the
+    These are both algorithms of the paper up to the acceleration. The paper's Eqs. (7) and (8) are
     derivatives of the equation in v; here they are those of the equation in angles,
     F(x, y) = 4 cos^2(x/2) cos^2(y/2) (both v1^2 vj^2 + ...) = 0, so that v may be infinite.
     ``sign``: of the square root, which the assembly mode decides.
@@ -152,7 +152,7 @@ def loads(lengths: Sequence[float], bodies: Sequence[Any], m: Motion,
 
 def joint_forces(arms: Sequence[Any], forces: Sequence[Any], moments: Sequence[Any]) -> Any:
     """
-    Return the nine unknowns x of Eq. (9), A x = b, by Eq. (10), shape (9, ...).
+    Return the nine unknowns x of the paper's Eq. (9), A x = b, by Eq. (10), shape (9, ...).
 
     ``arms``: for each link r from its centre of gravity to its first and its second joint, O1 and
     A, A and B, O4 and B [m]; ``forces``, ``moments``: m a_CG [N], I_CG alpha [N m] of each link.
@@ -175,9 +175,9 @@ def extrema(lengths: Sequence[float], name: str, omega1: float, mode: int = 2,
     """
     Return (theta1, value) at the extrema of 'omega4' or 'alpha4', for a crank that turns fully.
 
-    Both algorithms of section 3: :func:`motion` gives omega4 and alpha4 as functions of theta1
-    alone; the extrema are where the derivative by theta1 is zero (step 3, and step 5). Intervals
-    of two samples in which its sign changes are halved until no number is left inside.
+    Both algorithms of extreme values of the paper: :func:`motion` gives omega4 and alpha4 as
+    functions of theta1 alone; the extrema are where the derivative by theta1 is zero (step 3, and
+    step 5). Intervals in which its sign changes are halved until no number is left inside.
     """
     def function(theta1: Any) -> Any:
         return getattr(motion(lengths, theta1 + 1j * STEP, omega1, 0.0, mode), name)

@@ -21,7 +21,6 @@ EVERY_PAGE = [*PAGES, *sorted(ROOT.glob('[A-Z]*.md')),
               *sorted((ROOT / '.github').glob('[A-Z]*.md')),
               *sorted((ROOT / 'docs').glob('*/*.md'))]
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$\n?', re.S | re.M)
-NUMBER = re.compile(r'(?<![\w.])\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])')
 SHELL = ('', 'bash', 'sh', 'shell', 'console')
 SLOW = {'studies', 'gallery'}      # several seconds of processor time each
 ALONE = {'extrema'}         # a reader may copy any example of these pages alone
@@ -159,15 +158,3 @@ def test_workflows_call_targets_that_there_are():
         for job in yaml.safe_load(file.read_text())['jobs'].values():
             called |= {step['run'] for step in job['steps'] if 'run' in step}
     assert {command.split()[1] for command in called} <= targets
-
-
-def test_figures_of_the_paper_stand_on_the_pages_that_it_names():
-    text = (ROOT / 'docs/paper/paper.md').read_text(encoding='utf-8').split('---', 2)[2]
-    with_pages = [part for part in text.split('\n\n') if 'docs/bench/' in part]
-    assert len(with_pages) >= 3
-    for part in with_pages:
-        pages = [(ROOT / page).read_text(encoding='utf-8')
-                 for page in re.findall(r'docs/bench/\w+\.md', part)]
-        there = {float(number) for page in pages for number in NUMBER.findall(page)}
-        given = {float(number) for number in NUMBER.findall(re.sub('`[^`]*`', '', part))}
-        assert given <= there, given - there
