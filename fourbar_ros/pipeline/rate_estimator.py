@@ -288,6 +288,13 @@ class RateEstimator:
         return velocity, acceleration
 
 
+def estimator_settings(scene: Scene) -> tuple[float, ...]:
+    """Return the settings of an estimator that may change while a node runs; 0: not given."""
+    drive = scene.drive
+    return (drive.window, drive.timeout or 1.0, drive.jump,
+            0.0 if isnan(drive.top_speed) else drive.top_speed)
+
+
 def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.

@@ -420,11 +420,6 @@ def _of_checked(values: ParameterValues, pause: Callable[[], None] = no_pause) -
     return scene
 
 
-def differ(one: Group, other: Group) -> bool:
-    """Return whether two groups have other values; NaN, for one that is not given, is itself."""
-    return one is not other and repr(one) != repr(other)
-
-
 def load(path: str | Path) -> Scene:
     """
     Return the Scene of a ROS 2 parameter file, or of a shipped one by its name, as ``paper``.

@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """A live change is made beside the stream: no input waits for it."""
 from itertools import count
+from math import isnan
 
+from fourbar_ros import Base
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import pytest
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
+from sensor_msgs.msg import Imu, JointState
 from support.harness import set_parameters
 from support.scenes import PAPER, RODS
 
@@ -103,6 +106,50 @@ Recording.note = fail
     node.said = node.said.replace('Traceback', '')       # this one was asked for
     assert set_parameters(client, {'gravity.y': -3.0})[0].successful
     assert torque() == torque_at(0.5, **{'gravity.y': -3.0})
+
+
+def test_an_imu_keeps_its_rates_through_a_change_of_something_else(run_node, client, lockstep):
+    given = {**LOADED, 'base.topic': 'imu', 'base.timeout': 0.0, 'outputs': ['loads'],
+             'points.p.link': 'output'}
+    run_node(given)
+    ask, imu, linkage = lockstep('loads'), Imu(), from_values(given).bare_linkage
+    imu.linear_acceleration.y = 9.81
+
+    def torque_with(number, slope):
+        """Return the difference of an answer, the base turning faster by a step, from the due."""
+        imu.angular_velocity.z = 0.01 * number
+        base = Base(0.0, 9.81, imu.angular_velocity.z, slope)
+        return (ask(0.01 * number, 0.5, 2.0, 3.0, imu).loads.driving_torque
+                - linkage.loads(0.5, 2.0, 3.0, base=base).driving_torque)
+    assert isnan(torque_with(1, 1.0))
+    for number in range(2, 7):
+        assert abs(torque_with(number, 1.0)) < 1e-9
+        assert set_parameters(client, {'points.p.along': 0.1 * number})[0].successful
+    assert set_parameters(client, {'base.rotation': [0.0, 0.0, 0.0]})[0].successful
+    assert isnan(torque_with(7, 1.0)) and abs(torque_with(8, 1.0)) < 1e-9
+
+
+def test_an_estimate_goes_on_through_a_change_of_something_else(run_node, client):
+    run_node({**LOADED, 'drive.source': 'joint_state', 'drive.joint': 'motor'})
+    client.listen(['state'])
+    send, number = client.driving('joint_state', name=['motor'], position=[0.1]), count(1)
+
+    def rates():
+        """Return the rates of the answer to the next position, at 5 rad/s."""
+        k, heard = next(number), len(client.received['state'])
+        message = JointState(name=['motor'], position=[0.05 * k])
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(10**10 + 10**7 * k, 10**9)
+        send(message)
+        client.until(lambda: len(client.received['state']) > heard, 'an answer')
+        return client.received['state'][-1].omega1, client.received['state'][-1].alpha1
+    for _ in range(3):
+        rates()
+    for name, value in {'drive.speed': 3.0, 'drive.out_of_range': 'hold', 'gravity.y': -9.0,
+                        'drive.torque_limit': 5.0, 'linkage.a1': 0.41}.items():
+        assert set_parameters(client, {name: value})[0].successful
+        assert rates() == pytest.approx((5.0, 0.0), abs=1e-8)
+    assert set_parameters(client, {'drive.window': 3})[0].successful
+    assert isnan(rates()[0])
 
 
 def test_what_depends_on_structure_alone_is_not_made_again():

@@ -14,6 +14,7 @@ from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
 import pytest
+from rclpy.qos import QoSProfile
 from support.harness import ALL_OUTPUTS, fields_of, nanoseconds
 from support.scenes import PAPER, ROCKER, RODS
 
@@ -145,6 +146,20 @@ def test_evaluate_answers_the_values_of_the_core(run_node, client):
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'finite' in bad.message
     bad = client.call('evaluate', position=0.1, mode=9)
     assert bad.result == bad.RESULT_INVALID_REQUEST and 'mode = 9' in bad.message
+
+
+def test_each_of_three_hundred_requests_at_once_is_answered(run_node, client):
+    """By a client that keeps as many answers: its queue is its own."""
+    run_node({**PAPER, 'outputs': ['state']})
+    many = client.node.create_client(FindExtrema, '/fourbar/find_extrema',
+                                     qos_profile=QoSProfile(depth=1000))
+    client.until(many.service_is_ready, 'the service')
+    wanted = FindExtrema.Request(quantities=['theta4'], velocity=10.0)
+    client.introduce(many, 'find_extrema')
+    asked = [many.call_async(wanted) for _ in range(300)]
+    client.until(lambda: all(each.done() for each in asked), 'all answers')
+    results = [each.result().result for each in asked]
+    assert set(results) == {FindExtrema.Response.RESULT_OK, FindExtrema.Response.RESULT_BUSY}
 
 
 PROOF = FindExtrema.Request(mode=0, velocity=10.0, certify=True)     # of every quantity

@@ -40,6 +40,11 @@ REFUSED = [
     ('drive.torque_limit:=abc', "drive.torque_limit = 'abc': must be a number in N m or N"),
     (QOS + 'state.publisher.reliability:=maybe', 'QoS override for policy `reliability`: `maybe`'),
     (QOS + 'state.publisher.depth:=three', "{'publisher.depth': 'three'}"),
+    (QOS + 'stat.publisher.depth:=3', 'qos_overrides./fourbar/stat.publisher.depth = 3: no such '
+     'quality of service; did you mean /fourbar/state.publisher.depth?'),
+    (QOS + 'state.publisher.dept:=3', 'did you mean /fourbar/state.publisher.depth?'),
+    (QOS + 'state.subscription.depth:=3', 'no such quality of service'),
+    (QOS + 'input.subscription.depth:=3', 'no such quality of service'),    # driven by the timer
     ('start_type_description_service:=3', 'start_type_description_service = 3: must be a bool'),
 ]
 

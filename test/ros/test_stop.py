@@ -149,6 +149,13 @@ def test_a_flag_takes_signals_from_within_signals():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+def test_a_script_that_starts_it_in_the_background_can_interrupt_it(run_node, client):
+    """Its shell ignores SIGINT for what it starts with &."""
+    node = run_node(PAPER, first='import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)')
+    client.call('evaluate', position=0.5)
+    assert catches(node.process, signal.SIGINT) and node.stop(signal.SIGINT) == 0
+
+
 def test_under_nohup_it_stays_when_its_terminal_goes(run_node, client):
     node = run_node(PAPER, first='import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)')
     client.call('evaluate', position=0.5)

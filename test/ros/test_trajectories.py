@@ -18,10 +18,10 @@ GEARED = {**PAPER, **RODS, 'drive.source': 'motion', 'drive.start': 1.0, 'trajec
           'joint_states.offsets': [0.2, 0.0, 0.0, -0.5]}
 
 
-def message(joint, positions, **others):
+def message(joint, way, **others):
     """Return a JointTrajectory of one joint beside another."""
     found = JointTrajectory(joint_names=['other', joint])
-    for k, position in enumerate(positions):
+    for k, position in enumerate(way):
         point = JointTrajectoryPoint(positions=[9.0, float(position)],
                                      velocities=[9.0, 0.3 * k], accelerations=[9.0, 1.0 - k],
                                      effort=[9.0, 2.0 * k], time_from_start=Duration(sec=k))
@@ -109,7 +109,7 @@ def test_an_answer_holds_what_is_asked_for_and_known(geared):
         answer = asker.ask('output_trajectory', given, 'drive_trajectory')
         assert all(len(getattr(point, name)) == (name in has)
                    for point in answer.points for name in FIELDS), answer
-    asker.refused(plain, 'acceleration: must be given for an effort')
+    asker.refused(plain, 'accelerations: must be given for an effort')
 
 
 def test_a_wanted_output_becomes_a_drive_and_comes_back(geared):
@@ -133,12 +133,23 @@ def backwards(trajectory):
     return trajectory
 
 
+def twice(trajectory):
+    """Name the second joint in place of the first too."""
+    trajectory.joint_names = trajectory.joint_names[1:] * 2
+    return trajectory
+
+
 REFUSED = [
     (message('leg', [20.0]), 'lies beyond the toggle'),
     (message('arm', [3.0]), 'must hold leg'),
     (message('leg', []), 'must not be empty'),
     (message('leg', [3.0], velocities=[]), 'must be given for leg in point 0'),
-    (message('leg', [float('nan')]), 'must be finite'),
+    (message('leg', [float('nan')]), 'positions = nan: must be finite'),
+    (message('leg', [3.0], positions=[9.0, 3.0, 3.1]),
+     'points[0].positions = [9.0, 3.0, 3.1]: must be 2 numbers, one for each of joint_names'),
+    (message('leg', [3.0], effort=[9.0, 1.0, 2.0]), 'points[0].effort = '),
+    (message('leg', [3.0], velocities=[9.0]), 'points[0].velocities = [9.0]: must be 2 numbers'),
+    (twice(message('leg', [3.0])), "joint_names = ['leg', 'leg']: must not name a joint twice"),
     (backwards(message('leg', [3.0, 3.1, 3.2])),
      'points[2].time_from_start = 0.5: must not decrease: the point before has 1 s'),
 ]

@@ -18,7 +18,7 @@ from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.ros.node.sequence import SequenceNumbers
 import pytest
 from rclpy.duration import Duration
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from ros.test_inputs import answers, SECOND, stamped
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -97,6 +97,21 @@ def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(
     client.handshake(lambda: publisher.publish(Motion(position=0.1)))
     # nothing is sent now
     client.until(lambda: int(diagnosed()[1].get('deadlines missed', 0)) >= 2, 'the count')
+
+
+def test_a_publisher_that_does_not_match_is_no_silence(run_node, client, diagnosed):
+    node = run_node({**DRIVEN, 'qos_overrides./fourbar/input.subscription.reliability':
+                     'reliable'})
+    sender = client.node.create_publisher(
+        Motion, '/fourbar/input', QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT))
+
+    def is_said():
+        sender.publish(Motion(position=0.1))
+        return ('no input yet: the publisher of /fourbar/input has an incompatible reliability'
+                in diagnosed()[0].message)
+    client.until(is_said, 'the diagnostics')
+    assert diagnosed()[1]['incompatible publishers'] == '1'
+    assert '~/input: nothing is received from a publisher with an incompatible reliab' in node.said
 
 
 # --- the log -------------------------------------------------------------------------------------

@@ -184,10 +184,10 @@ class Client(NodeClient):
         known = len(self._services)
         service = super().service(service_name, node)
         if len(self._services) > known and service_name in HARMLESS:
-            self._introduce(service, service_name)
+            self.introduce(service, service_name)
         return service
 
-    def _introduce(self, service, service_name):
+    def introduce(self, service, service_name):
         """
         Ask until the first answer.
 

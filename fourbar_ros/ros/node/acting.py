@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from math import hypot
+from typing import Any
 
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline.wrenches import a_step_later, ActingInput, in_silence, Wrench
@@ -41,21 +42,23 @@ class ActingInputs:
             self._topics[BASE.name] = BASES[stream.scene.base.topic]
             troubles.expect('base_malformed', 'base_of_another_frame', 'base_late',
                             'base_silences')
+        self._imu_settings: tuple[Any, ...] = ()
         self._newest = 0                        # stamp of the newest message of the base [ns]
         self._read_settings()
         for name, topic in self._topics.items():
             what = 'base_malformed' if name == BASE.name else 'wrenches_malformed'
             entities.subscription(node, topic, entities.reader(
-                topic, partial(self._take, name), partial(troubles.count, what)))
+                topic, partial(self._take, name), partial(troubles.count, what)), troubles)
         clock, self._time = entities.clock_of(node)
         node.create_timer(PERIOD, self._watch, clock=clock)
 
     def _read_settings(self) -> None:
         """Take over how an IMU is turned to the linkage."""
         base = self._stream.scene.base
-        if base.topic == 'imu':
+        settings = base.rotation, base.window, base.timeout or 1.0
+        if base.topic == 'imu' and settings != self._imu_settings:    # else it keeps its rates
             from fourbar_ros.pipeline.base import Imu  # other scenes do without
-            self._imu = Imu(base.rotation, base.window, base.timeout or 1.0)
+            self._imu, self._imu_settings = Imu(*settings), settings
 
     def renew(self) -> None:
         """Let act in a silence what the scene in force has for one."""

@@ -10,7 +10,7 @@ from typing import Any
 from fourbar_ros.ros.messages import sec_nanosec
 from fourbar_ros.ros.node.entities import clock_of, Troubles
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.scene import differ, Group
+from fourbar_ros.scene.scene import Group
 from rclpy.node import Node
 
 TICK = 0.1             # [s] longest period of the timer: so soon it sees new settings
@@ -81,7 +81,7 @@ class ClockInput:
                 self._troubles.count('faults', f'a fault in a sample: {format_exc()}')
             self._next += 1
         before, self._settings = self._settings, self._stream.scene.drive
-        if differ(self._settings, before):
+        if (self._settings.speed, self._settings.rate) != (before.speed, before.rate):
             self._go_on(before, now, self._began + round((self._next - 1) * period))
 
     def _go_on(self, before: Group, now: int, last: int) -> None:

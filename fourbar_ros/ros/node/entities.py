@@ -12,13 +12,28 @@ import time
 from traceback import format_exc
 from typing import Any
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.ros.messages import Message, resolve
-from fourbar_ros.scene.topics import INPUT_DEPTH, QUEUE_DEPTH, Topic
+from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import (
+    FAMILIES,
+    INPUT_DEPTH,
+    OUTPUTS,
+    PICTURES,
+    QUEUE_DEPTH,
+    Topic,
+)
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    qos_policy_name_from_kind,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
@@ -38,19 +53,44 @@ def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
                                      qos_overriding_options=_overrides(node, 'publisher', topic))
 
 
-def subscription(node: Node, topic: Topic, take: Callable[..., None], is_reliable: bool = False,
-                 **options: Any) -> Subscription:
+def subscription(node: Node, topic: Topic, take: Callable[..., None], troubles: Troubles,
+                 is_reliable: bool = False, events: SubscriptionEventCallbacks | None = None
+                 ) -> Subscription:
     """
     Return a subscription on a topic with the user's overrides; ``take`` gets serialised messages.
 
-    By default it is best effort, which matches publishers of any reliability.
+    By default it is best effort, which matches publishers of any reliability. A publisher with
+    another policy that does not match is a trouble.
     """
+    def note(info: Any) -> None:
+        policy = qos_policy_name_from_kind(info.last_policy_kind).lower()
+        troubles.incompatible[topic.name] = policy
+        troubles.count('incompatible_publishers', f'{topic.topic}: nothing is received from a '
+                       f'publisher with an incompatible {policy}')
+    troubles.counts.setdefault('incompatible_publishers', 0)
+    events = events or SubscriptionEventCallbacks()
+    events.incompatible_qos = note
     reliability = ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT
     with _refused(node, topic):
         return node.create_subscription(
             resolve(topic.type), topic.topic, take,
-            QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True, **options,
+            QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True,
+            event_callbacks=events,
             qos_overriding_options=_overrides(node, 'subscription', topic))
+
+
+def check_overrides(node: Node, scene: Scene) -> None:
+    """Refuse overrides of topics that the node has not, and of policies that ROS does not know."""
+    later = [topic for name, topic in {**OUTPUTS, **PICTURES}.items() if name not in FAMILIES]
+    topics = {'publisher': [*scene.published, *later], 'subscription': scene.received}
+    known = {f'{node.resolve_topic_name(topic.topic)}.{entity}.{kind.lower()}'
+             for entity, those in topics.items() for topic in those
+             for kind in QoSPolicyKind.__members__ if kind != 'INVALID'
+             and (entity, kind) != ('subscription', 'LIFESPAN')}
+    for name, parameter in node.get_parameters_by_prefix(OVERRIDES.rstrip('.')).items():
+        if name not in known:
+            raise InvalidParameter(f'{OVERRIDES}{name}', parameter.value,
+                                   f'no such quality of service{nearest(name, known)}')
 
 
 def has_override(node: Node, entity: str, topic: Topic, policy: str) -> bool:
@@ -110,12 +150,14 @@ class Troubles:
     """
     What goes wrong in a node: a line of each cause in ten seconds, and ``counts``.
 
-    The counts {cause: how often since the start} are for the diagnostics.
+    The counts {cause: how often since the start} are for the diagnostics; ``incompatible``: {short
+    name of a topic: policy} of the last publisher that did not match.
     """
 
     def __init__(self, node: Node) -> None:
         self._child = cache(node.get_logger().get_child)
         self.counts: dict[str, int] = {}
+        self.incompatible: dict[str, str] = {}
 
     def expect(self, *causes: str) -> None:
         """Begin to count causes, at zero."""

@@ -15,7 +15,13 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import OVERRIDES, Troubles, WAITING, Worker
+from fourbar_ros.ros.node.entities import (
+    check_overrides,
+    OVERRIDES,
+    Troubles,
+    WAITING,
+    Worker,
+)
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
@@ -33,6 +39,7 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
+from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rosgraph_msgs.msg import Clock
 
@@ -42,6 +49,7 @@ if TYPE_CHECKING:      # only the scenes that want it
 CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
 PAUSE = 5e-5           # [s] between two pieces of a change
 LOOK = 0.1             # [s] between two looks whether the node stops
+REQUESTS = 1000        # that may arrive at once: as many as of parameters
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
 
@@ -63,6 +71,7 @@ class FourBarNode(Node):
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = scene_of(self, files)
         self._check(scene)
+        check_overrides(self, scene)
         for warning in warnings_of(scene):
             self.get_logger().warning(warning)
         wanted = {name for service in scene.values['services']
@@ -186,8 +195,11 @@ class FourBarNode(Node):
         """
         Create a service; an exception in its callback is logged and does not end the node.
 
-        If that takes long, ``worker_for(request)`` returns the thread to answer in.
+        If that takes long, ``worker_for(request)`` returns the thread to answer in. Its queue is
+        deep, so that each request of a burst is answered, if only with RESULT_BUSY.
         """
+        options.setdefault('qos_profile', QoSProfile(depth=REQUESTS))
+
         def answer(request: Message, response: Message) -> Message:
             try:
                 return callback(request, response)

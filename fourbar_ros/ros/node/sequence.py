@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any
 
 from fourbar_ros.ros.node import entities
+from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.scene.topics import Topic
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -55,8 +56,8 @@ class SequenceNumbers:
             self._next = [number + 1]                    # a publisher that has started again
 
 
-def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], is_reliable: bool = False,
-              deadline: Callable[[Any], None] | None = None
+def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: Troubles,
+              is_reliable: bool = False, deadline: Callable[[Any], None] | None = None
               ) -> tuple[Subscription, SequenceNumbers]:
     """
     Subscribe to a topic as bytes; return the subscription and the counter of its lost messages.
@@ -77,6 +78,5 @@ def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], is_reliab
     @wraps(receive)
     def from_any_executor(*given: Any) -> None:
         receive(*(given if len(given) == 2 else given[0]))
-    made = entities.subscription(node, topic, from_any_executor, is_reliable,
-                                 event_callbacks=events)
+    made = entities.subscription(node, topic, from_any_executor, troubles, is_reliable, events)
     return made, sequence

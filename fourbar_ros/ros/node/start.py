@@ -40,12 +40,16 @@ Signals = list[int]
 
 @contextlib.contextmanager
 def caught_signals() -> Iterator[Signals]:
-    """Give the list of the signals that come meanwhile, but for a SIGHUP under ``nohup``."""
+    """
+    Give the list of the signals that come meanwhile, but for a SIGHUP under ``nohup``.
+
+    A shell starts what a script puts in the background with SIGINT ignored: that is caught too.
+    """
     caught: Signals = []
     numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]   # Windows
     before = {number: signal.getsignal(number) for number in numbers}
     for number, handler in before.items():
-        if handler is not signal.SIG_IGN:
+        if signal.Signals(number).name != 'SIGHUP' or handler is not signal.SIG_IGN:
             signal.signal(number, lambda number, _: caught.append(number))
     try:
         yield caught

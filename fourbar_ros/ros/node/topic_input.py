@@ -9,7 +9,7 @@ from typing import Any
 
 from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.rate_estimator import estimator_of
+from fourbar_ros.pipeline.rate_estimator import estimator_of, estimator_settings
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import Reported
@@ -17,7 +17,6 @@ from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
-from fourbar_ros.scene.scene import differ
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.node import Node
 
@@ -39,8 +38,8 @@ class TopicInput:
         troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
                         'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                         'deadlines_missed', 'faults')
-        scene = stream.scene
-        self._settings = settings = scene.drive
+        self._scene = scene = stream.scene   # of the last input whose rates were estimated
+        self._settings = settings = scene.drive      # those that do not change
         self._topic = INPUTS[settings.source]
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         clock, self._time = entities.clock_of(node)
@@ -54,7 +53,7 @@ class TopicInput:
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
         self._subscription, self._sequence = subscribe(
-            node, self._topic, self._receive,
+            node, self._topic, self._receive, troubles,
             deadline=self._deadline_missed if has_deadline else None)
         self._timer = node.create_timer(WATCH, self._watch, clock=clock)
 
@@ -94,8 +93,11 @@ class TopicInput:
         return values, problems
 
     def _why_no_input(self) -> str:
-        """Return that the publisher is silent, or on which topics the type comes instead."""
+        """Return why nothing comes: from the publisher, or since the type is on other topics."""
         name = self._subscription.topic_name
+        policy = self._troubles.incompatible.get(self._topic.name)
+        if policy and self._node.count_publishers(name):
+            return f'the publisher of {name} has an incompatible {policy}'
         if self._subscription.get_publisher_count():
             return f'the publisher of {name} is silent'
         own = self._stream.topics()
@@ -142,10 +144,11 @@ class TopicInput:
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
                    ) -> tuple[float, float]:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
-        scene, old = self._stream.scene, self._settings
-        self._settings = scene.drive
-        if differ(self._settings, old):
+        scene = self._stream.scene
+        if scene is not self._scene and estimator_settings(scene) != estimator_settings(
+                self._scene):                # else it keeps its rates
             self._estimator = estimator_of(scene)
+        self._scene = scene
         estimator = self._estimator
         late, restarts = estimator.late, estimator.restarts
         velocity, estimate = estimator.update(stamp, position, velocity)

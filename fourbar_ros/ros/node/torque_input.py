@@ -48,7 +48,7 @@ class TorqueInput(ClockInput):
                         *_COUNTER.values())
         if stream.scene.drive.source == TORQUE.name:
             self._subscription = entities.subscription(node, TORQUE, entities.reader(
-                TORQUE, self._take, partial(troubles.count, 'malformed')))
+                TORQUE, self._take, partial(troubles.count, 'malformed')), troubles)
 
     def stop(self) -> None:
         """Make no more steps; unsubscribe."""

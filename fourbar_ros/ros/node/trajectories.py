@@ -29,6 +29,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 SIDES = {'to_input': ('input', 'output'), 'to_output': ('output', 'input')}     # asked for, given
 FIELDS = 'positions', 'velocities', 'accelerations', 'effort'
+FIELD_OF = dict(zip(Trajectory._fields, FIELDS))        # of the message
 
 
 class Conversion:
@@ -49,7 +50,12 @@ class Conversion:
     def answer(self, method: str, message: Message) -> Message:
         """Return the trajectory of the other joint by a method of the Transmission."""
         asked, given = SIDES[method]
-        converted = getattr(self._transmission, method)(self._read(message, *self._joints[given]))
+        try:
+            converted = getattr(self._transmission, method)(self._read(message,
+                                                                       *self._joints[given]))
+        except InvalidParameter as error:
+            raise InvalidParameter(FIELD_OF.get(error.name, error.name), error.value,
+                                   error.allowed) from None
         name, (ratio, offset) = self._joints[asked]
         columns = {'positions': ratio * converted.position + offset,
                    'velocities': ratio * converted.rate}
@@ -69,6 +75,9 @@ class Conversion:
         if joint not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
                                    f'must hold {joint}')
+        if len(set(message.joint_names)) < len(message.joint_names):
+            raise InvalidParameter('joint_names', list(message.joint_names),
+                                   'must not name a joint twice')
         if not message.points:
             raise InvalidParameter('points', [], 'must not be empty')
         times = [point.time_from_start.sec + 1e-9 * point.time_from_start.nanosec
@@ -79,7 +88,7 @@ class Conversion:
                                        f'must not decrease: the point before has {before:g} s')
         place = list(message.joint_names).index(joint)
         given = {name: column for name in FIELDS
-                 if (column := _column(message, name, joint, place)) is not None}
+                 if (column := _column(message, name, place)) is not None}
         for name in FIELDS[:2]:
             if name not in given:
                 raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
@@ -97,20 +106,20 @@ class Conversion:
                           None if effort is None else effort * ratio)
 
 
-def _column(message: Message, name: str, joint: str, place: int) -> Array | None:
+def _column(message: Message, name: str, place: int) -> Array | None:
     """
     Return a field of a joint over the points, shape (n,); None if no point has the field.
 
-    InvalidParameter if some points have it and others do not.
+    InvalidParameter if a point has another number of values than there are joints.
     """
-    rows = [getattr(point, name) for point in message.points]
-    missing = next((i for i, row in enumerate(rows) if len(row) <= place), None)
-    if missing is None:
-        return np.array([row[place] for row in rows])
-    if any(map(len, rows)):
-        raise InvalidParameter(name, list(rows[missing]),
-                               f'must be given for {joint} in point {missing}')
-    return None
+    rows, count = [getattr(point, name) for point in message.points], len(message.joint_names)
+    if not any(map(len, rows)):
+        return None
+    for i, row in enumerate(rows):
+        if len(row) != count:
+            raise InvalidParameter(f'points[{i}].{name}', list(row),
+                                   f'must be {count} numbers, one for each of joint_names')
+    return np.array([row[place] for row in rows])
 
 
 class Trajectories:
@@ -141,7 +150,7 @@ class Trajectories:
                 self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
                              'others wait for an answer')
         # bound before the first call of take: the node spins later
-        _, sequence = subscribe(node, TRAJECTORIES[name], take, is_reliable=True)
+        _, sequence = subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
 
     def stop(self, patience: float) -> None:
         """Answer no more; wait up to ``patience`` [s] for the answer in work."""
