@@ -11,7 +11,7 @@ from fourbar_ros.cli.common import add_scene, add_verb, Verbs
 
 EPILOG = """\
 examples:
-  fourbar generate paper -o code                     C99 and a C++ wrapper
+  fourbar generate paper -o code                     C99, for C++ too
   fourbar generate paper -o code --outputs theta4 omega4 driving_torque --parameters a1 a2
   fourbar generate jansen -o code --parameters       all numbers folded in
   fourbar generate paper -o fmu --as fmu2            for Simulink, OpenModelica, fmi_adapter
@@ -23,13 +23,13 @@ The results have the bits of the node, with the same libm. docs/generated.md has
 def add(verbs: Verbs) -> None:
     """Add ``fourbar generate`` with its arguments."""
     verb = add_verb(verbs, 'generate', 'write a scene as C code or an FMU',
-                    'Write the formulas of a scene, for its input, as C99 with a C++ wrapper, or '
-                    'as an FMU for co-simulation.', EPILOG)
+                    'Write the formulas of a scene, for its input, as C99, or as an FMU for '
+                    'co-simulation.', EPILOG)
     add_scene(verb)
     verb.add_argument('-o', '--out', metavar='DIR', type=Path, required=True,
                       help='folder to write to; made if it is not there')
-    verb.add_argument('--as', dest='format', choices=('c', 'fmu2', 'fmu3'), default='c',
-                      help='C, or an FMU of FMI 2.0 or 3.0; default: c')
+    verb.add_argument('--as', dest='format', choices=('c', 'fmu2'), default='c',
+                      help='C, or an FMU of FMI 2.0; default: c')
     verb.add_argument('--outputs', metavar='FIELD', nargs='+',
                       help='fields of motion and loads, POINT.FIELD of points; default: all, of '
                            'an FMU all with a unit')

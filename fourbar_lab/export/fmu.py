@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A model as an FMU, FMI 2.0 or 3.0: description, sources, binary of this platform.
+A model as an FMU of FMI 2.0: description, sources, binary of this platform.
 
 The input and, of links that topics load, the external forces are inputs; parameters are tunable.
 A sample out of range is no error: its outputs are NaN, and ``status`` says why.
@@ -28,25 +28,14 @@ from fourbar_lab.export.statements import snippet
 from fourbar_ros import __version__
 from fourbar_ros.description.xml import add, as_text, Element
 
-PLATFORMS = {'linux': ('linux64', '{}-linux', 'so'), 'darwin': ('darwin64', '{}-darwin', 'dylib'),
-             'win32': ('win64', '{}-windows', 'dll')}
+PLATFORMS = {'linux': ('linux64', 'so'), 'darwin': ('darwin64', 'dylib'),
+             'win32': ('win64', 'dll')}
 COMPILERS = ('cc', 'gcc', 'clang')
 # types of which no variable is, and functions of what is not offered: by FMI they must be there
-TYPES = {2: 'Integer Boolean String',
-         3: 'Float32 Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Boolean String'}
-NOT_OFFERED = {
-    2: """SerializedFMUstateSize SerializeFMUstate
-        DeSerializeFMUstate GetStatus GetRealStatus GetIntegerStatus GetBooleanStatus
-        GetStringStatus CancelStep SetRealInputDerivatives GetRealOutputDerivatives
-        GetDirectionalDerivative""",
-    3: """SerializedFMUStateSize SerializeFMUState
-        DeserializeFMUState EnterConfigurationMode ExitConfigurationMode EvaluateDiscreteStates
-        EnterStepMode GetBinary SetBinary GetClock SetClock GetNumberOfVariableDependencies
-        GetVariableDependencies GetAdjointDerivative GetOutputDerivatives GetIntervalDecimal
-        SetIntervalDecimal GetShiftDecimal SetShiftDecimal GetIntervalFraction
-        SetIntervalFraction GetShiftFraction SetShiftFraction ActivateModelPartition
-        GetDirectionalDerivative"""}
-STATE = {2: 'FMUstate', 3: 'FMUState'}
+TYPES = 'Integer Boolean String'
+NOT_OFFERED = """SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetStatus
+    GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus CancelStep SetRealInputDerivatives
+    GetRealOutputDerivatives GetDirectionalDerivative"""
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
@@ -68,7 +57,7 @@ class Variable(NamedTuple):
     is_positive: bool = False
 
 
-def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, list[str], int]:
+def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]:
     """
     Write NAME.fmu; return it, notes for its user, and the operations per sample.
 
@@ -80,17 +69,15 @@ def write(model: GeneratedModel, directory: Path, version: int) -> tuple[Path, l
                                         if texts.get(one.name, ('', ''))[0]])
     code = Code(model)
     variables = _variables(model, code.drive)
-    text = _source(code, version)
+    text = _source(code)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
     source = text.replace('GUID', f'{{{guid}}}')
-    description = _description(model, variables, f'{{{guid}}}', version)
+    description = _description(model, variables, f'{{{guid}}}')
     inside = {'modelDescription.xml': as_text(description).encode(),
               f'sources/{model.name}.c': source.encode()}
-    if version == 3:
-        inside['sources/buildDescription.xml'] = as_text(_build_description(model)).encode()
     notes = []
     try:
-        inside.update(_binary(model.name, source, version))
+        inside.update(_binary(model.name, source))
     except NotGenerated as error:
         notes.append(f'{error}: the FMU has sources alone')
     path = directory / f'{model.name}.fmu'
@@ -137,11 +124,10 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
             *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
 
-def _source(code: Code, version: int) -> str:
+def _source(code: Code) -> str:
     """Return header, formulas and the functions of FMI as one file."""
     model, name = code.model, code.name
-    header = code.header().replace('extern "C" {', '').replace('#ifdef __cplusplus\n}\n#endif\n',
-                                                               '')
+    header = code.header()
     drive = code.drive
     command = drive.command if drive else None
     is_torque_given = bool(drive and drive.takes_torque)
@@ -154,15 +140,11 @@ def _source(code: Code, version: int) -> str:
         'GIVEN_TORQUE': ', state->torque' * is_torque_given,
         'BEGIN': f'{name}_{"start" if is_torque_given else "complete"}'}
     defined = ''.join(f'#define {word} {meaning}\n' for word, meaning in settings.items())
-    # the versions differ in the type of flags and in a letter of the state
-    flag = '#include <stdbool.h>\ntypedef bool Flag;\n' if version == 3 else 'typedef int Flag;\n'
-    shared = (snippet('fmu.c') + snippet(f'fmu{version}.c')).replace('FMI_', f'fmi{version}')
-    shared = shared.replace(STATE[3], STATE[version])
-    not_there = [*(f'NONE(fmi{version}{access}{kind})\n' for kind in TYPES[version].split()
+    not_there = [*(f'NONE(fmi2{access}{kind})\n' for kind in TYPES.split()
                    for access in ('Get', 'Set')),
-                 *(f'REFUSED(fmi{version}{what})\n' for what in NOT_OFFERED[version].split())]
+                 *(f'REFUSED(fmi2{function})\n' for function in NOT_OFFERED.split())]
     text = code.source().replace(f'#include "{name}.h"\n', header)
-    return text + defined + flag + shared.replace('NAME', name) + ''.join(not_there)
+    return text + defined + snippet('fmu.c').replace('NAME', name) + ''.join(not_there)
 
 
 def build(source: Path, library: Path, command: str = '',
@@ -178,20 +160,17 @@ def build(source: Path, library: Path, command: str = '',
                            f'{(done.stderr.splitlines() or ["no message"])[0]}')
 
 
-def _binary(name: str, source: str, version: int) -> dict[str, bytes]:
-    """Return {place in the archive: bytes} of the library for this platform."""
-    if sys.platform not in PLATFORMS:
-        raise NotGenerated(f'FMI has no name for a binary of {sys.platform}')
-    two, three, ending = PLATFORMS[sys.platform]
-    machine = {'AMD64': 'x86_64', 'arm64': 'aarch64'}.get(platform.machine(), platform.machine())
-    if version == 2 and machine != 'x86_64':
-        raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine}')
+def _binary(name: str, source: str) -> dict[str, bytes]:
+    """Return {path in the archive: bytes} of the library for this platform."""
+    machine = {'AMD64': 'x86_64'}.get(platform.machine(), platform.machine())
+    if sys.platform not in PLATFORMS or machine != 'x86_64':
+        raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine} on {sys.platform}')
+    folder_name, ending = PLATFORMS[sys.platform]
     with TemporaryDirectory() as folder:
         path, library = Path(folder) / f'{name}.c', Path(folder) / f'{name}.{ending}'
         path.write_text(source, encoding='utf-8')
         build(path, library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
-        where = two if version == 2 else three.format(machine)
-        return {f'binaries/{where}/{library.name}': library.read_bytes()}
+        return {f'binaries/{folder_name}/{library.name}': library.read_bytes()}
 
 
 # --- descriptions --------------------------------------------------------------------------------
@@ -210,42 +189,29 @@ def _units(root: Element, variables: list[Variable]) -> None:
             add(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
 
 
-def _description(model: GeneratedModel, variables: list[Variable], guid: str,
-                 version: int) -> Element:
-    """
-    Return modelDescription.xml.
-
-    Dependencies name variables by their order, from 1, in FMI 2.0, by value references in 3.0.
-    """
-    is_2 = version == 2
+def _description(model: GeneratedModel, variables: list[Variable], guid: str) -> Element:
+    """Return modelDescription.xml; dependencies name variables by their order, from 1."""
     root = Element('fmiModelDescription', {
-        'fmiVersion': f'{version}.0', 'modelName': model.name,
+        'fmiVersion': '2.0', 'modelName': model.name,
         'description': f'{model.mechanism.description}, mode {model.mechanism.mode}',
         'version': __version__, 'generationTool': f'fourbar_ros {__version__}',
-        'variableNamingConvention': 'structured', 'guid' if is_2 else 'instantiationToken': guid})
+        'variableNamingConvention': 'structured', 'guid': guid})
     # model exchange is for motion by its inputs, which has no state: it is solved with the model
     # around it, without the delay of a step; motion by torque has steps of its own
     for tag in ('CoSimulation',) if model.moves_by_torque else ('ModelExchange', 'CoSimulation'):
-        kind = add(root, tag, modelIdentifier=model.name,
-                   **{f'canGetAndSet{STATE[version]}': 'true'})
+        kind = add(root, tag, modelIdentifier=model.name, canGetAndSetFMUstate='true')
         if tag == 'CoSimulation':
             kind.set('canHandleVariableCommunicationStepSize', 'true')
-        if is_2:
-            add(add(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
+        add(add(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
     _units(root, variables)
     step = 1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001
     add(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=repr(step))
     listed = add(root, 'ModelVariables')
-    if not is_2:
-        status = next(one for one in variables if one.name == 'status')
-        add(listed, 'Float64', name='time', valueReference=status.reference + 1,
-            causality='independent', variability='continuous', unit='s')
     for one in variables:
         variability = 'tunable' if one.causality == 'parameter' else 'continuous'
-        variable = add(listed, 'ScalarVariable' if is_2 else 'Float64', name=one.name,
-                       valueReference=one.reference, causality=one.causality,
-                       variability=variability)
-        number = add(variable, 'Real') if is_2 else variable
+        variable = add(listed, 'ScalarVariable', name=one.name, valueReference=one.reference,
+                       causality=one.causality, variability=variability)
+        number = add(variable, 'Real')
         if one.text:
             variable.set('description', one.text)
         if one.unit:
@@ -255,25 +221,14 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str,
         if one.causality != 'output':
             number.set('start', repr(one.start))
     structure = add(root, 'ModelStructure')
-    numbers = {one.name: i if is_2 else one.reference for i, one in enumerate(variables, 1)}
+    order = {one.name: i for i, one in enumerate(variables, 1)}
     not_outputs = [one for one in variables if one.causality != 'output']
     # on torque, voltage or speed of the motor outputs depend by steps alone, not at once
     inputs = [one for one in not_outputs if one.causality == 'input' and one.name != 'torque'
               and not one.name.startswith('motor.')]
-    for tag, given in (('Output', inputs), ('InitialUnknown', not_outputs)):
-        on = ' '.join(str(numbers[one.name]) for one in given)
-        under, name, key = ((add(structure, f'{tag}s'), 'Unknown', 'index') if is_2
-                            else (structure, tag, 'valueReference'))
+    for tag, known in (('Outputs', inputs), ('InitialUnknowns', not_outputs)):
+        on, unknowns = ' '.join(str(order[one.name]) for one in known), add(structure, tag)
         for one in variables:
             if one.causality == 'output':
-                add(under, name, **{key: numbers[one.name]}).set('dependencies', on)
-    return root
-
-
-def _build_description(model: GeneratedModel) -> Element:
-    """Return buildDescription.xml of FMI 3.0: which C file is compiled, and how."""
-    root = Element('fmiBuildDescription', fmiVersion='3.0')
-    own = add(root, 'BuildConfiguration', modelIdentifier=model.name)
-    files = add(own, 'SourceFileSet', language='C99', compiler='gcc', compilerOptions=FLAGS)
-    add(files, 'SourceFile', name=f'{model.name}.c')
+                add(unknowns, 'Unknown', index=order[one.name], dependencies=on)
     return root

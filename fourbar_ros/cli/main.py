@@ -51,7 +51,7 @@ examples:
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf
-  fourbar generate paper -o code               the scene as C; or --as fmu2, --as fmu3
+  fourbar generate paper -o code               the scene as C; or --as fmu2
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
   fourbar study STUDY.yaml -o DIR              compute many designs of a scene
   fourbar balance paper                        counterweights for a scene

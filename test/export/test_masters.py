@@ -60,8 +60,7 @@ def master(request):
     return by_fmusim, lambda value: float(f'{value:.16g}')
 
 
-pytestmark = [pytest.mark.skipif(not COMPILERS, reason='no C compiler'),
-              pytest.mark.parametrize('as_', ['fmu2', 'fmu3'])]
+pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 
 
 def check(row, expected, rounded):
@@ -73,14 +72,14 @@ def check(row, expected, rounded):
 
 
 @some('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'], 1)
-def test_motion_and_loads(name, as_, master, tmp_path):
+def test_motion_and_loads(name, master, tmp_path):
     simulated, rounded = master
     linkage, step = load_scene(name).linkage, 1e-3
     low, high = linkage.input_ranges[0]
     middle, size = 0.5 * (low + high), 0.4 * (high - low)
     given = [(middle + size * math.sin(x), 9.0 * size * math.cos(x), -81.0 * size * math.sin(x))
              for x in (9.0 * step * i + 0.1 for i in range(ROWS + 1))]
-    rows = simulated(generate(name, tmp_path, as_).files[0], step,
+    rows = simulated(generate(name, tmp_path, 'fmu2').files[0], step,
                      dict(zip(linkage.input_coordinate, zip(*given))))
     assert len(rows) == ROWS + 1
     for row, sample in zip(rows[1:], given):      # a step sees the inputs of its beginning
@@ -89,11 +88,11 @@ def test_motion_and_loads(name, as_, master, tmp_path):
 
 
 @some('solver', ['Euler', 'CVode'], 1)
-def test_model_exchange_has_no_delay(solver, as_, tmp_path):
+def test_model_exchange_has_no_delay(solver, tmp_path):
     pytest.importorskip('fmpy')
     linkage, step = load_scene('paper').linkage, 2.0**-10
     given = [(6.0 * x, 6.0, 0.0) for x in (step * i for i in range(ROWS + 1))]
-    rows = by_fmpy(generate('paper', tmp_path, as_).files[0], step,
+    rows = by_fmpy(generate('paper', tmp_path, 'fmu2').files[0], step,
                    dict(zip(linkage.input_coordinate, zip(*given))), fmi_type='ModelExchange',
                    solver=solver, step_size=step)
     assert len(rows) == ROWS + 1
@@ -105,13 +104,13 @@ def test_model_exchange_has_no_delay(solver, as_, tmp_path):
 @some('name,changes', [
     ('sundials', {}), ('motor', {}), ('motor', {'shaft.stiffness': 1e9, 'shaft.damping': 1e3})], 1,
     ids=['sundials', 'motor', 'stiff shaft'])
-def test_motion_by_torque(name, changes, as_, master, tmp_path):
+def test_motion_by_torque(name, changes, master, tmp_path):
     simulated, rounded = master
     scene = from_values({**load_scene(name).values, **changes})
     step = 1.0 / scene.drive.rate
     torques = [0.1 * math.sin(0.01 * i) for i in range(ROWS + 1)]
     is_commanded = scene.drive.source == 'torque'
-    rows = simulated(generate(scene, tmp_path, as_, name='unit').files[0], step,
+    rows = simulated(generate(scene, tmp_path, 'fmu2', name='unit').files[0], step,
                      {'torque': torques} if is_commanded else {})
     assert len(rows) == ROWS + 1
     mover, stepper = scene.mover, InModes(scene)

@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import pytest
-from support import ROOT
 from support.scenes import PAPER, RODS
 
 SCRIPT = """
@@ -87,11 +86,3 @@ def test_outputs_without_subscribers_are_not_computed():
 def test_a_scene_on_the_clock_that_is_not_recorded_needs_nothing_of_bags_and_inputs():
     found = run({**PAPER, 'outputs': ['state'], 'drive.rate': 1.0})
     assert (found['bag'], found['imported']) == ([], [])
-
-
-def test_what_four_things_pass_through_is_counted():
-    done = subprocess.run([sys.executable, '-m', 'bench', 'paths'], cwd=ROOT, timeout=300,
-                          capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    rows = [line.split('|')[1].strip() for line in done.stdout.splitlines()[-4:]]
-    assert rows == ['input to loads', 'scene to node', 'bag to differences', 'live change']

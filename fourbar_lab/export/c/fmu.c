@@ -1,4 +1,4 @@
-/* What both versions of FMI share: all state is in one struct without pointers. */
+/* FMI 2.0: all state is in one struct without pointers. */
 #include <stdlib.h>
 
 #if defined(_WIN32)
@@ -142,22 +142,22 @@ static Instance new_instance(Text token)
   return state;
 }
 
-EXPORT void FMI_FreeInstance(Instance instance) { free(instance); }
-PLAIN(FMI_ExitInitializationMode)
-PLAIN(FMI_Terminate)
-PLAIN(FMI_EnterEventMode)
-PLAIN(FMI_EnterContinuousTimeMode)
-EXPORT Status FMI_Reset(Instance instance) { reset(STATE); return OK; }
-EXPORT Status FMI_SetTime(Instance instance, double time) { STATE->time = time; return OK; }
+EXPORT void fmi2FreeInstance(Instance instance) { free(instance); }
+PLAIN(fmi2ExitInitializationMode)
+PLAIN(fmi2Terminate)
+PLAIN(fmi2EnterEventMode)
+PLAIN(fmi2EnterContinuousTimeMode)
+EXPORT Status fmi2Reset(Instance instance) { reset(STATE); return OK; }
+EXPORT Status fmi2SetTime(Instance instance, double time) { STATE->time = time; return OK; }
 
-EXPORT Status FMI_SetDebugLogging(Instance instance, Flag on, size_t count, const Text *which)
+EXPORT Status fmi2SetDebugLogging(Instance instance, int on, size_t count, const Text *which)
 {
   (void)instance; (void)on; (void)count; (void)which;
   return OK;
 }
 
 /* A copy of the whole state, kept by the master; `to` is made if it is not there. */
-EXPORT Status FMI_GetFMUState(Instance instance, void **to)
+EXPORT Status fmi2GetFMUstate(Instance instance, void **to)
 {
   if (*to == NULL) *to = malloc(sizeof(State));
   if (*to == NULL) return ERROR;
@@ -165,13 +165,13 @@ EXPORT Status FMI_GetFMUState(Instance instance, void **to)
   return OK;
 }
 
-EXPORT Status FMI_SetFMUState(Instance instance, void *from)
+EXPORT Status fmi2SetFMUstate(Instance instance, void *from)
 {
   memcpy(instance, from, sizeof(State));
   return OK;
 }
 
-EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
+EXPORT Status fmi2FreeFMUstate(Instance instance, void **kept)
 {
   (void)instance;
   free(*kept);
@@ -179,8 +179,8 @@ EXPORT Status FMI_FreeFMUState(Instance instance, void **kept)
   return OK;
 }
 
-EXPORT Status FMI_CompletedIntegratorStep(Instance instance, Flag is_final, Flag *enters_event,
-                                          Flag *terminates)
+EXPORT Status fmi2CompletedIntegratorStep(Instance instance, int is_final, int *enters_event,
+                                          int *terminates)
 {
   (void)instance; (void)is_final;
   *enters_event = *terminates = 0;
@@ -200,7 +200,65 @@ static Status do_step(State *state, double time, double step)
   return OK;
 }
 
-STATES(FMI_SetContinuousStates, const double *)
-STATES(FMI_GetEventIndicators, double *)
-STATES(FMI_GetContinuousStates, double *)
-STATES(FMI_GetNominalsOfContinuousStates, double *)
+STATES(fmi2SetContinuousStates, const double *)
+STATES(fmi2GetEventIndicators, double *)
+STATES(fmi2GetContinuousStates, double *)
+STATES(fmi2GetNominalsOfContinuousStates, double *)
+
+EXPORT Text fmi2GetTypesPlatform(void);
+EXPORT Text fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT Text fmi2GetVersion(void);
+EXPORT Text fmi2GetVersion(void) { return "2.0"; }
+
+EXPORT Instance fmi2Instantiate(Text name, int type, Text guid, Text resources,
+                                const void *callbacks, int visible, int logs)
+{
+  (void)name; (void)resources; (void)callbacks; (void)visible; (void)logs;
+  return type == 1 || EXCHANGES ? new_instance(guid) : NULL;
+}
+
+EXPORT Status fmi2SetupExperiment(Instance instance, int with_tolerance, double tolerance,
+                                  double start, int with_end, double end)
+{
+  (void)with_tolerance; (void)tolerance; (void)with_end; (void)end;
+  STATE->time = start;
+  return OK;
+}
+
+PLAIN(fmi2EnterInitializationMode)
+
+EXPORT Status fmi2GetReal(Instance instance, const unsigned *which, size_t count, double *to)
+{
+  return get_numbers(STATE, which, count, to);
+}
+
+EXPORT Status fmi2SetReal(Instance instance, const unsigned *which, size_t count,
+                          const double *from)
+{
+  return set_numbers(STATE, which, count, from);
+}
+
+EXPORT Status fmi2DoStep(Instance instance, double time, double step, int is_final)
+{
+  (void)is_final;
+  return do_step(STATE, time, step);
+}
+
+typedef struct {
+  int new_states_needed, terminate, nominals_changed, values_changed, has_next_time;
+  double next_time;
+} EventInfo;
+
+EXPORT Status fmi2NewDiscreteStates(Instance instance, EventInfo *to)
+{
+  (void)instance;
+  memset(to, 0, sizeof *to);
+  return OK;
+}
+
+STATES(fmi2GetDerivatives, double *)
+
+/* Every number is real; the functions must be there all the same. */
+#define NONE(name) \
+  EXPORT Status name(Instance instance, const unsigned *which, size_t count, const void *values) \
+  { (void)instance; (void)which; (void)values; return count == 0 ? OK : ERROR; }
