@@ -43,7 +43,7 @@ setup(
                  'mcap-ros2-support>=0.6,<1', 'matplotlib', 'python-flint', 'yourdfpy',
                  'mujoco', 'pyarrow', 'distributed',
                  'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4', 'starlette',
-                 'selenium', 'axe-core-python'],
+                 'selenium', 'axe-core-python', 'resvg-py'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],
         # the last two groups are ament's own wrappers, and what they call
         'lint': ['ruff', 'mypy', 'import-linter', 'types-PyYAML', 'numpy',

@@ -77,7 +77,7 @@ def _add_run(actions: Verbs) -> None:
                        help='processes on this machine; default: one for each processor')
     where.add_argument('--cluster', metavar='ADDRESS',
                        help='address of a Dask scheduler, tcp://host:8786; its workers need '
-                            'pip install fourbar_ros[study], no ROS')
+                            'pip install ".[study]", no ROS')
     run.set_defaults(run=_run)
 
 

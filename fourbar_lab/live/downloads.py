@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fourbar_lab.drawing.curves import csv_of
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.picture import document, mechanism_svg, traces_svg, USUAL
-from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
+from fourbar_lab.live.svg import HEIGHT, PRINTED_STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
 from nicegui import run, ui
@@ -20,12 +20,26 @@ if TYPE_CHECKING:
     from fourbar_lab.live.page import Page
 
 FRAMES = 120             # pictures in a page that needs no server
+# The browser paints the SVG file: no package of ours could.
+PAINT = f"""(svg, name) => {{
+const image = new Image();
+image.onload = () => {{
+  const canvas = document.createElement('canvas'), link = document.createElement('a');
+  [canvas.width, canvas.height] = [{3 * WIDTH:g}, {3 * HEIGHT:g}];
+  canvas.getContext('2d').drawImage(image, 0, 0, canvas.width, canvas.height);
+  link.href = canvas.toDataURL('image/png');
+  link.download = name;
+  link.click();
+}};
+image.src = 'data:image/svg+xml,' + encodeURIComponent(svg);
+}}"""
 
 
 def menu(page: Page) -> None:
     """Build the menu of downloads."""
     kinds = {'scene file (YAML)': ('yaml', lambda: page.shown.scene.as_text),
              'picture (SVG)': ('svg', lambda: picture(page)),
+             'picture (PNG)': ('png', lambda: picture(page)),
              'numbers of a cycle (CSV)': ('csv', lambda: cycle_csv(page.shown)),
              'page that needs no server (HTML)': ('html', lambda: html(page))}
     button = ui.button(icon='download').props('flat dense color=white aria-label="download"')
@@ -40,7 +54,7 @@ async def _send(page: Page, suffix: str, make: Callable[[], str]) -> None:
 
     A mechanism that cannot be assembled has no file at all, one without a pose no picture.
     """
-    why = page.refusal if page.refusal or suffix not in ('svg', 'html') else page.no_pose
+    why = page.refusal if page.refusal or suffix not in ('svg', 'png', 'html') else page.no_pose
     if why:
         ui.notify(f'nothing to save: {why}', type='warning')
         return
@@ -50,7 +64,10 @@ async def _send(page: Page, suffix: str, make: Callable[[], str]) -> None:
         ui.notify(str(error), type='negative')
         return
     name = f'{page.state.title.rpartition("/")[2].removesuffix(".yaml")}.{suffix}'
-    ui.download.content(content, name)
+    if suffix == 'png':
+        ui.run_javascript(f'({PAINT})({json.dumps(content)}, {json.dumps(name)})')
+    else:
+        ui.download.content(content, name)
 
 
 def picture(page: Page) -> str:
@@ -74,7 +91,7 @@ def html(page: Page) -> str:
                    f'<td>{row["unit"]}</td><td>{row["at"]}</td></tr>'
                    for row in extrema_rows(shown, shown.extrema(page.names)))
     return f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title>
-<style>{STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
+<style>{PRINTED_STYLE}body{{font:16px sans-serif;max-width:60rem;margin:auto}}
 td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
 <h1>{title}</h1><p>{shown.linkage.description}</p>
 <svg viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img" aria-label="moving mechanism">

@@ -20,7 +20,7 @@ from fourbar_lab.drawing.polygons import (
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Shown
-from fourbar_lab.live.svg import HEIGHT, STYLE, View, view_of, WIDTH
+from fourbar_lab.live.svg import HEIGHT, PRINTED_STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -68,10 +68,10 @@ def mechanism_view(shown: Shown) -> View:
 
 
 def document(content: str) -> str:
-    """Return a complete SVG file."""
+    """Return a complete SVG file, in the colours of print."""
     return (f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
-            f'width="{WIDTH:g}" height="{HEIGHT:g}"><style>{STYLE}</style>'
-            f'<rect width="100%" height="100%" fill="var(--fb-paper,#fff)"/>{content}</svg>')
+            f'width="{WIDTH:g}" height="{HEIGHT:g}"><style>{PRINTED_STYLE}</style>'
+            f'<rect width="100%" height="100%" fill="#fff"/>{content}</svg>')
 
 
 # --- the mechanism -------------------------------------------------------------------------------

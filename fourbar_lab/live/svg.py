@@ -3,8 +3,8 @@
 """
 Strokes of SVG pictures, in pixels, and the view that leads from metres to them.
 
-Colours are CSS variables with the ones of print as fallback, so that a page can be light or dark
-and a saved file is complete.
+Colours are CSS variables with the ones of print as fallback, so that a page can be light or dark.
+A saved file has the ones of print alone: programs other than browsers know no variables.
 """
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ ALONG, FREE = (0.35, 0.6, 0.8, 1.0), 5.0        # parts of an arrow that stay fr
 LEAST = 4.0                        # [px] shorter arrows are left out
 # Without the lines of its licence, which every saved picture would repeat.
 STYLE = Path(__file__).with_name('picture.css').read_text(encoding='utf-8').partition('*/')[2]
-
+PRINTED_STYLE = re.sub(r'var\([\w-]+,([^)]*)\)', r'\1', STYLE)
 
 Pixel = tuple[float, float]           # [px], y downwards
 INDEX = re.compile(r'([_^])(?:\{([^}]*)\}|(\w))')

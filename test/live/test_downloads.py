@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files that the page sends, as the browser has written them."""
 import csv
+import io
 import time
 from xml.etree import ElementTree
 
+from fourbar_lab.live.svg import WIDTH
 from fourbar_ros.scene.scene import load
 import numpy as np
+from PIL import Image
 import pytest
+import resvg_py
 from support.browser import needs_browser, PATIENCE, Tab
 
 pytestmark = [needs_browser, pytest.mark.slow]
@@ -52,6 +56,25 @@ def test_the_svg_is_the_picture(download, tab):
     assert pins == tab.pins()
 
 
+def colours(png):
+    """Return (width, number of colours, whether white is the most frequent one) of a picture."""
+    picture = Image.open(io.BytesIO(png)).convert('RGB')
+    found = picture.getcolors(2 ** 24)
+    return picture.width, len(found), max(found)[1] == (255, 255, 255)
+
+
+def test_a_program_that_is_no_browser_shows_the_svg_in_its_colours(download):
+    file = download('picture (SVG)', 'svg')
+    assert 'var(' not in file.read_text()
+    width, count, is_on_white = colours(resvg_py.svg_to_bytes(svg_path=str(file)))
+    assert width == WIDTH and count > 50 and is_on_white
+
+
+def test_the_png_is_the_picture_three_times_as_large(download):
+    width, count, is_on_white = colours(download('picture (PNG)', 'png').read_bytes())
+    assert width == 3 * WIDTH and count > 50 and is_on_white
+
+
 def test_the_csv_has_the_core_s_numbers(download):
     from fourbar_ros import FourBar
     with download('numbers of a cycle', 'csv').open() as file:
@@ -67,6 +90,7 @@ def test_the_csv_has_the_core_s_numbers(download):
 
 def test_the_html_moves_without_a_server(download, tab):
     page, home = download('page that needs no server', 'html'), tab.driver.current_window_handle
+    assert 'var(' not in page.read_text()
     assert 'http://' not in page.read_text().replace('http://www.w3.org', '')
     tab.driver.switch_to.new_window('tab')
     try:
