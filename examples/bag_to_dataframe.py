@@ -1,16 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The loads of a recorded run as a DataFrame: ``python bag_to_dataframe.py bags/run``; needs pandas.
+The loads of a recorded run as a DataFrame; needs pandas.
 
-You see its first rows, and loads.csv holds all of them.
+``python examples/bag_to_dataframe.py bags/run``: you see the first rows, loads.csv holds all.
 """
 import sys
 
 from fourbar_ros.bag import Bag
 import numpy as np
-import pandas
 
+try:
+    import pandas
+except ModuleNotFoundError:
+    sys.exit('needs pandas: pip install pandas')
+if len(sys.argv) != 2:
+    sys.exit('give the folder of a bag, for example bags/run')
 FIELDS = ('driving_torque', 'shaking_force', 'shaking_moment')
 blocks = list(Bag(sys.argv[1]).columns(['/fourbar/loads']))     # arrays, block by block
 columns = {'stamp': np.concatenate([block.stamps for block in blocks])}

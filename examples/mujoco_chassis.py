@@ -3,12 +3,18 @@
 """
 A chassis on springs carries the paper's linkage: MuJoCo moves it, a node gives the wrench.
 
-Start the node first:  fourbar_node --ros-args --params-file nodes/mujoco_chassis.yaml
+Start the node first:  fourbar_node --ros-args --params-file examples/nodes/mujoco_chassis.yaml
 You see how far the linkage shakes the chassis while its crank runs up to 25 rad/s.
 """
+import sys
+
 from fourbar_ros import Base
-import mujoco
 import numpy as np
+
+try:
+    import mujoco
+except ModuleNotFoundError:
+    sys.exit('needs MuJoCo: pip install mujoco')
 
 CARRIED = 5.8434, 0.5417, 0.2979, 1.6236        # mass, x, y, inertia: base.carried of the node
 MODEL = """

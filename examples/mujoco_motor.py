@@ -3,11 +3,17 @@
 """
 A motor drives the paper's linkage: MuJoCo moves the rotor, a node gives inertia and bias.
 
-Start the node first:  fourbar_node --ros-args --params-file nodes/mujoco_motor.yaml
+Start the node first:  fourbar_node --ros-args --params-file examples/nodes/mujoco_motor.yaml
 You see how the speed rises and by how much it fluctuates, however light the rotor is.
 """
-import mujoco
+import sys
+
 import numpy as np
+
+try:
+    import mujoco
+except ModuleNotFoundError:
+    sys.exit('needs MuJoCo: pip install mujoco')
 
 # The centre lies beside the origin: MuJoCo would keep the inertia of a simpler body as it was.
 MODEL = """

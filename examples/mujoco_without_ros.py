@@ -5,12 +5,13 @@ The motor of mujoco_motor.py without ROS: the library in the simulator's own loo
 
 You see the same figures, and how little they depend on the step.
 """
+from pathlib import Path
 from types import SimpleNamespace
 
 from fourbar_ros import load_scene
 from mujoco_motor import simulate
 
-linkage = load_scene('nodes/mujoco_motor.yaml').linkage
+linkage = load_scene(Path(__file__).parent / 'nodes/mujoco_motor.yaml').linkage
 
 
 def ask(_, angle, rate, acceleration):

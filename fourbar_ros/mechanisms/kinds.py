@@ -13,6 +13,7 @@ from importlib import import_module
 from types import SimpleNamespace
 from typing import Any, cast, NamedTuple, TYPE_CHECKING
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.parts import (
     Joint,
     Length,
@@ -146,5 +147,10 @@ def all_loads(mechanism: Any, constants: Any, own_loads: Callable[..., Any], fie
     loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, own_loads(motion))))
     for row in DERIVED:
         assert row.of
-        setattr(loads, row.name, row.of(mechanism, constants, motion, loads))
+        try:
+            value = row.of(mechanism, constants, motion, loads)
+        except AttributeError as error:     # a field that other kinds have
+            raise FourBarError(f'load {row.name} of {mechanism.TITLE}: {error}; a row of LOADS '
+                               'holds for every kind of mechanism') from None
+        setattr(loads, row.name, value)
     return mechanism.LOADS(**vars(loads))

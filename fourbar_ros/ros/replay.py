@@ -76,7 +76,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
                         break
                     publishers[raw.topic].publish(raw.data)
                     count += 1
-                if not loop or not first:
+                if not loop or not count:           # nor does the next round have any
                     break
             for publisher in publishers.values():
                 publisher.wait_for_all_acked(Duration(seconds=FAREWELL))

@@ -49,8 +49,8 @@ class DataFrame:
 """
 
 
-def run(name, folder, *arguments):
-    """Return what an example prints."""
+def run(name, folder, *arguments, code=0):
+    """Return what an example prints, or why it ends with another exit code."""
     ours = {name: value for name, value in os.environ.items()
             if not name.startswith('PYTEST')}        # nicegui takes it for a test of its own
     environment = {**ours, 'PYTHONPATH': os.pathsep.join(
@@ -58,8 +58,8 @@ def run(name, folder, *arguments):
     done = subprocess.run([sys.executable, str(EXAMPLES / f'{name}.py'), *arguments], cwd=folder,
                           env=environment, stdin=subprocess.DEVNULL, capture_output=True,
                           text=True, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    assert done.returncode == code, done.stderr
+    return done.stderr if code else done.stdout
 
 
 @contextmanager
@@ -92,8 +92,6 @@ def test_an_example_runs(name, tmp_path):
         arguments = [str(tmp_path / 'bags' / 'run')]
         if importlib.util.find_spec('pandas') is None:       # no package of ours needs it
             (tmp_path / 'pandas.py').write_text(PANDAS)
-    if name == 'mujoco_without_ros':
-        (tmp_path / 'nodes').symlink_to(EXAMPLES / 'nodes')
     with node(f'{name}.yaml') if name in OVER_ROS else nullcontext():
         assert re.search(SAID[name], run(name, tmp_path, *arguments))
     written = {'loads_plot': 'loads.png', 'bag_to_dataframe': 'loads.csv'}.get(name)
@@ -101,3 +99,12 @@ def test_an_example_runs(name, tmp_path):
         assert (tmp_path / written).stat().st_size > 1000
     if name == 'bag_to_dataframe':
         assert len((tmp_path / written).read_text().splitlines()) == 30
+
+
+@pytest.mark.parametrize(('name', 'package'), [
+    ('bag_to_dataframe', 'pandas'), ('loads_plot', 'matplotlib'), ('mujoco_chassis', 'mujoco'),
+    ('mujoco_motor', 'mujoco'), ('mujoco_without_ros', 'mujoco')])
+def test_an_example_without_its_package_says_what_to_install(name, package, tmp_path):
+    (tmp_path / f'{package}.py').write_text('raise ModuleNotFoundError')
+    said = run(name, tmp_path, code=1)
+    assert said.endswith(f': pip install {package}\n') and said.count('\n') == 1, said

@@ -11,6 +11,9 @@ import pytest
 from support import ROOT
 
 GUIDE = (ROOT / '.github/CONTRIBUTING.md').read_text()
+EXAMPLE = re.search(r'```python\n(def drive_power.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
+                    re.DOTALL).groups()
+LINTERS = ROOT / '.venv-lint/bin'
 TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'examples', 'msg_defs', 'config')
 OF_MASSES = """Load(
         'per_mass', 'N/kg', 'shaking force over the mass of the second link',
@@ -57,30 +60,59 @@ print(json.dumps(found))
 """
 
 
-def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tmp_path):
+def run(tree, *words, code=0):
+    """Return what Python prints in a copy of the tree, or says when it ends with a code."""
+    done = subprocess.run([sys.executable, *words], cwd=tree, text=True, check=False,
+                          capture_output=True)
+    assert done.returncode == code, done.stderr
+    return done.stderr if code else done.stdout
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """Return a copy of the tree."""
     for name in TREES:
         shutil.copytree(ROOT / name, tmp_path / name,
                         ignore=shutil.ignore_patterns('__pycache__', '*.png', '*.svg', '*.gif'))
-    formula, row = re.search(r'```python\n(def drive_power.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
-                             re.DOTALL).groups()
-    file = tmp_path / 'fourbar_ros/mechanisms/kinds.py'
-    text = file.read_text()
-    text = text.replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
-        '\n)}\nDERIVED', f'\n    {row}\n    {OF_MASSES}\n)}}\nDERIVED')
-    file.write_text(text)
+    return tmp_path
 
-    def run(*words):
-        done = subprocess.run([sys.executable, *words], cwd=tmp_path, text=True, check=False,
-                              capture_output=True)
-        assert not done.returncode, done.stderr
-        return done.stdout
-    run('docs/tables.py')
+
+def add(tree, formula, *rows):
+    """Add a formula and rows of loads; return the file."""
+    file = tree / 'fourbar_ros/mechanisms/kinds.py'
+    file.write_text(file.read_text().replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
+        '\n)}\nDERIVED', ''.join(f'\n    {row}' for row in rows) + '\n)}\nDERIVED'))
+    return file
+
+
+@pytest.mark.skipif(not LINTERS.is_dir(), reason='no linters: make lint installs them')
+def test_the_example_passes_the_linters_as_it_is_typed(tree):
+    file = add(tree, *EXAMPLE)
+    shutil.copy(ROOT / 'pyproject.toml', tree)
+    for linter in (('ruff', 'check', '--quiet'), ('mypy', '--follow-imports=silent')):
+        done = subprocess.run([LINTERS / linter[0], *linter[1:], file], cwd=tree, text=True,
+                              check=False, capture_output=True)
+        assert not done.returncode, done.stdout
+
+
+def test_a_load_of_what_a_kind_does_not_have_is_refused_in_a_line(tree):
+    add(tree, '', """Load('advantage', '1', 'mechanical advantage', '',
+         lambda mechanism, constants, motion, loads: motion.omega1 / motion.omega4),""")
+    assert 'advantage' in run(tree, '-m', 'fourbar_ros', 'show', 'paper')
+    assert run(tree, '-m', 'fourbar_ros', 'show', 'slider_crank', code=1) == (
+        "fourbar: load advantage of slider-crank: 'SliderCrankMotion' object has no attribute "
+        "'omega4'; a row of LOADS holds for every kind of mechanism\n")
+
+
+def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tree):
+    add(tree, *EXAMPLE, OF_MASSES)
+    run(tree, 'docs/tables.py')
     assert '| `drive_power` | W | power of the drive | all kinds |' in (
-        tmp_path / 'docs/reference.md').read_text()
-    assert 'float64 drive_power' in (tmp_path / 'docs/reference.md').read_text()
-    assert '# [W] power of the drive' in (tmp_path / 'msg_defs/msg/LinkageLoads.msg').read_text()
-    found = json.loads(run('-c', SCRIPT).splitlines()[-1])
-    assert found['home'].startswith(str(tmp_path))
+        tree / 'docs/reference.md').read_text()
+    assert 'float64 drive_power' in (tree / 'docs/reference.md').read_text()
+    assert '# [W] power of the drive' in (tree / 'msg_defs/msg/LinkageLoads.msg').read_text()
+    found = json.loads(run(tree, '-c', SCRIPT).splitlines()[-1])
+    assert found['home'].startswith(str(tree))
     for name in ('paper', 'cylinder', 'jansen'):
         own = found[name]
         assert own['power'] == own['expected'] != 0.0

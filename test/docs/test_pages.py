@@ -7,8 +7,13 @@ Workflows call targets of the Makefile; the paper takes its figures from the pag
 """
 import contextlib
 import io
+import os
 import re
 import shlex
+import signal
+import subprocess
+import sys
+import time
 
 from fourbar_ros.cli.main import main
 import pytest
@@ -25,7 +30,21 @@ SHELL = ('', 'bash', 'sh', 'shell', 'console')
 SLOW = {'studies', 'gallery'}      # several seconds of processor time each
 ALONE = {'extrema'}         # a reader may copy any example of these pages alone
 # verbs that need a running node, or serve a page until they are interrupted
-NEEDS_ROS = {'record', 'replay', 'run', 'live'}
+NEEDS_ROS = 'record', 'replay', 'live'
+PATIENCE = 120.0        # [s] a machine may be slow
+# how the lines begin that no test runs as they are typed, and why
+NOT_RUN = {
+    'ros2 ': 'ROS 2 from PyPI has no ros2 command; test/ros asks and changes the same by rclpy',
+    'colcon build ': 'scripts/setup.sh builds this tree with colcon before any test',
+    'rosdep install ': 'installs packages of the system',
+    '. install/setup.bash': 'scripts/env.sh reads it before any test',
+    'make ': 'would run the tests within themselves; the targets are looked up here',
+    'pip install ': 'needs the registry: scripts/check_pip.sh installs; here the extras are known',
+    'python3 -m venv ': 'as pip install',
+    '. .venv/bin/activate': 'as pip install',
+    'dask ': 'machines of their own; test/studies starts a scheduler and workers here',
+    '$ fourbar study ': 'as dask',
+}
 
 
 def blocks(page):
@@ -35,17 +54,36 @@ def blocks(page):
             for found in FENCE.finditer(text)]
 
 
-def commands(block):
-    """Return the commands ``fourbar ...`` of a block that need no ROS, as lists of words."""
-    lines = [shlex.split(line, comments=True) for line in block.splitlines()
-             if line.startswith('fourbar ')]
-    return [words[1:] for words in lines if words[1] not in NEEDS_ROS]
+def lines_of(block):
+    """Return the lines of a block for the shell, without comments."""
+    return [line for line in re.sub(r'\s+# .*', '', block).splitlines() if line.strip()]
 
 
-def runs(page):
-    """Return whether there is something to run on a page."""
-    return any(language == 'python' or (language in SHELL and commands(text))
-               for language, text, _ in blocks(page))
+def goes_on(line):
+    """Return whether a line of a page goes on until it is interrupted."""
+    return line.startswith(('fourbar_node ', 'fourbar live ')) or '--loop' in line
+
+
+def needs_ros(line):
+    """Return whether a line of a page needs ROS, or goes on until it is interrupted."""
+    return line.startswith(('fourbar_node ', *(f'fourbar {verb} ' for verb in NEEDS_ROS)))
+
+
+def is_run(line):
+    """Return whether a test runs a line of a page: all but those of NOT_RUN."""
+    return not line.startswith(tuple(NOT_RUN))
+
+
+def python_of_ros(language, text):
+    """Return whether a block is Python that needs ROS: it runs in a process of its own."""
+    return language == 'python' and bool(re.search('rclpy|fourbar_ros.clients', text))
+
+
+def runs(page, ros=False):
+    """Return whether there is something to run on a page; ``ros``: something that needs ROS."""
+    return any(python_of_ros(language, text) >= ros if language == 'python' else any(
+        is_run(line) and needs_ros(line) >= ros for line in lines_of(text))
+        for language, text, _ in blocks(page) if language in ('python', *SHELL))
 
 
 def output_of(words):
@@ -65,26 +103,35 @@ def folder(tmp_path, monkeypatch):
     """Change to a folder in which the pages' file names exist."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv('MPLBACKEND', 'agg')
+    monkeypatch.setenv('BROWSER', 'true')           # the command that opens nothing
     monkeypatch.setattr('fourbar_lab.drawing.animation.FRAMES', 8)       # of 90
-    values = {
-        **PAPER,
-        **RODS,
-        'outputs': ['state', 'output', 'loads', 'joint_states', 'shaking_wrench'],
-    }
-    for name in ('run', 'NAME', 'other', 'again', 'grip'):
-        bags.run(tmp_path / 'bags', name, values, [(0.01 * k, 25.0, 0.0) for k in range(1, 20)])
-    for name in ('my.yaml', 'scene.yaml'):
+    for name in ('my.yaml', 'scene.yaml', 'one.yaml', 'two.yaml'):
         (tmp_path / name).write_text((ROOT / 'config' / 'paper.yaml').read_text())
     for name in ('config', 'examples'):
         (tmp_path / name).symlink_to(ROOT / name)
     return tmp_path
 
 
-@pytest.mark.parametrize('page', [
-    pytest.param(page, id=page.stem, marks=[pytest.mark.slow] * (page.stem in SLOW))
-    for page in PAGES if runs(page)])
-def test_a_page_runs_as_it_is_written(page, folder):
+def record(folder, seconds, *names):
+    """Write bags of a run in a folder."""
+    values = {**PAPER, **RODS,
+              'outputs': ['state', 'output', 'loads', 'joint_states', 'shaking_wrench']}
+    for name in names:
+        bags.run(folder / 'bags', name, values,
+                 [(0.01 * k, 25.0, 0.0) for k in range(1, round(100.0 * seconds))],
+                 step_ns=10 ** 7, paced=True)
+
+
+def run_page(page, folder, start=None):
+    """
+    Run the blocks of a page one after the other and compare what they print with what it shows.
+
+    ``start(words)`` runs what needs ROS: a command, or Python; without it that is left out.
+    """
     names, printed, exact = {}, '', False
+    for language, text, shows in blocks(page):
+        if language == 'yaml' and (name := re.match(r'# (\S+\.yaml)\n', text)):
+            (folder / name[1]).write_text(text)
     for language, text, shows in blocks(page):
         if page.stem in ALONE:
             names = {}
@@ -94,18 +141,103 @@ def test_a_page_runs_as_it_is_written(page, folder):
                 assert words in [line[:len(words)] for line in found], (words, printed)
             assert not exact or text == printed
         printed, exact = '', language == 'python'
-        if language == 'yaml' and (name := re.match(r'# (\S+\.yaml)\n', text)):
-            (folder / name[1]).write_text(text)
-        if language == 'python':
+        if python_of_ros(language, text):
+            if start:
+                start(f'{sys.executable} -u -c {shlex.quote(text)}', 'spin(' in text)
+        elif language == 'python':
             out = io.StringIO()
             with contextlib.redirect_stdout(out):
                 exec(compile(text, page.name, 'exec'), names)
             printed = out.getvalue() if shows else ''
-        for words in commands(text) if language in SHELL else ():
-            found = output_of(words[:words.index('>')] if '>' in words else words)
-            if '>' in words:
-                (folder / words[-1]).write_text(found)
-            printed += found
+        for line in lines_of(text) if language in SHELL else ():
+            if needs_ros(line):
+                if start and is_run(line):
+                    start(line, goes_on(line))
+            elif is_run(line):
+                words = shlex.split(line)[1:]
+                found = output_of(words[:words.index('>')] if '>' in words else words)
+                if '>' in words:
+                    (folder / words[-1]).write_text(found)
+                printed += found
+
+
+def pages_with(ros):
+    """Return the pages that have something to run, the slow ones marked."""
+    return [pytest.param(page, id=page.stem, marks=[pytest.mark.slow] * (
+        ros or page.stem in SLOW)) for page in PAGES if runs(page, ros)]
+
+
+@pytest.mark.parametrize('page', pages_with(ros=False))
+def test_a_page_runs_as_it_is_written(page, folder):
+    record(folder, 0.2, 'run', 'NAME', 'other', 'again', 'grip')
+    run_page(page, folder)
+
+
+@pytest.fixture
+def start(folder):
+    """
+    Return a function that runs a command line: to its end, or, if it goes on, to the page's end.
+
+    Then it must still run, and end well.
+    """
+    running, environment = [], {name: value for name, value in os.environ.items()
+                                if not name.startswith('PYTEST')}   # nicegui has tests of its own
+
+    def start(line, keeps_going):
+        command, ampersand, _ = line.partition(' &')
+        if not keeps_going:
+            return subprocess.run(command, shell=True, check=True, timeout=PATIENCE)
+        file = folder / f'said_{len(running)}'
+        process = subprocess.Popen(f'exec {command}', shell=True, stdout=file.open('w'),
+                                   stderr=subprocess.STDOUT, env=environment)
+        running.append((process, file))
+        end = time.monotonic() + PATIENCE
+        while not (ampersand or '--loop' in line or file.stat().st_size):   # a loop is silent
+            assert process.poll() is None and time.monotonic() < end, f'{line}: says nothing'
+            time.sleep(0.1)
+        return None
+    yield start
+    early = [process.args for process, _ in running if process.poll() is not None]
+    for process, _ in running:
+        process.send_signal(signal.SIGINT)
+    codes = [process.wait(PATIENCE) for process, _ in running]
+    assert not early
+    for (process, file), code in zip(running, codes):
+        text, wanted = file.read_text(), 0 if 'fourbar_node' in process.args else 130
+        assert ' -c ' in process.args or (      # Python of a page ends with KeyboardInterrupt
+            code == wanted and 'Traceback' not in text), text
+
+
+@pytest.mark.parametrize('page', pages_with(ros=True))
+def test_a_page_runs_with_its_nodes_and_servers(page, folder, start):
+    pytest.importorskip('rclpy')
+    record(folder, 4.0, 'run')
+    run_page(page, folder, start)
+
+
+def test_every_line_of_a_page_is_run_or_is_in_the_list_of_those_that_are_not():
+    shell = [line for page in EVERY_PAGE for language, text, _ in blocks(page)
+             if language in SHELL for line in lines_of(text)]
+    assert not [line for line in shell if is_run(line)
+                and not line.startswith(('fourbar ', 'fourbar_node '))]
+    assert not [start for start in NOT_RUN if not any(line.startswith(start) for line in shell)]
+    assert {language for page in EVERY_PAGE for language, _, _ in blocks(page)} <= {
+        'python', 'yaml', 'text', *SHELL}
+    targets = set(re.findall(r'^([\w-]+):', (ROOT / 'Makefile').read_text(), re.M))
+    assert {line.split()[1] for line in shell if line.startswith('make ')} <= targets
+
+
+def test_what_is_installed_is_published_or_this_folder_in_the_quotes_of_every_shell():
+    extras = ''
+    for name in ('fourbar_ros', 'fourbar_lab', 'docs', 'examples', 'scripts', '.github', 'test'):
+        for file in (*(ROOT / name).rglob('*'), *ROOT.glob('*.*')):
+            if file.suffix in ('.py', '.md', '.sh', '.yaml', '.cff') and 'build' not in file.parts:
+                text = file.read_text(encoding='utf-8')
+                assert not re.search(r"pip install (['][.]|[^\w\n]*fourbar_ros)", text), file
+                extras += ','.join(['', *re.findall(r'pip install "\.\[([\w,]+)\]"', text)])
+    named, known = set(extras.split(',')) - {''}, (ROOT / 'setup.py').read_text()
+    assert named >= {'plot', 'live', 'study', 'balance'}
+    assert all(f"'{extra}': [" in known for extra in named), named
 
 
 @pytest.mark.parametrize('page', ['README.md', 'docs/python.md', 'docs/tutorial.md'])

@@ -123,6 +123,7 @@ def test_a_live_node_driven_by_the_bag_records_the_same_answers(run_node, client
 def test_what_cannot_be_replayed_is_one_line(client, bag):
     wrong = [(['replay', bag, '--topics', '/none'], 'no message on /none'),
              (['replay', bag, '--start', '99', '--delay', '0'], 'no message after 99 s'),
+             (['replay', bag, '--start', '99', '--loop', '--delay', '0'], 'no message after 99'),
              (['replay', bag, '--inputs-only', '--node', '/nobody'], 'no run of /nobody'),
              (['replay', bag, '--inputs-only'], 'no node listens on /fourbar/input'),
              (['record', 'start', '--node', '/nobody', '--wait', '1'], '/nobody')]

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Machines of dyads as scenes: the machine that was meant, and mistakes refused by name."""
-from math import cos, pi, sin
+from math import atan2, cos, pi, remainder, sin, tau
 
 from fourbar_ros import FourBar
 from fourbar_ros.mechanisms.points import point_motion
@@ -131,3 +131,30 @@ def test_a_scene_of_a_cylinder_without_dyads_is_the_inverted_slider():
     assert own.theta_crank == pytest.approx(motion.theta1, rel=1e-14)
     for field in ('driving_force', 'shaking_force_x', 'shaking_force_y', 'shaking_moment'):
         assert getattr(by_dyads, field) == pytest.approx(getattr(loads, field), rel=1e-13), field
+
+
+@pytest.mark.parametrize('name', ['jansen', 'bucket', 'hart'])
+def test_joints_stand_in_the_order_and_count_the_angles_of_the_page_about_robots(name):
+    machine = scene.load(name)
+    linkage, values = machine.linkage, machine.values
+    low, high = linkage.input_ranges[0]
+    motion = linkage.motion(0.6 * low + 0.4 * high)
+    dyads = ['cylinder'] * (linkage.input == 'cylinder') + values['linkage.dyads']
+    assert machine.joint_names == ('base', *(f'{dyad}_{place}' for dyad in dyads
+                                           for place in ('first', 'inner', 'second')))
+
+    def angle(link):
+        if link == 'ground':
+            return 0.0
+        turned = linkage.link_motion(motion, link)
+        return atan2(turned.sine, turned.cosine)
+    for dyad in values['linkage.dyads']:
+        if values[f'dyads.{dyad}.kind'] == 'RRR':
+            one, two = values[f'dyads.{dyad}.links']
+            expected = (angle(one) - angle(values[f'dyads.{dyad}.first.link']),
+                        angle(two) - angle(one),
+                        angle(two) - angle(values[f'dyads.{dyad}.second.link']))
+            place = machine.joint_names.index(f'{dyad}_first')
+            for joint, value in zip(linkage.JOINTS[place:], expected):
+                error = getattr(motion, joint.coordinate.position) - value
+                assert abs(remainder(error, tau)) < 1e-12
