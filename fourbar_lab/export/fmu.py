@@ -34,8 +34,8 @@ COMPILERS = ('cc', 'gcc', 'clang')
 # types of which no variable is, and functions of what is not offered: by FMI they must be there
 TYPES = 'Integer Boolean String'
 NOT_OFFERED = """SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate GetStatus
-    GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus CancelStep SetRealInputDerivatives
-    GetRealOutputDerivatives GetDirectionalDerivative"""
+    GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus CancelStep
+    SetRealInputDerivatives GetRealOutputDerivatives GetDirectionalDerivative"""
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
 STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
