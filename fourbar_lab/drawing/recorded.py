@@ -68,6 +68,7 @@ def _read(bag: Bag, names: Sequence[str] | dict[str, None]) -> dict[str, Recorde
                 # those that nobody stamped are where they were recorded
                 parts[name].append((columns.times if stamps is None else
                                     np.where(stamps == 0, columns.times, stamps), values))
+    bag.refuse_damage()
     curves = {}
     for name, found in parts.items():
         if not found:

@@ -56,8 +56,7 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     for topic in topics or names:
         parts = [list(bag.columns([topic])) for bag in bags]
         for bag in bags:
-            if bag.damage:
-                raise BagError(f'{bag.path}: {bag.damage[0]}')
+            bag.refuse_damage()
         found.append(_of_topic(topic, *parts))
     return found
 

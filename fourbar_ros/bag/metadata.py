@@ -22,6 +22,7 @@ import yaml
 
 RECORD, KEY = 'rosbag2', 'serialized_metadata'      # of the metadata record in a file
 QOS, HASH = 'offered_qos_profiles', 'topic_type_hash'       # of the metadata of a channel
+LOST = 'lost'       # of the custom_data: what could not be read when the bag was recovered
 NOT_STARTED = 2**63 - 1     # rosbag2's starting time of a bag without messages
 FOREVER = {'sec': 9223372036, 'nsec': 854775807}            # its "no deadline"
 Metadata = dict[str, Any]

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
+from fourbar_ros.bag.metadata import LOST, number_of
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.scene.files import as_text
@@ -46,6 +47,11 @@ class Info(NamedTuple):
         return int(noted) if noted.isdecimal() else 0
 
     @property
+    def lost(self) -> str:
+        """Return what a bag had lost when it was recovered; empty if nothing."""
+        return self.about.get(LOST, '')
+
+    @property
     def missing(self) -> int:
         """Return how many messages are missing by their sequence numbers."""
         return sum(topic.missing or 0 for topic in self.topics)
@@ -53,29 +59,28 @@ class Info(NamedTuple):
     @property
     def is_sound(self) -> bool:
         """Return whether the bag is finished, undamaged and lacks no message that is known."""
-        return self.is_finished and not (self.damage or self.missing or self.dropped)
+        return self.is_finished and not (self.damage or self.missing or self.dropped
+                                         or self.lost)
 
 
 def info(path: str | Path, check: bool = False, progress: Progress | None = None) -> Info:
     """
     Return the :class:`Info` of a bag.
 
-    A finished bag is only asked for the numbers at its end; with ``check``, or if it is not
-    finished, every message is read. ``check`` compares checksums too. ``progress`` is called with
-    the number of bytes read.
+    A finished bag is only asked for the numbers at its end; with ``check``, or if they or
+    metadata.yaml disagree or are missing, every message is read. ``check`` compares checksums too.
+    ``progress`` is called with the number of bytes read.
     """
     bag = Bag(path, progress)
-    if check or not bag.is_finished:
+    if check or not bag.is_consistent:
         topics, times = _by_reading(bag)
-        if check:
-            bag.check()
+        for place in range(len(bag.files)) if check else ():
+            bag.check(place)
     else:
         topics, times = _by_summaries(bag)
-    damage = bag.damage[0] if bag.damage else ''
-    if len(bag.damage) > 1:
-        damage += f' (and {len(bag.damage) - 1} more)'
+    about = bag.about       # it may add to the damage
     return Info(bag.path, bag.is_finished, bag.size, len(bag.files), min(times, default=None),
-                max(times, default=None), topics, bag.about, damage)
+                max(times, default=None), topics, about, bag.damage_in_short)
 
 
 def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
@@ -99,9 +104,12 @@ def _by_reading(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
     following: dict[str, int] = {}      # the number that is due
+    # our recorder numbers from 0, others begin anywhere
+    is_from_zero = 'topics' in bag.about and number_of(bag.files[0]) == 0
     start = end = None
     for raw in bag.raw():
-        gap = (raw.sequence - following.get(raw.topic, raw.sequence)) & 0xFFFFFFFF
+        due = following.get(raw.topic, 0 if is_from_zero else raw.sequence)
+        gap = (raw.sequence - due) & 0xFFFFFFFF
         if gap < 1 << 31:           # numbers of 32 bits go round: else it is a step back
             missing[raw.topic] += gap
         counts[raw.topic] += 1

@@ -3,22 +3,26 @@
 """
 Read a bag without ROS: finished, cut by a crash, still being written, or damaged.
 
-The mcap library reads, chunk by chunk; a chunk that is damaged costs its own messages alone.
+A file is walked from record to record, so messages outside chunks and chunks without an index are
+read too; where damage hides the next record, the index at the end leads on. The mcap library reads
+each record; a chunk that is damaged costs its own messages alone. What statistics and
+metadata.yaml count is compared with what was read.
 
 >>> for record in records('bags/run', ['/fourbar/state']):
 ...     print(record.time, record.message.theta4)
 """
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from io import BytesIO
+from itertools import chain
 import json
 from os import SEEK_END
 from pathlib import Path
-import re
 from struct import Struct, unpack
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
@@ -31,7 +35,7 @@ from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream, StreamReader
+from mcap.stream_reader import CRCValidationError, get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC
 import numpy as np
@@ -42,6 +46,7 @@ import zstandard
 
 BLOCK = 20_000              # messages that are decoded together
 LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
+LINE = 160                  # longest reason [characters] that is quoted of a library
 HEAD = Struct('<BQ')        # of a record: opcode, length
 MESSAGE = Struct('<HIQQ')   # channel, sequence number, log time, publish time
 # the records that are read; others are indexes and statistics
@@ -111,7 +116,7 @@ class Bag:
     is_finished : bool
         Whether every file has its end: no crash, and no recorder at work.
     damage : list of str
-        What the last reading could not read: where and why.
+        What the last reading could not read, where and why; what is counted and was not there.
 
     """
 
@@ -121,6 +126,7 @@ class Bag:
         if not any(map(_may_be_mcap, self.files)):
             raise BagError(f'{self.files[0]}: is no MCAP file')
         self.damage: list[str] = []
+        self._messages: dict[int, int] = {}     # {number of a file: messages}, of those read whole
         self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of each
         # met so far, by type and definition
         self._layouts: dict[tuple[str, bytes], list[MessageLayout]] = {}
@@ -141,6 +147,13 @@ class Bag:
         return [_summary(file) for file in self.files]
 
     @cached_property
+    def is_consistent(self) -> bool:
+        """Return whether statistics, indexes and metadata.yaml agree: else only reading tells."""
+        return all(map(_is_consistent, self.summaries)) and self._stated <= sum(
+            summary.statistics.message_count for summary in self.summaries
+            if summary and summary.statistics)
+
+    @cached_property
     def about(self) -> dict[str, str]:
         """
         Return the custom_data of the bag: scene, node, versions; empty if it has none.
@@ -149,7 +162,7 @@ class Bag:
         """
         first = self.about_of(0)
         last = self.about_of(-1) if len(self.files) > 1 else first
-        of_the_end = 'ended', 'dropped'
+        of_the_end = 'ended', 'dropped', metadata.LOST
         return {**last, **{key: text for key, text in first.items() if key not in of_the_end}}
 
     def about_of(self, place: int) -> dict[str, str]:
@@ -158,26 +171,27 @@ class Bag:
         with open(self.files[place], 'rb') as stream:
             places = (each for each in _places(stream, summary) if each[1] == Opcode.METADATA)
             for each in reversed([*places]) if summary else places:
-                with suppress(Exception):       # of any kind, for wrong bytes
+                try:
                     record: Any = _record_at(stream, *each)
                     if record.name == metadata.RECORD:
                         custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data')
                         return {str(key): str(text) for key, text in (custom or {}).items()}
+                except Exception as error:      # of any kind, for wrong bytes
+                    self._note(place, f', at byte {each[0]}: {_reason(error)}')
         return {}
 
     @cached_property
     def types(self) -> dict[str, str]:
-        """Return {topic: type} of all topics."""
-        found = {}
-        for summary in self.summaries:
-            if summary is None:
-                for _ in self.raw():
-                    pass
-                return {topic: schema.name for topic, (_, schema) in self._topics.items()}
-            for channel in summary.channels.values():
-                schema = summary.schemas.get(channel.schema_id)
-                found[channel.topic] = schema.name if schema else ''
-        return found
+        """Return {topic: type} of all topics; '' for one without a schema."""
+        if self.is_consistent:
+            return {channel.topic: summary.schemas[channel.schema_id].name
+                    if channel.schema_id else ''
+                    for summary in self.summaries if summary
+                    for channel in summary.channels.values()}
+        if len(self._messages) < len(self.files):
+            for _ in self.raw():
+                pass
+        return {topic: schema.name for topic, (_, schema) in self._topics.items()}
 
     # --- messages -------------------------------------------------------------------------------
 
@@ -187,12 +201,12 @@ class Bag:
 
         ``topics``: only these; ``start``: only from this log time [ns] on.
         """
-        self.damage = []
+        self.damage, self._messages = [], {}
         for place, file in enumerate(self.files):
             repeated = _repeated(self.about_of(place)) if place else {}
             schemas: dict[int, Schema] = {}
             channels: dict[int, tuple[Channel, Schema]] = {}
-            for record in self.contents(place):
+            for record in chain.from_iterable(self.contents(place)):
                 if isinstance(record, Message):         # most are
                     if record.channel_id not in channels:
                         self.note_unknown(place, record.channel_id)
@@ -254,7 +268,7 @@ class Bag:
             return self._store(schema).deserialize_cdr(raw.data[:-4], schema.name)
         except (SerdeError, ValueError, IndexError, AssertionError, KeyError) as error:
             raise BagError(f'{self.path}: {raw.topic}: a message does not fit its '
-                           f'definition: {error}') from None
+                           f'definition: {_reason(error)}') from None
 
     def _store(self, schema: Schema) -> Typestore:
         """Return the types that a schema defines; raises BagError."""
@@ -265,7 +279,7 @@ class Bag:
             return _types(schema.name, schema.data)
         except Exception as error:      # the library has no class of its own for bad texts
             raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
-                           + ' '.join(str(error).split())) from None
+                           f'{_reason(error)}') from None
 
     def definition_of(self, topic: str) -> str:
         """Return the text that defines the type of a topic met so far."""
@@ -277,58 +291,106 @@ class Bag:
             next(self.raw([topic]), None)
         return self._topics[topic][0].metadata if topic in self._topics else {}
 
-    def check(self) -> None:
-        """Compare all bytes of each finished file with its checksum; add to ``damage``."""
-        for file, summary in zip(self.files, self.summaries):
-            with open(file, 'rb') as stream:
-                try:
-                    for _ in StreamReader(stream, emit_chunks=True,
-                                          validate_crcs=True).records if summary else ():
-                        pass
-                except Exception as error:      # of any kind, for wrong bytes
-                    self.damage.append(f'{file.name}: {error}')
+    def check(self, place: int) -> None:
+        """Compare all bytes of a finished file with its checksum; add to ``damage``."""
+        if self.summaries[place] is None:
+            return
+        with open(self.files[place], 'rb') as stream:
+            try:
+                for _ in StreamReader(stream, emit_chunks=True, validate_crcs=True).records:
+                    pass
+            except Exception as error:      # of any kind, for wrong bytes
+                self._note(place, f': {_reason(error)}')
 
     # --- a file ---------------------------------------------------------------------------------
 
     @cached_property
+    def _described(self) -> Mapping[str, Any]:
+        """Return what metadata.yaml beside the files says; {} without a readable one."""
+        with suppress(Exception):       # of any kind, for wrong bytes
+            text = (self.files[0].parent / 'metadata.yaml').read_text(encoding='utf-8')
+            described = metadata.loaded(text)['rosbag2_bagfile_information']
+            return described if isinstance(described, dict) else {}
+        return {}
+
+    @property
     def _is_packed(self) -> bool:
         """Return whether rosbag2 compressed each message, as metadata.yaml says."""
-        with suppress(OSError, ValueError):
-            text = (self.files[0].parent / 'metadata.yaml').read_text(encoding='utf-8')
-            return bool(re.search(r'^\s+compression_mode: ["\']?message', text, re.M | re.I))
-        return False
+        return str(self._described.get('compression_mode')).lower() == 'message'
+
+    @property
+    def _stated(self) -> int:
+        """Return how many messages metadata.yaml counts in all files; 0 if it is not known."""
+        stated = self._described.get('message_count') if self.path.is_dir() else 0
+        return stated if isinstance(stated, int) else 0
+
+    @property
+    def damage_in_short(self) -> str:
+        """Return the first damage and how much more there is; '' without any."""
+        more = f' (and {len(self.damage) - 1} more)' if len(self.damage) > 1 else ''
+        return self.damage[0] + more if self.damage else ''
+
+    def refuse_damage(self) -> None:
+        """Raise BagError if the last reading could not read all."""
+        if self.damage:
+            raise BagError(f'{self.path}: {self.damage_in_short}; fourbar bag recover keeps the '
+                           'rest')
+
+    def _note(self, place: int, text: str) -> None:
+        """Note damage of a file once."""
+        if (text := self.files[place].name + text) not in self.damage:
+            self.damage.append(text)
 
     def note_unknown(self, place: int, channel: int) -> None:
         """Note once as damage that a channel is not described: its messages have no topic."""
-        text = f'{self.files[place].name}: messages of channel {channel}, which is not described'
-        if text not in self.damage:
-            self.damage.append(text)
+        self._note(place, f': messages of channel {channel}, which is not described')
 
-    def contents(self, place: int) -> Iterator[McapRecord]:
-        """Yield the records of a file, those of a chunk in its place; note damage and go on."""
+    def contents(self, place: int) -> Iterator[list[McapRecord]]:
+        """
+        Yield the records of a file, those of a chunk together; note damage and go on.
+
+        At its end what was read is compared with the statistics of the file, and after the last
+        file with metadata.yaml.
+        """
         file, summary = self.files[place], self.summaries[place]
-        before = sum(other.stat().st_size for other in self.files[:place])
+        before, messages = sum(other.stat().st_size for other in self.files[:place]), 0
         with open(file, 'rb') as stream:
             if summary:
-                yield from (*summary.schemas.values(), *summary.channels.values())
+                yield [*summary.schemas.values(), *_described_in(summary)]
             for begin, opcode, size in _places(stream, summary):
                 try:
                     record = _record_at(stream, begin, opcode, size)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
                     if self._is_packed:
-                        content = [replace(each, data=zstandard.decompress(each.data))
+                        content = [replace(each, data=_unzipped(each.data, LARGEST))
                                    if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
-                    self.damage.append(f'{file.name}, at byte {begin}: {error!r}')
+                    self._note(place, f', at byte {begin}: {_reason(error)}')
                     continue
+                messages += sum(isinstance(each, Message) for each in content)
                 self._progress(before + stream.tell())
-                yield from content
+                yield content
+        statistics = summary.statistics if summary else None
+        if statistics and statistics.message_count != messages:
+            self._note(place, f': holds {messages} messages that can be read, its statistics '
+                              f'count {statistics.message_count}')
+        self._messages[place] = messages
+        read = sum(self._messages.values())
+        if len(self._messages) == len(self.files) and read < self._stated:
+            self.damage.append(f'{self.path.name}: holds {read} messages that can be read, '
+                               f'metadata.yaml counts {self._stated}')
 
 
 def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0
             ) -> Iterator[Record]:
-    """Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`."""
-    return Bag(path).records(topics, start)
+    """
+    Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`.
+
+    Behind the last one that can be read BagError says what could not.
+    """
+    bag = Bag(path)
+    yield from bag.records(topics, start)
+    bag.refuse_damage()
 
 
 @lru_cache
@@ -343,31 +405,51 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
     """
     Yield (first byte, kind, size [bytes]) of the records of a file that are read.
 
-    The summary of a finished file knows where they are, whatever happened to others. Without it,
-    each head tells where the next record begins; behind a senseless one nothing can be found.
+    Each head tells where the next record begins. The index of a finished file, if it has one,
+    knows better where chunks and metadata are, so it leads on behind a damaged head, which is
+    yielded as kind 0; without an index nothing can be found behind one.
     """
-    if summary:
-        yield from sorted([(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length)
-                           for index in summary.chunk_indexes]
-                          + [(index.offset, Opcode.METADATA, index.length)
-                             for index in summary.metadata_indexes])
-        return
+    known = _indexed(summary) if summary else {}
+    starts = sorted(known)
     kinds: Collection[int] = KINDS
     begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
     while begin + HEAD.size <= end:
-        stream.seek(begin)
-        opcode, length = HEAD.unpack(stream.read(HEAD.size))
+        after = bisect(starts, begin)
+        limit = starts[after] if after < len(starts) else end       # where this record ends
+        if begin in known:
+            opcode, size, behind = known[begin]
+            limit = end             # an index that is wrong may overlap
+        else:
+            stream.seek(begin)
+            opcode, length = HEAD.unpack(stream.read(HEAD.size))
+            size, behind = HEAD.size + length, 0
         if opcode == Opcode.DATA_END:       # a damaged summary follows, unless this is the damage
             kinds = [Opcode.CHUNK]
-        size = HEAD.size + length
-        if length > LARGEST or opcode in kinds and begin + size <= end:     # else it was cut
+        if begin + size > limit:
+            if limit < end or size > LARGEST:       # else it was cut in this record
+                yield begin, 0, size
+            begin = limit
+            continue
+        if opcode in kinds:
             yield begin, opcode, size
-        begin += size
+        begin += size + behind
+
+
+def _indexed(summary: Summary) -> dict[int, tuple[int, int, int]]:
+    """Return {first byte: (kind, size, size of the message index behind it)} by an index."""
+    places = [(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length,
+               index.message_index_length) for index in summary.chunk_indexes]
+    places += [(index.offset, Opcode.METADATA, index.length, 0)
+               for index in summary.metadata_indexes]
+    places += [(index.offset, Opcode.ATTACHMENT, index.length, 0)
+               for index in summary.attachment_indexes]
+    return {begin: (kind, size, behind) for begin, kind, size, behind in places
+            if size > HEAD.size}
 
 
 def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapRecord:
     """Return the record of a kind that begins at a byte of a file."""
-    if size > LARGEST:
+    if not opcode or size > LARGEST:
         raise ValueError(f'a record of {size} bytes')
     stream.seek(begin + HEAD.size)
     return _parsed(opcode, stream.read(size - HEAD.size), 0, size)
@@ -377,7 +459,13 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
     """Return the records in a chunk, checked by its CRC."""
     if chunk.uncompressed_size > LARGEST:
         raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
+    if chunk.compression not in ('', 'lz4', 'zstd'):
+        raise ValueError(f'compressed by {chunk.compression}, which is not known here')
+    if chunk.compression == 'zstd':
+        chunk = replace(chunk, compression='', data=_unzipped(chunk.data, chunk.uncompressed_size))
     stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+    if size != chunk.uncompressed_size:
+        raise ValueError(f'a chunk of {size} bytes that says {chunk.uncompressed_size}')
     content, found, begin = stream.read(size), [], 0
     while begin < size:
         opcode, length = HEAD.unpack_from(content, begin)
@@ -386,6 +474,13 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
             found.append(_parsed(opcode, content, begin, end))
         begin = end
     return found
+
+
+def _unzipped(data: bytes, most: int) -> bytes:
+    """Return data that zstd packed; refuse to make more than ``most`` bytes of it."""
+    if zstandard.frame_content_size(data) > most:
+        raise ValueError(f'packed data of more than {most} bytes')
+    return bytes(zstandard.decompress(data, most))
 
 
 def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
@@ -407,12 +502,43 @@ def _summary(file: Path) -> Summary | None:
     """Return the end of a finished file if its checksum is right, else None."""
     with open(file, 'rb') as stream, suppress(Exception):       # of any kind, for wrong bytes
         stream.seek(-37, SEEK_END)      # opcode and length, footer, magic
-        start, _, stated = unpack('<QQI', stream.read(29)[HEAD.size:])
+        opcode, _, start, _, stated, magic = unpack('<BQQQI8s', stream.read(37))
+        if opcode != Opcode.FOOTER or magic != MCAP0_MAGIC:
+            return None
+        if not start:
+            return Summary()            # a writer may leave it out
         stream.seek(start)
         if not stated or crc32(stream.read()[:-12]) == stated:
             stream.seek(0)
             return make_reader(stream).get_summary()
     return None
+
+
+def _is_consistent(summary: Summary | None) -> bool:
+    """Return whether a file has its end, and statistics and indexes there that agree."""
+    statistics = summary.statistics if summary else None
+    if summary is None or statistics is None:
+        return False
+    return (statistics.chunk_count == len(summary.chunk_indexes)
+            and (statistics.chunk_count > 0 or not statistics.message_count)
+            and statistics.channel_count == len(_described_in(summary))
+            and statistics.message_count == sum(statistics.channel_message_counts.values()))
+
+
+def _described_in(summary: Summary) -> list[Channel]:
+    """Return the channels of an index whose schemas are there too; a writer may leave them out."""
+    return [channel for channel in summary.channels.values()
+            if not channel.schema_id or channel.schema_id in summary.schemas]
+
+
+def _reason(error: Exception) -> str:
+    """Return in a few words why bytes cannot be read, by the error of a library."""
+    if isinstance(error, CRCValidationError):
+        return 'its checksum is wrong'
+    if isinstance(error, UnicodeDecodeError):       # its text holds all that was decoded
+        return 'a text is not UTF-8'
+    text = ' '.join(str(error)[:10 * LINE].split()) or type(error).__name__
+    return text if len(text) <= LINE else f'{text[:LINE]}...'
 
 
 def software_of(about: Mapping[str, str]) -> dict[str, str]:

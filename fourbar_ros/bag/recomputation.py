@@ -101,8 +101,7 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     recomputation = Recomputation(bag, origin)
     for raw in bag.raw(set(origin.topics.values())):
         recomputation.take(raw)
-    if bag.damage:
-        raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
+    bag.refuse_damage()
     return recomputation.finished()
 
 

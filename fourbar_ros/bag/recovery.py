@@ -15,6 +15,7 @@ from mcap.records import Channel, Message, Metadata, Schema
 from mcap.writer import Writer
 
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
+CHUNK = 2**16       # [bytes] unpacked; the recorder ends a chunk after 0.1 s
 
 
 class Recovered(NamedTuple):
@@ -43,7 +44,6 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
     with metadata.folder_beside(out) as folder:
         files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap')
                  for place, file in enumerate(bag.files)]
-        bag.check()
         if not any(file.topics for file in files):
             raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
         whole = metadata.of_files(files)
@@ -61,35 +61,46 @@ def beside(path: Path) -> Path:
 
 
 def _copied(bag: Bag, place: int, path: Path) -> FileContent:
-    """Copy the readable records of a file to a new one; return what is in it."""
+    """
+    Copy the readable records of a file to a new one; return what is in it.
+
+    A chunk stays a chunk. What was lost up to here stands in the custom_data under ``lost``.
+    """
     about = bag.about_of(place)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # by number in the old file: new number
     channels: dict[int, tuple[Channel, int]] = {}
     span: tuple[int, int] | None = None
     with open(path, 'xb') as stream:
-        writer = Writer(stream, enable_data_crcs=True)
+        writer = Writer(stream, CHUNK, enable_data_crcs=True)
         writer.start('ros2', 'fourbar_ros recover')
-        for record in bag.contents(place):
-            if isinstance(record, Schema) and record.id not in schemas:
-                schemas[record.id] = record, writer.register_schema(
-                    record.name, record.encoding, record.data)
-            elif isinstance(record, Channel) and record.id not in channels:
-                new = schemas[record.schema_id][1] if record.schema_id in schemas else 0
-                channels[record.id] = record, writer.register_channel(
-                    record.topic, record.message_encoding, new, record.metadata)
-            elif isinstance(record, Message) and record.channel_id not in channels:
-                bag.note_unknown(place, record.channel_id)
-            elif isinstance(record, Message):
-                writer.add_message(channels[record.channel_id][1], record.log_time, record.data,
-                                   record.publish_time, record.sequence)
-                counts[record.channel_id] += 1
-                time = record.log_time
-                span = (min(span[0], time), max(span[1], time)) if span else (time, time)
-            elif isinstance(record, Metadata) and record.name != metadata.RECORD:
-                writer.add_metadata(record.name, record.metadata)
+        for records in bag.contents(place):
+            for record in records:
+                if isinstance(record, Schema) and record.id not in schemas:
+                    schemas[record.id] = record, writer.register_schema(
+                        record.name, record.encoding, record.data)
+                elif isinstance(record, Channel) and record.id not in channels:
+                    new = schemas[record.schema_id][1] if record.schema_id in schemas else 0
+                    channels[record.id] = record, writer.register_channel(
+                        record.topic, record.message_encoding, new, record.metadata)
+                elif isinstance(record, Message) and record.channel_id not in channels:
+                    bag.note_unknown(place, record.channel_id)
+                elif isinstance(record, Message):
+                    time = record.log_time
+                    writer.add_message(channels[record.channel_id][1], time, record.data,
+                                       record.publish_time, record.sequence)
+                    counts[record.channel_id] += 1
+                    span = (min(span[0], time), max(span[1], time)) if span else (time, time)
+                elif isinstance(record, Metadata) and record.name != metadata.RECORD:
+                    writer.add_metadata(record.name, record.metadata)
+            if len(records) > 1:
+                writer.flush()
+        bag.check(place)
         if bag.summaries[place] is None:
             about['ended'] = NO_END
+        if bag.damage:
+            about[metadata.LOST] = '; '.join(filter(None, (about.get(metadata.LOST),
+                                                           bag.damage_in_short)))
         topics = [TopicCount(channel.topic, schemas[channel.schema_id][0].name
                              if channel.schema_id in schemas else '', channel.message_encoding,
                              channel.metadata, counts[number])

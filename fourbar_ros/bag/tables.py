@@ -46,8 +46,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     if out.exists():
         raise BagError(f'{out}: exists already')
     tables = _tables(bag, names)
-    if bag.damage:
-        raise BagError(f'{bag.path}: {bag.damage[0]}; fourbar bag recover keeps the rest')
+    bag.refuse_damage()
     with folder_beside(out) as folder:
         if kind == 'npz':
             arrays: Any = {f'{name}/{column}': values for name, table in tables.items()

@@ -127,7 +127,7 @@ def _info_tables(found: Info) -> tuple[Table, Table]:
     for label, text in (('made by', made_by),
                         ('node', found.about.get('node')), ('ended', found.ended),
                         ('dropped', found.dropped and f'{found.dropped} messages'),
-                        ('damage', found.damage)):
+                        ('lost', found.lost), ('damage', found.damage)):
         if text:
             about.add_row(label, text)
     topics = make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))

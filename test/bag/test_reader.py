@@ -29,6 +29,7 @@ from rosbags.rosbag2 import Writer as RosbagsWriter
 from support import bags
 from support.bags import MOTION, motion
 from support.scenes import PAPER
+import zstandard
 
 STRING, COUNT, CHUNK = 'std_msgs/msg/String', 400, 11
 SCENE = {**PAPER, 'outputs': ['state'], 'drive.source': 'motion'}
@@ -44,7 +45,7 @@ def text(value):
 def whole(tmp_path_factory):
     """Return the path of a bag of many chunks, each of 11 messages."""
     writer = BagWriter(tmp_path_factory.mktemp('whole'), 'run',
-                       [MOTION, bags.channel('/text', STRING)], {'who': 'test'})
+                       [MOTION, bags.channel('/text', STRING)], {'topics': '{}'})
     writer._is_closed.set()
     for thread in writer._threads:                        # what they do is done here
         thread.join()
@@ -111,13 +112,64 @@ def test_a_recovered_bag_keeps_what_the_recorder_noted(whole, tmp_path):
     recovered = recover(tmp_path / 'run_0.mcap')
     assert recovered.path == tmp_path / 'run_recovered' and not recovered.was_whole
     told, kept = told_by(recovered.path), raws(recovered.path)
-    assert told['custom_data'] == {'who': 'test', 'ended': NO_END}
+    assert told['custom_data'] == {'topics': '{}', 'ended': NO_END}
     assert told['starting_time']['nanoseconds_since_epoch'] == kept[0][2]
     assert told['duration']['nanoseconds'] == kept[-1][2] - kept[0][2]
     bag, old = Bag(recovered.path), Bag(whole)
     assert bag.types == old.types and bag.channel_of('/text') == old.channel_of('/text') != {}
     with pytest.raises(BagError, match='exists already'):
         recover(tmp_path / 'run_0.mcap')
+
+
+def damaged(whole, path, chunks, end=True):
+    """Write a bag again with a wrong byte in these chunks, with or without its end."""
+    data = bytearray((whole / 'run_0.mcap').read_bytes())
+    places = [begin for opcode, begin, _ in records_of(data) if opcode == Opcode.CHUNK]
+    for which in chunks:
+        data[places[which] + CRC] ^= 1
+    path.write_bytes(data if end else data[:places[-1]])
+    return path
+
+
+@pytest.mark.parametrize('end', [True, False])
+def test_a_recovered_bag_knows_what_was_lost_and_has_the_chunks_of_the_recorder(
+        whole, tmp_path, capsys, end):
+    """A byte in the recovered bag costs its chunk too, and no later reading calls it whole."""
+    new = recover(damaged(whole, tmp_path / 'run_0.mcap', [1, 20], end), tmp_path / 'new').path
+    lost = info(new).lost
+    assert lost.startswith('run_0.mcap, at byte ') and 'its checksum is wrong' in lost
+    assert told_by(new)['custom_data']['lost'] == lost == Bag(new).about['lost']
+    state = info(new, check=True)
+    assert not state.damage and state.missing == 2 * CHUNK and not state.is_sound
+    assert main(['bag', 'info', str(new)]) == 3 and 'lost' in capsys.readouterr().out
+    file = new / 'new_0.mcap'
+    chunks = [begin for opcode, begin, _ in records_of(file.read_bytes())
+              if opcode == Opcode.CHUNK]
+    kept = raws(new)
+    assert len(kept) == CHUNK * len(chunks)
+    data = bytearray(file.read_bytes())
+    data[chunks[0] + CRC] ^= 1          # the first one
+    file.write_bytes(data)
+    assert raws(new) == kept[CHUNK:] and info(new, check=True).missing == 3 * CHUNK
+    again = recover(new, tmp_path / 'again')
+    assert info(again.path, check=True).missing == 3 * CHUNK
+    assert info(again.path).lost.startswith(f'{lost}; new_0.mcap, at byte ')
+
+
+def test_a_damaged_record_of_metadata_is_one_short_line(whole, tmp_path, capsys):
+    whole_file, file = (whole / 'run_0.mcap').read_bytes(), tmp_path / 'run_0.mcap'
+    metadata_at = [(begin, end) for opcode, begin, end in records_of(whole_file)
+                   if opcode == Opcode.METADATA]
+    for which, length in ((0, metadata_at[-1][0]), (-1, len(whole_file))):      # cut, finished
+        data = bytearray(whole_file[:length])
+        data[metadata_at[which][1] - 9] = 0xff
+        file.write_bytes(data)
+        for code, *verb in ((3, 'info'), (3, 'info', '--check'), (1, 'export', '-o', 'no'),
+                            (3, 'recover', '-o', str(tmp_path / f'out{which}'))):
+            assert main(['bag', verb[0], str(file), *verb[1:]]) == code, verb
+            printed = ''.join(capsys.readouterr())
+            assert 'a text is not UTF-8' in printed
+            assert max(map(len, printed.splitlines())) < 200 + len(str(file)), printed
 
 
 def test_zeros_behind_the_data_as_a_power_cut_leaves_them_cost_nothing(whole, tmp_path):
@@ -352,7 +404,6 @@ def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_li
 @pytest.mark.parametrize('kind', ['zstd', 'lz4', ''])
 def test_a_chunk_that_says_it_is_huge_is_refused(tmp_path, kind):
     import lz4.frame
-    import zstandard
     zeros = bytes(2**29)
     packed = {'zstd': lambda: zstandard.compress(zeros), '': lambda: bytes(100),
               'lz4': lambda: lz4.frame.compress(zeros)}[kind]()
@@ -363,6 +414,22 @@ def test_a_chunk_that_says_it_is_huge_is_refused(tmp_path, kind):
         + pack('<BQ', Opcode.CHUNK, len(body)) + body)
     bag = Bag(tmp_path / 'bomb.mcap')
     assert not list(bag.raw()) and 'a chunk of 536870912 bytes' in bag.damage[0]
+
+
+def test_a_chunk_that_unpacks_to_more_than_it_says_is_refused(tmp_path):
+    packed = zstandard.compress(bytes(2**29))
+    body = pack('<QQQII', 0, 0, 100, 0, 4) + b'zstd' + pack('<Q', len(packed)) + packed
+    (tmp_path / 'bomb.mcap').write_bytes(
+        b'\x89MCAP0\r\n' + pack('<BQ', Opcode.CHUNK, len(body)) + body)
+    bag = Bag(tmp_path / 'bomb.mcap')
+    assert not list(bag.raw()) and 'packed data of more than 100 bytes' in bag.damage[0]
+
+
+def test_a_chunk_of_an_unknown_compression_is_named(whole, tmp_path):
+    data = (whole / 'run_0.mcap').read_bytes().replace(b'zstd', b'lzma')
+    (tmp_path / 'other.mcap').write_bytes(data[:20_000])
+    bag = Bag(tmp_path / 'other.mcap')
+    assert not list(bag.raw()) and 'compressed by lzma, which is not known' in bag.damage[0]
 
 
 # --- of version 1 --------------------------------------------------------------------------------
