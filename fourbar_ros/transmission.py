@@ -28,10 +28,10 @@ Positions mean what they say: an angle counts its turns, and is never taken the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi, tau
+from math import inf, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
+from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -328,7 +328,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     """
     coordinate = mechanism.input_coordinate
     start = number('start', start)
-    low, high = _range_around(mechanism, start)
+    low, high = mechanism.range_around(start)
     inputs = np.linspace(low, high, SAMPLES)
     turning_points = _turning_points(mechanism, inputs)
     if mechanism.turns_fully:
@@ -350,18 +350,6 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
                              'the output turns back' if inputs[i] in turning_points
                              else 'the range of the input ends') for i in (0, -1))
     return Branch(inputs, outputs, (first, last))
-
-
-def _range_around(mechanism: Mechanism, start: float) -> tuple[float, float]:
-    """Return the range of the input with a start; of a full turn the start is the middle."""
-    if mechanism.turns_fully:
-        return start - pi, start + pi
-    for low, high in mechanism.input_ranges:
-        for turn in (0.0,) if mechanism.is_driven_by_slide else (0.0, tau, -tau):
-            if low + turn <= start <= high + turn:
-                return low + turn, high + turn
-    coordinate = mechanism.input_coordinate
-    raise OutOfRange(coordinate.position, start, mechanism.input_ranges, coordinate.unit)
 
 
 def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:

@@ -40,7 +40,8 @@ def mjcf(model: RobotModel) -> str:
     add(root, 'option', gravity=(*model.gravity, 0.0), timestep=TIMESTEP)
     world = add(root, 'worldbody')
     base = add(world, 'body', name=model.root)
-    _geoms(base, model.ground, -1)
+    for geom in _geoms(base, model.ground, -1):
+        geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
     for place, link in enumerate(model.links):
         bodies[link.frame] = _body(bodies[link.parent], link, place, model.size)
@@ -74,14 +75,21 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     return body
 
 
-def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> None:
-    """Add shapes without contacts; in a scene without masses they give the body its mass."""
+def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> list[Element]:
+    """
+    Add shapes without contacts; return their elements.
+
+    In a scene without masses they give a link its mass, by MuJoCo's density of a geom.
+    """
+    geoms = []
     for shape in shapes:
         sizes: Any = shape.sizes
         size = sizes['size'] if shape.form == 'box' else (2.0 * sizes['radius'], sizes['length'])
-        add(body, 'geom', type=shape.form, size=tuple([0.5 * length for length in size]),
-            pos=shape.pose[:3], euler=shape.pose[3:], rgba=colour(place), contype='0',
-            conaffinity='0')
+        geoms.append(add(body, 'geom', type=shape.form,
+                         size=tuple([0.5 * length for length in size]), pos=shape.pose[:3],
+                         euler=shape.pose[3:], rgba=colour(place), contype='0',
+                         conaffinity='0'))
+    return geoms
 
 
 def _equality(root: Element, model: RobotModel, bodies: dict[str, Element]) -> None:

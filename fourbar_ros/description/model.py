@@ -11,7 +11,7 @@ and each joint beyond that closes a loop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isnan, nan
+from math import isnan, nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.description.connections import Connection, connections_of
@@ -25,7 +25,7 @@ from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-SAMPLES = 721          # over the range of the input, for the limits of passive slides
+SAMPLES = 721          # over a range of the input, for the limits of passive slides
 MARGIN = 0.01          # share by which these limits are wider than the samples show
 Vector = tuple[float, float, float]
 LEAST = 1e-9           # [kg], or times mass and size squared: for a body without mass or inertia
@@ -195,7 +195,8 @@ def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
     connection = connections_of(mechanism)[place]
     is_driven = coordinate == mechanism.input_coordinate
     ratio, offset = shown.ratios[place], shown.offsets[place]
-    limits = _limits(mechanism, coordinate, connection, is_driven)
+    limits = _limits(mechanism, connection, coordinate, is_driven,
+                     getattr(motion, mechanism.input_coordinate.position))
     if limits:
         low, high = sorted(ratio * end + offset for end in limits)
         limits = low, high
@@ -203,23 +204,23 @@ def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
                       ratio * getattr(motion, coordinate.position) + offset, is_driven)
 
 
-def _limits(mechanism: Mechanism, coordinate: Coordinate, connection: Connection,
-            is_driven: bool) -> tuple[float, float] | None:
+def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate,
+            is_driven: bool, start: float) -> tuple[float, float] | None:
     """
     Return (low, high) of a joint's coordinate, None if it may turn without end.
 
-    The input's limits are exact, a passive slide's are sampled, with a margin; pins have none.
+    Those of the input are the exact ends of the range of its ``start``, in the same turn, so that
+    the start lies between them. A passive slide's limits are sampled in that range, with a margin;
+    pins have none.
     """
+    low, high = mechanism.range_around(start)
     if is_driven:
-        ranges = mechanism.input_ranges
-        if mechanism.turns_fully or connection.axis is None and len(ranges) > 1:
-            return None
-        return ranges[0][0], ranges[-1][1]
+        return None if mechanism.turns_fully else (low, high)
     if connection.axis is None:
         return None
-    inputs = np.concatenate([np.linspace(low, high, SAMPLES)[1:-1]
-                             for low, high in mechanism.input_ranges])
-    positions, = mechanism.motion(inputs, fields=(coordinate.position,))
+    # dense at the ends of the range: at a toggle a slide moves as the root of the distance
+    shares = 0.5 + 0.5 * np.sin(np.linspace(-0.5 * pi, 0.5 * pi, SAMPLES)[1:-1])
+    positions, = mechanism.motion(low + (high - low) * shares, fields=(coordinate.position,))
     low, high = np.nanmin(positions), np.nanmax(positions)
     margin = MARGIN * (high - low)
     return float(low - margin), float(high + margin)

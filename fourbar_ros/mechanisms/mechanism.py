@@ -241,6 +241,24 @@ class Mechanism(ABC):
         """Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high."""
         return within_stroke(self.closing_ranges, self.stroke)
 
+    def range_around(self, position: float) -> tuple[float, float]:
+        """
+        Return the range of the input with a position, shifted by whole turns so that it holds it.
+
+        Of an input that turns fully, half a turn to both sides. OutOfRange outside all ranges.
+        """
+        if self.turns_fully:
+            return position - pi, position + pi
+        rounding = 4.0 * EPS * abs(position)
+        for low, high in self.input_ranges:
+            turns = (0.0 if self.is_driven_by_slide
+                     else 2.0 * pi * round((position - 0.5 * (low + high)) / (2.0 * pi)))
+            low, high = low + turns, high + turns
+            if low - rounding <= position <= high + rounding:
+                return min(low, position), max(high, position)
+        raise OutOfRange(self.input_coordinate.position, position, self.input_ranges,
+                         self.input_coordinate.unit)
+
     @property
     def outputs(self) -> tuple[Output, ...]:
         """Return the outputs for the driven input; the first is published as ``output``."""

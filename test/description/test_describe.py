@@ -14,7 +14,7 @@ from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.scene.files import sections
+from fourbar_ros.scene.files import sections, shipped
 from fourbar_ros.scene.scene import from_values, Group, load
 import numpy as np
 import pytest
@@ -223,6 +223,78 @@ def test_check_urdf_and_mujoco_load_every_scene_of_the_tree(name, tmp_path):
         assert mujoco.MjModel.from_xml_string(text).njnt == len(model_of(scene).joints)
     assert mujoco.MjModel.from_xml_string(describe(scene, 'mjcf')).neq > 0
     accepted_by_check_urdf(describe(scene), tmp_path / 'scene.urdf')
+
+
+# It closes for the crank from 53 to 307 deg, and starts a turn lower, at -143 deg.
+A_TURN_LOWER = {**PAPER, 'linkage.a1': 0.68, 'linkage.a2': 0.35, 'linkage.a3': 0.9,
+                'linkage.a4': 0.49, 'linkage.mode': 1, 'drive.start': -2.5}
+# It closes in two ranges, and the links cannot get from one to the other.
+TWO_RANGES = {**PAPER, 'linkage.a1': 0.97, 'linkage.a2': 0.23, 'linkage.a3': 0.91,
+              'linkage.a4': 0.57, 'drive.start': -1.2}
+
+
+@pytest.mark.parametrize('values', [
+    *shipped(), A_TURN_LOWER, A_TURN_LOWER | {'drive.start': 2.5},
+    A_TURN_LOWER | {'joint_states.ratios': SIGNS, 'joint_states.offsets': OFFSETS}, TWO_RANGES],
+    ids=lambda values: values if isinstance(values, str) else '')
+def test_the_start_lies_within_the_limits_of_every_format(values):
+    scene = load(values) if isinstance(values, str) else from_values(values)
+    try:
+        joints = {joint.name: joint for joint in model_of(scene).joints}
+    except NoDescription:
+        pytest.skip('no tree')
+    urdf, sdf = (ElementTree.fromstring(describe(scene, form)) for form in ('urdf', 'sdf'))
+    motion, limits = scene.linkage.motion(float(model_of(scene).position)), {}
+    starts = joint_positions(scene, motion)
+    for element in urdf.findall('joint'):
+        for limit in element.findall('limit'):
+            limits[element.get('name')] = float(limit.get('lower')), float(limit.get('upper'))
+    for element in sdf.iter('joint'):
+        for limit in element.iter('limit'):
+            low, high = float(limit.findtext('lower')), float(limit.findtext('upper'))
+            assert low <= 0.0 <= high
+    for name, (low, high) in limits.items():
+        assert joints[name].start == starts[name] and low <= starts[name] <= high
+    driven, = [joint for joint in joints.values() if joint.is_driven]
+    assert (driven.name in limits) != scene.linkage.turns_fully
+    ends = scene.linkage.input_ranges
+    if driven.name in limits:
+        low, high = limits[driven.name]
+        assert any(abs(high - low - (end - begin)) <= 1e-12 for begin, end in ends)
+    _starts_within_mujocos_limits(scene)
+
+
+def _starts_within_mujocos_limits(scene):
+    """No limit of a joint acts on the pose of the key."""
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    try:
+        text = describe(scene, 'mjcf')
+    except NoDescription:
+        return
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key('start').id)
+    mujoco.mj_forward(model, data)
+    assert mujoco.mjtConstraint.mjCNSTR_LIMIT_JOINT not in data.efc_type.tolist()
+
+
+def test_a_passive_slide_stays_within_its_limits_up_to_the_toggles():
+    """At a toggle it moves as the root of the distance of the input from there."""
+    scene = from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.3, 'linkage.a2': 0.2,
+                         'linkage.offset': 0.25, 'drive.start': 1.5})
+    slide = next(joint for joint in model_of(scene).joints if joint.slides)
+    low, high = scene.linkage.input_ranges[0]
+    near = low + (high - low) * np.array([0.0, 1e-9, 1e-6, 1.0 - 1e-6, 1.0 - 1e-9])[1:]
+    positions, = scene.linkage.motion(near, fields=(slide.coordinate.position,))
+    assert slide.limits[0] <= positions.min() and positions.max() <= slide.limits[1]
+
+
+def test_only_links_with_a_body_weigh_in_mujoco():
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    scene = from_values({**PAPER, **RODS, **TIP})
+    model = mujoco.MjModel.from_xml_string(describe(scene, 'mjcf'))
+    total = sum(body.mass for body in scene.bare_linkage.bodies)
+    assert model.body_mass.sum() == pytest.approx(total, rel=1e-12)
 
 
 def test_a_machine_that_is_solved_from_a_moving_link_has_no_tree():
