@@ -28,6 +28,9 @@ from rclpy.serialization import serialize_message
 
 Messages = list[tuple[str, bytes]]      # (short name of the topic, bytes)
 FULL = 20_000          # messages that may wait for the disk
+# [ns] Stamp of time zero. Two runs of a scene have the same stamps, so "bag diff" compares them; a
+# stamp of 0 would say that there is none.
+BEGIN = 10**9
 
 
 def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], None]) -> Path:
@@ -53,13 +56,13 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     names = {topic.name: _resolved(topic.topic) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
     about = {**about_of(scene, names, NODE), KEY: how}
-    start = now = time.time_ns()        # log times are those of the run
+    now = BEGIN                         # log times are those of the run
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about,
                        clock=lambda: now)
     channels = {topic.name: number for number, topic in enumerate(topics)}
     try:
-        for done, (stamp, messages) in enumerate(_messages(simulated, topics, start), 1):
+        for done, (stamp, messages) in enumerate(_messages(simulated, topics), 1):
             now = stamp
             while writer.waiting > FULL and not writer.error:
                 time.sleep(0.01)         # the disk is slower than we: do not fill the memory
@@ -82,13 +85,11 @@ def _shows_modes(scene: Scene, modes: Array) -> bool:
     return is_single and int(modes.max()) < 256
 
 
-def _messages(simulated: SimulatedScene, topics: list[Topic],
-              start: int) -> Iterator[tuple[int, Messages]]:
+def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[int, Messages]]:
     """
     Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node.
 
-    The first sample also has the scene and the constant torque, if there is one. ``start`` [ns]
-    is the stamp of time zero.
+    The first sample also has the scene and the constant torque, if there is one.
     """
     scene, steppers = simulated.scene, InModes(simulated.scene)
     mode_of_scene = mode_number(scene.linkage.mode)
@@ -100,7 +101,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
-        first.append((TORQUE.name, _torque(scene, simulated.torque, start)))
+        first.append((TORQUE.name, _torque(scene, simulated.torque)))
     driven_places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
     for offset, mode, drive_values in zip(offsets, modes, simulated.drive_values()):
@@ -114,17 +115,17 @@ def _messages(simulated: SimulatedScene, topics: list[Topic],
                                                  for place in scene.needed_for(name))]
         contents = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, drive_values),
                     DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, values))}
-        stamp = sec_nanosec(start + offset)
-        yield start + offset, first + [
+        stamp = sec_nanosec(BEGIN + offset)
+        yield BEGIN + offset, first + [
             (name, makers[name](stamp, its_status, mode, its_values))
             for name, (its_status, its_values) in contents.items()]
         first = []
 
 
-def _torque(scene: Scene, torque: float, start: int) -> bytes:
+def _torque(scene: Scene, torque: float) -> bytes:
     """Return the message that commands a constant torque [N m], or force [N] of a slide."""
     message = resolve(TORQUE.type)()
-    message.header.stamp = to_stamp(start)
+    message.header.stamp = to_stamp(BEGIN)
     if scene.linkage.is_driven_by_slide:
         message.wrench.force.x = torque
     else:

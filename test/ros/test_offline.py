@@ -46,6 +46,16 @@ def test_a_constant_torque_is_in_the_bag_and_is_checked(tmp_path, capsys):
     assert main(['bag', 'recompute', str(tmp_path / 'run')]) == 0
 
 
+def test_two_runs_of_a_scene_have_the_same_bag(tmp_path):
+    """They are compared by their stamps, which begin at 1 s."""
+    paths = [str(tmp_path / name) for name in ('one', 'two')]
+    for path in paths:
+        assert main(['simulate', 'released', '--until', '0.2', '--torque', '20', '-o', path]) == 0
+    assert main(['bag', 'diff', *paths]) == 0
+    first, *_ = Bag(paths[0]).records(['/fourbar/driven'])
+    assert (first.time, first.message.header.stamp.sec) == (1_000_000_000, 1)
+
+
 RELEASED = {**PAPER, **RODS, 'drive.source': 'torque', 'gravity.y': -9.81, 'drive.rate': 1000.0,
             'outputs': ['state', 'joint_states', 'loads', 'links']}
 BOTH_MODES = {
