@@ -122,9 +122,9 @@ def _show(arguments: argparse.Namespace) -> None:
                                 for reason, number in results.counts.items()])
     if results.kept:
         show('ranges', ('column', 'unit', 'least>', *(f'{p} %>' for p in PERCENTILES),
-                        'greatest>', 'mean>'),
+                        'greatest>', 'mean>', 'without>'),
              [(one.name, one.unit, *(f'{value:.6g}' for value in (
-                 one.least, *one.percentiles, one.greatest, one.mean)))
+                 one.least, *one.percentiles, one.greatest, one.mean, one.missing)))
               for one in results.summaries()])
         for name, sense in results.objectives.items():
             show_designs(f'best designs: {sense} {name}', results.best(name))

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
-from math import isfinite
+from math import isfinite, isnan
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import HelpFormatter, Verbs
@@ -36,6 +38,7 @@ def add(actions: Verbs) -> None:
 
 def _run(arguments: argparse.Namespace) -> None:
     """Print three tables: the box, the bounds of each measure, its derivatives."""
+    from fourbar_lab.studies.chunks import FEASIBLE
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
     from fourbar_ros.terminal import make_console, make_table
@@ -43,14 +46,14 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
     box, units = box_of(study), {one.name: one.unit for one in study.vary}
-    results = tolerances(study)
-    drawn, share = _drawn(study)
+    results, corners = tolerances(study)
+    drawn, draws = _drawn(study)
     console = make_console()
     for title, heads, rows in (
             ('box', ('parameter', 'unit', 'middle>', '+->'),
              [(name, units[name], _text(centre), _text(size))
               for name, (centre, size) in box.items()]),
-            (f'least and greatest value, and percentiles of {study.rows} designs',
+            (f'least and greatest value, and percentiles of {_known(draws)} designs',
              ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
                                               ('first order', 'of corners', 'drawn')
                                               for end in ('least', 'greatest')),
@@ -60,26 +63,58 @@ def _run(arguments: argparse.Namespace) -> None:
              [row for one in results for row in _derivative_rows(one, box, units)])):
         console.print(make_table(title, heads, rows))
         console.print()
+    for line in _left_out(results, corners, drawn, draws):
+        console.print(line, soft_wrap=True)
     if study.bounds:
-        console.print(f'{100.0 * share:.6g} % of the designs fulfil the constraints')
+        console.print(f'{100.0 * draws[FEASIBLE] / study.rows:.6g} % of the designs fulfil the '
+                      'constraints')
 
 
-def _drawn(study: Study) -> tuple[dict[str, Summary], float]:
+def _drawn(study: Study) -> tuple[dict[str, Summary], Counter[str]]:
     """
-    Compute the rows of a study; return {measure: its Summary} and the share that is feasible.
+    Compute the rows of a study; return {measure: its Summary} and {reason: designs}.
 
-    All rows count, feasible or not, and nobody wants objectives here.
+    All rows that can be built count, feasible or not, and nobody wants objectives here.
     """
     from fourbar_lab.studies.chunks import compute
     from fourbar_lab.studies.results import summary
     import numpy as np
     study = replace(study, keeps_all=True, objectives={})
     chunks = [compute(study, number) for number in range(study.chunks)]
-    columns = {name: np.concatenate([chunk.columns[name] for chunk in chunks])
-               for name in ('feasible', *(one.name for one in study.measures
-                                          if one.part != 'class'))}
-    share = np.count_nonzero(columns.pop('feasible')) / study.rows
-    return {name: summary(name, '', column) for name, column in columns.items()}, share
+    counts = sum((Counter(chunk.counts) for chunk in chunks), Counter[str]())
+    return {one.name: summary(one.name, one.unit, np.concatenate(
+        [chunk.columns[one.name] for chunk in chunks]))
+        for one in study.measures if one.part != 'class'}, counts
+
+
+def _known(counts: dict[str, int]) -> int:
+    """Return how many designs were computed."""
+    from fourbar_lab.studies.chunks import FAILED, NOT_BUILT
+    return sum(counts.values()) - counts.get(NOT_BUILT, 0) - counts.get(FAILED, 0)
+
+
+def _left_out(results: list[Toleranced], corners: dict[str, int], drawn: dict[str, Summary],
+              draws: dict[str, int]) -> Iterator[str]:
+    """Yield a line for whatever the tables leave out: designs, values, first orders."""
+    from fourbar_lab.studies.chunks import FAILED, NOT_BUILT
+
+    def counted(of_draws: int, of_corners: int, all_draws: int, all_corners: int) -> str:
+        return ' and '.join(f'{number} of {whole} {name}' for number, whole, name in (
+            (of_draws, all_draws, 'draws'), (of_corners, all_corners, 'corners')) if number)
+
+    for reason in (NOT_BUILT, FAILED):
+        text = counted(draws.get(reason, 0), corners.get(reason, 0), sum(draws.values()),
+                       sum(corners.values()))
+        if text:
+            yield f'{text} {reason}'
+    for one in results:
+        measure = one.sensitivity.measure
+        text = counted(drawn[measure.name].missing, one.corners.missing, _known(draws),
+                       _known(corners))
+        if text:
+            yield f'{measure.name} has no value in {text}'
+        if one.sensitivity.why_unknown:
+            yield f'{measure.name} has no first order: {one.sensitivity.why_unknown}'
 
 
 def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
@@ -87,8 +122,8 @@ def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
     measure, value = one.sensitivity.measure, one.sensitivity.value
     of_drawn = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
-    numbers = (value, value - one.first_order, value + one.first_order, *one.corners,
-               of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
+    numbers = (value, value - one.first_order, value + one.first_order, one.corners.least,
+               one.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
     return (measure.name, measure.unit, *map(_text, numbers))
 
 
@@ -100,7 +135,8 @@ def _derivative_rows(one: Toleranced, box: dict[str, tuple[float, float]], units
         return []
     shares = {name: abs(by[name]) * size for name, (_, size) in box.items()}
     return [(measure.name, name, _text(by[name]), _unit(measure.unit, units[name]),
-             _text(shares[name])) for name in sorted(shares, key=lambda name: -shares[name])]
+             _text(shares[name])) for name in sorted(
+                 shares, key=lambda name: (isnan(shares[name]), -shares[name]))]
 
 
 def _unit(of: str, by: str) -> str:
@@ -111,4 +147,4 @@ def _unit(of: str, by: str) -> str:
 
 def _text(value: float) -> str:
     """Return a number as text; a dash for an unknown one."""
-    return f'{value:.6g}' if isfinite(value) else '-'
+    return '-' if isnan(value) else f'{value:.6g}'

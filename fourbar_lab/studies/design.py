@@ -37,7 +37,7 @@ class Design:
         self.scene, self.linkage = scene, scene.linkage
         self.rates = scene.drive.speed, acceleration        # of the input
         self._measures = Measures(scene)
-        self._extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
+        self.extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
 
     def search(self, measures: Sequence[Measure]) -> None:
         """Find the extrema that some measures need, all in one search."""
@@ -45,13 +45,13 @@ class Design:
         # extrema at toggles tell that it diverges
         names = [self._measures.source(measure) for measure in measures
                  if measure.part != 'rms' or not self.linkage.turns_fully]
-        new = [name for name in dict.fromkeys(names) if name and name not in self._extrema]
+        new = [name for name in dict.fromkeys(names) if name and name not in self.extrema]
         if new:
-            self._extrema |= {name: [] for name in new}
+            self.extrema |= {name: [] for name in new}
             for extremum in find_extrema(
                     self.linkage, [self._measures.quantities[name] for name in new], *self.rates,
                     conditions=False):
-                self._extrema[extremum.quantity].append(extremum)
+                self.extrema[extremum.quantity].append(extremum)
 
     def of(self, measure: Measure) -> float | str:
         """
@@ -73,14 +73,14 @@ class Design:
         name = self._measures.source(measure)
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
         extent = (Extent(most.value, most.input, least.value, least.input,
-                         len(self._extrema[name])) if most and least
+                         len(self.extrema[name])) if most and least
                   else Extent(nan, nan, nan, nan, 0))
         return float(extent.of(measure.part))
 
     def extreme(self, name: str, part: str) -> Extremum | None:
         """Return the largest or least (max, min) extremum of a quantity that was searched."""
         choose = max if part == 'max' else min
-        return choose(self._extrema[name], key=lambda extremum: extremum.value, default=None)
+        return choose(self.extrema[name], key=lambda extremum: extremum.value, default=None)
 
     def _rms(self, quantity: Searched) -> float:
         """
@@ -88,7 +88,7 @@ class Design:
 
         Points are doubled until two means agree; at the most points, the last one counts.
         """
-        if any(not isfinite(extremum.value) for extremum in self._extrema.get(quantity.name, ())):
+        if any(not isfinite(extremum.value) for extremum in self.extrema.get(quantity.name, ())):
             return inf         # as one over the root of the distance, at least: not integrable
         points, mean = POINTS, nan
         while points <= (MOST_OF_TURN if self.linkage.turns_fully else MOST_OF_RANGE):

@@ -97,7 +97,8 @@ class Extent(NamedTuple):
                 **self._asdict(), 'span': span, STROKE: span,
                 'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
                 SWING: np.where(np.equal(self.extrema, 0), tau, span),
-                LEAST_ANGLE: np.minimum(self.min, pi - self.max),
+                # at a toggle rounding may put it beyond 0
+                LEAST_ANGLE: np.maximum(np.minimum(self.min, pi - self.max), 0.0),
                 TIME_RATIO: np.where(forward > 0.0, slow / fast, nan)}
         return parts[part]
 

@@ -29,6 +29,7 @@ class Summary(NamedTuple):
     percentiles: tuple[float, ...]      # 5, 50, 95
     greatest: float
     mean: float                         # of the finite values
+    missing: int                        # how many are NaN
 
 
 class Results:
@@ -130,9 +131,9 @@ def summary(name: str, unit: str, column: Array) -> Summary:
     values = np.asarray(column, dtype=float)
     values = values[~np.isnan(values)]
     if not values.size:
-        return Summary(name, unit, nan, (nan,) * len(PERCENTILES), nan, nan)
+        return Summary(name, unit, nan, (nan,) * len(PERCENTILES), nan, nan, len(column))
     # of the values themselves: between infinities there is nothing to interpolate
     percentiles = np.percentile(values, PERCENTILES, method='nearest').tolist()
     finite = values[np.isfinite(values)]
     return Summary(name, unit, float(values.min()), tuple(percentiles), float(values.max()),
-                   float(finite.mean()) if finite.size else nan)
+                   float(finite.mean()) if finite.size else nan, len(column) - values.size)

@@ -8,16 +8,19 @@ The box is centre +- size of every parameter that varies with ``uniform``, three
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
 
-from fourbar_lab.studies.chunks import measured
+from fourbar_lab.studies.chunks import FEASIBLE, measured
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
 from fourbar_lab.studies.measures import CLASS
+from fourbar_lab.studies.results import Summary, summary
 from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 
@@ -31,8 +34,8 @@ class Toleranced(NamedTuple):
     """A measure in a box of tolerances."""
 
     sensitivity: Sensitivity            # in the middle of the box
-    first_order: float                  # sum of |derivative| size
-    corners: tuple[float, float]        # least and greatest value there; NaN of none
+    first_order: float                  # sum of |derivative| size; NaN if one is unknown
+    corners: Summary                    # of those that can be built
 
 
 def box_of(study: Study) -> dict[str, tuple[float, float]]:
@@ -48,10 +51,11 @@ def box_of(study: Study) -> dict[str, tuple[float, float]]:
     return box
 
 
-def tolerances(study: Study) -> list[Toleranced]:
+def tolerances(study: Study) -> tuple[list[Toleranced], dict[str, int]]:
     """
-    Return a :class:`Toleranced` for each number that a study measures.
+    Return a :class:`Toleranced` for each number that a study measures, and a count of the corners.
 
+    The count is {reason: corners}, of :mod:`.chunks`: feasible, cannot be built, failed.
     InvalidParameter if the study has no box, or the design in its middle cannot be built.
     """
     box = box_of(study)
@@ -59,28 +63,29 @@ def tolerances(study: Study) -> list[Toleranced]:
     derivatives = Derivatives(scene, list(box), study.acceleration)
     at_middle = sensitivities(derivatives, [measure for measure in study.measures
                                             if measure.part != CLASS])
-    corners = _corners(study, box, at_middle)
+    columns, reasons, _ = measured(replace(study, bounds=(), keeps_all=True),
+                                   _corners(box, at_middle))
+    is_known = np.array(reasons) == FEASIBLE
     return [Toleranced(one, sum(abs(one.by[name]) * size for name, (_, size) in box.items()),
-                       corners[one.measure.name]) for one in at_middle]
+                       summary(one.measure.name, one.measure.unit,
+                               columns[one.measure.name][is_known]))
+            for one in at_middle], dict(Counter(reasons))
 
 
-def _corners(study: Study, box: dict[str, tuple[float, float]],
-             found: Sequence[Sensitivity]) -> dict[str, tuple[float, float]]:
+def _corners(box: dict[str, tuple[float, float]], at_middle: Sequence[Sensitivity]
+             ) -> dict[str, Array]:
     """
-    Return {measure: its least and greatest value in corners of the box}.
+    Return {parameter: its values in corners of the box, shape (corners,)}.
 
-    With many parameters (see :data:`ALL_CORNERS`) each measure has two corners: every parameter
-    moves as its derivative rises, or the opposite way.
+    With many parameters (see :data:`ALL_CORNERS`) each measure with a first order has two corners:
+    every parameter moves as its derivative rises, or the opposite way. If none has, it is the two
+    where all parameters are largest and least.
     """
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
     else:
-        worst = [tuple([1.0 if one.by[name] >= 0.0 else -1.0 for name in box]) for one in found]
+        worst = [tuple([1.0 if one.by[name] >= 0.0 else -1.0 for name in box])
+                 for one in at_middle if not one.why_unknown] or [(1.0,) * len(box)]
         signs = {*worst, *(tuple([-sign for sign in one]) for one in worst)}
-    drawn = {name: centre + size * sign
-             for (name, (centre, size)), sign in zip(box.items(), np.array(sorted(signs)).T)}
-    columns, *_ = measured(replace(study, bounds=(), keeps_all=True), drawn)
-    known = {one.measure.name: columns[one.measure.name] for one in found}
-    known = {name: column[~np.isnan(column)] for name, column in known.items()}
-    return {name: (float(column.min()), float(column.max())) if column.size
-            else (np.nan, np.nan) for name, column in known.items()}
+    return {name: centre + size * sign
+            for (name, (centre, size)), sign in zip(box.items(), np.array(sorted(signs)).T)}

@@ -183,3 +183,13 @@ def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(
     # cranks that turn fully are computed together
     assert 0 < alone < 200 - together.counts['cannot be built'] < 200
     assert np.isinf(together.columns['alpha4.peak']).any()      # toggle positions are among them
+
+
+def test_a_least_angle_is_never_below_0():
+    """At its toggles the angle is 0 or pi, within rounding on either side."""
+    study = from_document({'scene': 'paper', 'rows': 64, 'seed': 2, 'keep': 'all', 'vary': {
+        f'linkage.a{i}': {'list': [i / 100 for i in range(20, 121, 7)]} for i in (1, 2, 3, 4)},
+        'quantities': ['least_transmission_angle', 'class']})
+    columns = compute(study, 0).columns
+    angles = columns['least_transmission_angle']
+    assert np.count_nonzero(angles < 1e-12) > 10 and angles.min() == 0.0

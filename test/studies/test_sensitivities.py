@@ -181,6 +181,102 @@ def test_where_another_dyad_is_nearest_to_its_toggle_an_angle_has_a_kink():
     assert np.isnan(moves).all()
 
 
+def slopes_of(scene, quantities, names, **changed):
+    """Return {measure: (its Sensitivity, {name: slopes to the left and right by differences})}."""
+    study = from_document({'scene': scene, 'rows': 1, 'quantities': quantities,
+                           'vary': {names[0]: {'uniform': 1e-6}}})
+    values = study.values | changed
+
+    def value(**moved):
+        design = Design(from_values(values | moved))
+        design.search(study.measures)
+        return np.array([design.of(measure) for measure in study.measures])
+
+    found = sensitivities(Derivatives(from_values(values), names), study.measures)
+    sides = {}
+    for name in names:
+        step = 1e-6 * (abs(values[name]) or 0.1)
+        sides[name] = [(value(**{name: values[name] + sign * step}) - value()) / (sign * step)
+                       for sign in (-1.0, 1.0)]
+    return {one.measure.name: (one, {name: (left[i], right[i])
+                                     for name, (left, right) in sides.items()})
+            for i, one in enumerate(found)}
+
+
+@pytest.mark.parametrize('scene, measure, names', [
+    ('v_engine', 'shaking_force.max', ['bodies.left_piston.mass', 'bodies.right_piston.mass']),
+    ('v_engine', 'driving_torque.peak', ['bodies.left_piston.mass', 'bodies.right_piston.mass']),
+    ('radial_engine', 'least_transmission_angle', ['dyads.c1.length_1', 'dyads.c4.length_1']),
+    ('v8', 'least_transmission_angle', ['dyads.L1.length_1', 'dyads.R2.length_1']),
+    ('scissor_lift', 'least_transmission_angle', ['dyads.lower.length_1', 'dyads.upper.length_1']),
+])
+def test_where_two_places_tie_for_an_extremum_there_is_no_derivative(scene, measure, names):
+    (found, sides), = slopes_of(scene, [measure], names).values()
+    for name in names:
+        left, right = sides[name]
+        assert abs(right - left) > 1e-2 * max(abs(left), abs(right))      # a kink it is
+        assert isnan(found.by[name]) and 'it has a kink' in found.why_unknown
+
+
+@pytest.mark.parametrize('scene, measure, name', [
+    ('v_engine', 'driving_torque.peak', 'drive.speed'),
+    ('v8', 'driving_torque.peak', 'bodies.rods.radius'),
+    ('scotch_yoke', 'shaking_force.max_at', 'linkage.a1')])
+def test_what_changes_all_places_that_tie_alike_has_a_derivative(scene, measure, name):
+    (found, sides), = slopes_of(scene, [measure], [name]).values()
+    left, right = sides[name]
+    assert max(abs(found.by[name] - left), abs(found.by[name] - right)) <= 1e-4 * abs(left)
+    assert not found.why_unknown
+
+
+def test_kinks_of_the_other_measures_have_no_derivative():
+    # of a centred slider-crank both strokes take as long, and an offset to either side slows one
+    centred = {'linkage.offset': 0.0}
+    found = slopes_of('slider_crank', ['time_ratio', 'change_point_margin'],
+                      ['linkage.offset', 'linkage.a1'], **centred)
+    for measure, signs in (('time_ratio', (-1.0, 1.0)), ('change_point_margin', (1.0, -1.0))):
+        one, sides = found[measure]
+        left, right = sides['linkage.offset']
+        assert left * signs[0] > 0.0 and right * signs[1] > 0.0
+        assert isnan(one.by['linkage.offset']) and 'it has a kink' in one.why_unknown
+    assert abs(found['change_point_margin'][0].by['linkage.a1']) > 0.1
+    # the moment of a radial engine is 0 at every input, and a couple either way makes it larger
+    (one, sides), = slopes_of('radial_engine', ['shaking_moment.peak'],
+                              ['external.rod_4.couple']).values()
+    assert sides['external.rod_4.couple'] == (-1.0, 1.0)
+    assert isnan(one.by['external.rod_4.couple']) and 'it is constant' in one.why_unknown
+
+
+def test_at_a_change_point_nothing_has_a_derivative_by_a_length():
+    names = ['dyads.loop.second.across', 'bodies.rods.density']
+    (one, sides), = slopes_of('parallelogram', ['shaking_force.min'], names).values()
+    assert abs(sides[names[0]][0]) > 1e6       # it jumps
+    assert isnan(one.by[names[0]]) and 'at a change point' in one.why_unknown
+    assert abs(one.by[names[1]] / sides[names[1]][1] - 1.0) < 1e-4
+
+
+@pytest.mark.parametrize('scene, measure, name', [
+    ('toggle_press', 'transmission_angle.rms', 'dyads.knee.second.across'),
+    ('toggle_press', 'transmission_angle.rms', 'dyads.ram.second.along'),
+    ('jansen', 'theta_foot.rms', 'dyads.leg.first.along')])
+def test_a_mean_over_jumps_has_no_derivative(scene, measure, name):
+    study = from_document({'scene': scene, 'rows': 1, 'quantities': [measure],
+                           'vary': {name: {'uniform': 1e-4}}})
+    found, = sensitivities(Derivatives(load_scene(scene), [name]), study.measures)
+    assert isnan(found.by[name])
+    assert found.why_unknown in ('it jumps where another dyad is nearest to its toggle',
+                                 'the angle wraps')
+
+
+def test_a_force_that_is_0_at_an_input_has_a_mean_with_a_derivative():
+    """The shaking force of a scotch yoke is proportional to its crank, and 0 where it turns."""
+    found, = sensitivities(
+        Derivatives(load_scene('scotch_yoke'), ['linkage.a1']), from_document(
+            {'scene': 'scotch_yoke', 'rows': 1, 'quantities': ['shaking_force.rms'],
+             'vary': {'linkage.a1': {'uniform': 1e-4}}}).measures)
+    assert not isnan(found.by['linkage.a1'])
+
+
 def test_a_toggle_has_no_derivative_and_a_turn_none_but_zero():
     study = from_document({'scene': 'paper', 'rows': 1, 'quantities': ['omega4.max', 'swing'],
                            'vary': {'linkage.a1': {'uniform': [0.95, 1e-3]}}})
