@@ -83,6 +83,6 @@ def taylor_pairs() -> dict[str, Function]:
             'sqrt': of_one(lambda v: v.sqrt()), 'atan2': of_two(angle), 'fabs': size,
             'hypot': of_two(lambda x, y: (x * x + y * y).sqrt()),
             'exact_sum': lambda *terms: tuple([sum(part, arb(0)) for part in zip(*terms)]),
-            'where': lambda condition, one, other: one if condition[0] else other,
+            'where': lambda condition, if_true, if_false: if_true if condition[0] else if_false,
             'gt': is_greater, 'lt': lambda a, b: is_greater(b, a),
             'power_of_two': lambda *lengths: (arb(1), arb(1))}     # balls need no scaling

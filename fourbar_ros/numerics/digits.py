@@ -84,23 +84,23 @@ DECIMALS: Table = {
     'power_of_two': lambda *lengths: Decimal(power_of_two(*map(float, lengths)))}
 
 
-def in_decimals(trace: Trace, data: Sequence[float], places: Sequence[int]
+def in_decimals(trace: Trace, data: Sequence[float], indices: Sequence[int]
                 ) -> Callable[..., list[Decimal]]:
     """
-    Return the function inputs -> numbers at some places of a trace, all of them decimals.
+    Return the function inputs -> numbers at some indices of a trace, all of them decimals.
 
     To be made and called within the context :data:`MANY_DIGITS`. The ``INFINITESIMAL`` by which
     formulas of floats avoid 0/0 is zero here.
     """
-    order = [i for i in trace.needed(places) if not trace.steps[i].is_given]
+    order = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
     known: list[Any] = [None] * len(trace.steps)
     known[trace.count:trace.count + trace.size] = map(Decimal, data)
-    for place, value in trace.literals().items():
-        known[place] = Decimal(value if abs(value) > INFINITESIMAL else 0.0)
+    for index, value in trace.literals().items():
+        known[index] = Decimal(value if abs(value) > INFINITESIMAL else 0.0)
     run(trace, [i for i in order if i not in trace.varies], DECIMALS, known)
     order = [i for i in order if i in trace.varies]
 
     def numbers(*inputs: Decimal) -> list[Decimal]:
         values = run(trace, order, DECIMALS, [*inputs, *known[trace.count:]])
-        return [values[i] for i in places]
+        return [values[i] for i in indices]
     return numbers

@@ -33,8 +33,8 @@ def scaled(lengths: Sequence[float]) -> list[float]:
 def exact_sum_of_four(terms: Sequence[Array]) -> Array:
     """Return the sum of up to four arrays, as exact as math.fsum: roundings are added last."""
     a, b, c, d = list(terms) + [np.zeros(1)] * (4 - len(terms))
-    (one, e1), (other, e2) = _two_sum(a, b), _two_sum(c, d)
-    total, e3 = _two_sum(one, other)
+    (first, e1), (second, e2) = _two_sum(a, b), _two_sum(c, d)
+    total, e3 = _two_sum(first, second)
     return np.asarray(total + (e3 + (e1 + e2)))
 
 

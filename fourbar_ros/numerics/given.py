@@ -47,11 +47,11 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
 
 def rate_of_input(name: str, value: Any) -> float:
     """Return a rate as a float, so small that its square, times masses, does not overflow."""
-    found = number(name, value)
-    if abs(found) > FASTEST:
+    rate = number(name, value)
+    if abs(rate) > FASTEST:
         raise InvalidParameter(name, value, f'must be at most {FASTEST:g} in size, or its square '
                                             'may overflow')
-    return found
+    return rate
 
 
 def array(name: str, value: Any, with_complex: bool = False) -> Array:
@@ -65,25 +65,25 @@ def array(name: str, value: Any, with_complex: bool = False) -> Array:
         value = (masked.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
                  if value.dtype.kind in 'iufc' else value.data)
     try:
-        given = np.asarray(value)
+        values = np.asarray(value)
     except ValueError:     # rows of unlike length
         raise InvalidParameter(name, value, 'must be numbers in rows of equal length') from None
-    if given.dtype.kind == 'c' and with_complex:
-        return given.astype(np.complex128, copy=False)
-    if given.dtype.kind not in 'iuf' and given.size:
-        what = (f'of type {given.dtype}' if given.dtype.kind != 'O'
-                else _first_that_is_no_number(given))
-        if what:
-            raise InvalidParameter(name, value, f'must be real numbers, not {what}')
+    if values.dtype.kind == 'c' and with_complex:
+        return values.astype(np.complex128, copy=False)
+    if values.dtype.kind not in 'iuf' and values.size:
+        wrong = (f'of type {values.dtype}' if values.dtype.kind != 'O'
+                 else _first_that_is_no_number(values))
+        if wrong:
+            raise InvalidParameter(name, value, f'must be real numbers, not {wrong}')
     try:
-        return given.astype(np.float64, copy=False)
+        return values.astype(np.float64, copy=False)
     except OverflowError:
         raise InvalidParameter(name, value, 'must be numbers that a float can hold') from None
 
 
-def _first_that_is_no_number(given: Array) -> str:
+def _first_that_is_no_number(values: Array) -> str:
     """Return 'of type ...' of the first object that is no number, for an error; '' for none."""
-    for item in given.flat:
+    for item in values.flat:
         if not isinstance(item, Real) or isinstance(item, bool):
             return 'None' if item is None else f'of type {type(item).__name__}'
     return ''
@@ -95,9 +95,9 @@ def records(name: str, value: Any, kind: type, whole: Any) -> Any:
 
     Raises InvalidParameter if their number or kind is another one.
     """
-    given = tuple(value) if isinstance(value, Iterable) else ()
-    if len(given) != len(whole._fields) or not all(isinstance(item, kind) for item in given):
+    items = tuple(value) if isinstance(value, Iterable) else ()
+    if len(items) != len(whole._fields) or not all(isinstance(item, kind) for item in items):
         raise InvalidParameter(name, value,
                                f'must be {whole.__name__}({", ".join(whole._fields)}), each of '
                                f'type {kind.__name__}')
-    return whole(*given)
+    return whole(*items)

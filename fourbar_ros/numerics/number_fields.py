@@ -35,12 +35,12 @@ class NumberField(NamedTuple):
         if self.instead is not MISSING and (value is None or isinstance(value, Real)) and (
                 value == self.instead):
             return value
-        found = number(name, value, self._allowed, self.least, self.above)
-        if self.is_not_zero and found == 0.0:
-            raise InvalidParameter(name, found, 'must not be zero')
-        if self.is_whole and found != int(found):
+        result = number(name, value, self._allowed, self.least, self.above)
+        if self.is_not_zero and result == 0.0:
+            raise InvalidParameter(name, result, 'must not be zero')
+        if self.is_whole and result != int(result):
             raise InvalidParameter(name, value, 'must be a whole number')
-        return int(found) if self.is_whole else found
+        return int(result) if self.is_whole else result
 
     @property
     def _allowed(self) -> str:
@@ -53,9 +53,9 @@ class NumberField(NamedTuple):
         return 'must be a finite number'
 
 
-def quantity(default: Any = MISSING, **what: Any) -> Any:
+def quantity(default: Any = MISSING, **properties: Any) -> Any:
     """Return a field of a dataclass that is a :class:`NumberField` of these fields."""
-    return field(default=default, metadata={NumberField: NumberField(**what)})
+    return field(default=default, metadata={NumberField: NumberField(**properties)})
 
 
 def quantities_of(record: Any) -> Iterator[tuple[str, Any, NumberField]]:
@@ -67,5 +67,5 @@ def quantities_of(record: Any) -> Iterator[tuple[str, Any, NumberField]]:
 
 def check_quantities(record: Any) -> None:
     """Convert the quantities of a frozen record to floats; raises InvalidParameter."""
-    for name, _, what in quantities_of(record):
-        object.__setattr__(record, name, what.check(name, getattr(record, name)))
+    for name, _, quantity_field in quantities_of(record):
+        object.__setattr__(record, name, quantity_field.check(name, getattr(record, name)))

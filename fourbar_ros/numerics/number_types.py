@@ -4,8 +4,8 @@
 One formula, several number types.
 
 Formulas are written once. They take every function they use from ``n``, a :class:`NumberType`,
-and contain no ``if``: a choice between two forms of a formula is ``n.where(condition, one,
-other)``, and a condition compares real parts, ``x.real > 0.0``, which floats, arrays and complex
+and contain no ``if``: a choice between two forms of a formula is ``n.where(condition, if_true,
+if_false)``. A condition compares real parts, ``x.real > 0.0``, which floats, arrays and complex
 numbers all have.
 
 =========================  ==================================================================
@@ -48,8 +48,8 @@ class NumberType:
     sin, cos, sqrt, atan2, hypot, fabs : callable
         As in :mod:`math`.
     where : callable
-        ``where(condition, one, other)``; ``one`` and ``other`` may be tuples of equal length. Both
-        are computed, whatever the condition: neither may divide by zero.
+        ``where(condition, if_true, if_false)``; both may be tuples of equal length. Both are
+        computed, whatever the condition: neither may divide by zero.
     exact_sum : callable
         Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
     power_of_two : callable
@@ -83,9 +83,9 @@ def nudge(n: NumberType, *margins: Scalar) -> Scalar:
     return added
 
 
-def choose(condition: bool, one: _Choice, other: _Choice) -> _Choice:
-    """Return ``one`` if ``condition`` else ``other``."""
-    return one if condition else other
+def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
+    """Return ``if_true`` if ``condition`` else ``if_false``."""
+    return if_true if condition else if_false
 
 
 def power_of_two(*lengths: float) -> float:
@@ -101,13 +101,13 @@ def direction(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
-def _choose_in_arrays(condition: bool | Array, one: Any, other: Any) -> Any:
-    """Return one or the other, element by element; of tuples, number by number."""
+def _choose_in_arrays(condition: bool | Array, if_true: Any, if_false: Any) -> Any:
+    """Choose element by element; of tuples, item by item."""
     if isinstance(condition, bool):
-        return one if condition else other
-    if isinstance(one, tuple):
-        return tuple([np.where(condition, a, b) for a, b in zip(one, other)])
-    return np.where(condition, one, other)
+        return if_true if condition else if_false
+    if isinstance(if_true, tuple):
+        return tuple([np.where(condition, a, b) for a, b in zip(if_true, if_false)])
+    return np.where(condition, if_true, if_false)
 
 
 def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
@@ -154,28 +154,28 @@ def power_of_two_of_arrays(*lengths: Array) -> Array:
     return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
 
 
-def converted(record: Any, number: Callable[[float], Any]) -> Any:
+def converted(record: Any, convert: Callable[[float], Any]) -> Any:
     """
-    Return a nested record with ``number(value)`` in place of each float.
+    Return a nested record with ``convert(value)`` for each float.
 
     Dataclasses are copied without their checks, as other numbers than floats would not pass them.
     """
     if isinstance(record, (float, int)):
-        return number(record)
+        return convert(record)
     if record is None:
         return None
     if isinstance(record, tuple):
-        values = [converted(value, number) for value in record]
+        values = [converted(value, convert) for value in record]
         return record._make(values) if hasattr(record, '_make') else tuple(values)
-    other = copy(record)
+    copied = copy(record)
     for field in fields(record):
-        object.__setattr__(other, field.name, converted(getattr(record, field.name), number))
-    return other
+        object.__setattr__(copied, field.name, converted(getattr(record, field.name), convert))
+    return copied
 
 
 def numbers_of(record: Any) -> list[float]:
     """Return the numbers of a nested record in the order in which :func:`converted` meets them."""
-    numbers: list[float] = []
+    values: list[float] = []
 
     def collect(part: Any) -> None:
         """Append the numbers of a part of the record."""
@@ -184,13 +184,13 @@ def numbers_of(record: Any) -> list[float]:
         if isinstance(part, tuple) or names:
             for inner in part if isinstance(part, tuple) else [getattr(part, n) for n in names]:
                 if type(inner) is float:       # most are
-                    numbers.append(inner)
+                    values.append(inner)
                 else:
                     collect(inner)
         elif part is not None:
-            numbers.append(part)
+            values.append(part)
     collect(record)
-    return numbers
+    return values
 
 
 @cache

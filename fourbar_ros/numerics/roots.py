@@ -64,12 +64,12 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, A
         f, rise = (np.concatenate((v, v[:1])) for v in (f, rise))
     positive = f >= 0.0
     changes = positive[1:] != positive[:-1]
-    one, other = turns_back(f[:-1], rise[:-1]), turns_back(f[1:], -rise[1:])
-    doubtful = changes & one & other
-    if (one | other).any():
+    at_first, at_second = turns_back(f[:-1], rise[:-1]), turns_back(f[1:], -rise[1:])
+    doubtful = changes & at_first & at_second
+    if (at_first | at_second).any():
         small = np.zeros_like(positive)
-        small[:-1] = one & ~changes
-        small[1:] |= other & ~changes
+        small[:-1] = at_first & ~changes
+        small[1:] |= at_second & ~changes
         if is_closed:
             small[[0, -1]] = small[0] | small[-1]
         doubtful |= small[:-1] | small[1:]
@@ -91,8 +91,8 @@ def rises(f: Array, is_closed: bool) -> Array:
 
 def _beyond(f: Array) -> Array:
     """Return the two samples before the first, extrapolated by cubics: the nearer one first."""
-    one = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
-    return np.stack((one, 4.0 * (one + f[1]) - 6.0 * f[0] - f[2]))
+    near = 4.0 * (f[0] + f[2]) - 6.0 * f[1] - f[3]
+    return np.stack((near, 4.0 * (near + f[1]) - 6.0 * f[0] - f[2]))
 
 
 def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Array]:

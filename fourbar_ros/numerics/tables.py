@@ -29,16 +29,16 @@ Table = Mapping[str, Function]
 def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
         done: Mapping[int, Sequence[int]] = MappingProxyType({})) -> list[Any]:
     """
-    Evaluate the steps of a trace at the places ``order`` with the operations of a table.
+    Evaluate the steps of a trace at the indices ``order`` with the operations of a table.
 
-    ``values``: by place, those that are known already; the results are written into it. ``done``:
-    by place, those that nobody needs after it: arrays are given back while they are in the cache.
+    ``values``: by index, those that are known already; the results are written into it. ``done``:
+    by index, those that nobody needs after it: arrays are given back while they are in the cache.
     """
     steps, known = trace.steps, values.__getitem__
-    for place in order:
-        step = steps[place]
-        values[place] = table[step.operation](*map(known, step.arguments))
-        for i in done.get(place, ()):
+    for index in order:
+        step = steps[index]
+        values[index] = table[step.operation](*map(known, step.arguments))
+        for i in done.get(index, ()):
             values[i] = None
     return values
 

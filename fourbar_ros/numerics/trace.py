@@ -44,8 +44,8 @@ COMMUTES = ('add', 'mul')
 # operations that raise for some floats: a root of a negative number, a division by zero
 REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
-# Places of results as a formula returned them: numbers, or sequences of such.
-NestedPlaces = Union[int, Sequence['NestedPlaces']]
+# Indices of results as a formula returned them: numbers, or sequences of such.
+NestedIndices = Union[int, Sequence['NestedIndices']]
 MakeFormula = Callable[[NumberType, Any], Function]
 
 
@@ -58,7 +58,7 @@ class Step(NamedTuple):
     """
 
     operation: str
-    arguments: tuple[int, ...] = ()      # places of the steps whose results it takes
+    arguments: tuple[int, ...] = ()      # indices of the steps whose results it takes
     value: Any = None                    # of a constant its number, of a call its function
 
     @property
@@ -75,12 +75,12 @@ NOTHING = Step('nothing')
 
 
 class Number:
-    """A number that is not known yet: its place in a trace."""
+    """A number that is not known yet: its index in a trace."""
 
-    __slots__ = ('place', 'trace')
+    __slots__ = ('index', 'trace')
 
-    def __init__(self, trace: Trace, place: int) -> None:
-        self.trace, self.place = trace, place
+    def __init__(self, trace: Trace, index: int) -> None:
+        self.trace, self.index = trace, index
 
     @property
     def real(self) -> Number:
@@ -97,10 +97,10 @@ Recordable = Union[Number, float]
 
 def _method(name: str, is_reflected: bool) -> Function:
     """Return the method of Number that records an operator; reflected: 2.0 - x, of x."""
-    def method(self: Number, *others: Recordable) -> Recordable:
-        if not all(isinstance(other, (Number, float, int)) for other in others):
+    def method(self: Number, *operands: Recordable) -> Recordable:
+        if not all(isinstance(operand, (Number, float, int)) for operand in operands):
             return NotImplemented       # type: ignore[no-any-return]  # a sign for Python
-        return self.trace.add(name, *(others + (self,) if is_reflected else (self, *others)))
+        return self.trace.add(name, *(operands + (self,) if is_reflected else (self, *operands)))
     return method
 
 
@@ -122,13 +122,13 @@ def _function(name: str) -> Function:
     return call
 
 
-def _choice(condition: Any, one: Any, other: Any) -> Any:
-    """Record ``where(condition, one, other)``, of tuples number by number; a bool decides."""
+def _choice(condition: Any, if_true: Any, if_false: Any) -> Any:
+    """Record ``where(condition, if_true, if_false)``, of tuples item by item; a bool decides."""
     if isinstance(condition, bool):
-        return one if condition else other
-    if isinstance(one, tuple):
-        return tuple(_choice(condition, a, b) for a, b in zip(one, other))
-    return condition.trace.add('where', condition, one, other)
+        return if_true if condition else if_false
+    if isinstance(if_true, tuple):
+        return tuple(_choice(condition, a, b) for a, b in zip(if_true, if_false))
+    return condition.trace.add('where', condition, if_true, if_false)
 
 
 def _call(function: Function, x: Recordable) -> Any:
@@ -159,23 +159,23 @@ class Trace:
     count, size : int
         Number of inputs and of data.
     results : nested tuples of int
-        Places of the formula's results.
+        Indices of the formula's results.
     varies : set of int
-        Places of all that depends on an input.
+        Indices of all that depends on an input.
 
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
         """Run the formula once on numbers that record their operations."""
         self.steps: list[Step] = []
-        self._places: dict[Hashable, int] = {}
+        self._index_of: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
-        numbers = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
+        symbols = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
                         for i in range(count + self.size)])
         self.varies = set(range(count))
-        inputs = list(itertools.islice(numbers, count))
-        formula = make_formula(RECORDED, converted(data, lambda _: next(numbers)))
-        self.results: NestedPlaces = self._places_of(formula(*inputs))
+        inputs = list(itertools.islice(symbols, count))
+        formula = make_formula(RECORDED, converted(data, lambda _: next(symbols)))
+        self.results: NestedIndices = self._indices_of(formula(*inputs))
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
         """
@@ -187,149 +187,149 @@ class Trace:
         known = _without(operation, values)
         if known is not None:
             return known
-        return Number(self, self._add(operation, tuple([self._place(v) for v in values]), value))
+        return Number(self, self._add(operation, tuple([self._index(v) for v in values]), value))
 
-    def _add(self, operation: str, places: tuple[int, ...], value: Any = None) -> int:
+    def _add(self, operation: str, indices: tuple[int, ...], value: Any = None) -> int:
         """
-        Append an operation on the results at some places, and return its place.
+        Append an operation on the results at some indices, and return its index.
 
         Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y becomes
         -(x y). No bit changes.
         """
-        without = [self._without_minus(place) for place in places]
+        without = [self._without_minus(index) for index in indices]
         if operation == 'neg' and without[0] is not None:
             return without[0]
         if operation == 'add' and without[1] is not None:
-            return self._add('sub', (places[0], without[1]))
+            return self._add('sub', (indices[0], without[1]))
         if operation == 'add' and without[0] is not None:
-            return self._add('sub', (places[1], without[0]))
+            return self._add('sub', (indices[1], without[0]))
         if operation == 'sub' and without[1] is not None:
-            return self._add('add', (places[0], without[1]))
+            return self._add('add', (indices[0], without[1]))
         if operation in ('mul', 'truediv'):
-            for i, place in enumerate(without):
-                if place is not None and places[i] in self.varies:
-                    positive = self._add(operation, (*places[:i], place, *places[i + 1:]))
+            for i, index in enumerate(without):
+                if index is not None and indices[i] in self.varies:
+                    positive = self._add(operation, (*indices[:i], index, *indices[i + 1:]))
                     return self._add('neg', (positive,))
-        return self._append(Step(operation, places, value))
+        return self._append(Step(operation, indices, value))
 
-    def _without_minus(self, place: int) -> int | None:
-        """Return the place of x if -x is at a place, else None."""
-        step = self.steps[place]
+    def _without_minus(self, index: int) -> int | None:
+        """Return the index of x if -x is at this index, else None."""
+        step = self.steps[index]
         return step.arguments[0] if step.operation == 'neg' else None
 
-    def _place(self, value: Recordable) -> int:
-        return (value.place if isinstance(value, Number)
+    def _index(self, value: Recordable) -> int:
+        return (value.index if isinstance(value, Number)
                 else self._append(Step('constant', (), float(value))))
 
     def _append(self, step: Step) -> int:
-        """Return the place of a step: that of the same step before, else a new one at the end."""
+        """Return the index of a step: that of the same step before, else a new one at the end."""
         key = len(self.steps) if step.operation in ('input', 'datum') else _key(step)
-        place = self._places.setdefault(key, len(self.steps))
-        if place == len(self.steps):
+        index = self._index_of.setdefault(key, len(self.steps))
+        if index == len(self.steps):
             self.steps.append(step)
             if step.arguments and not self.varies.isdisjoint(step.arguments):
-                self.varies.add(place)
-        return place
+                self.varies.add(index)
+        return index
 
-    def _places_of(self, results: Any) -> NestedPlaces:
-        """Return the places of results, nested as the formula returns them."""
+    def _indices_of(self, results: Any) -> NestedIndices:
+        """Return the indices of results, nested as the formula returns them."""
         if isinstance(results, (tuple, list)):
-            return tuple([self._places_of(value) for value in results])
-        return self._place(results)
+            return tuple([self._indices_of(value) for value in results])
+        return self._index(results)
 
     def begin_apart(self) -> int:
         """Return the number of steps so far; from here on none of them is used again."""
-        self._places.clear()
+        self._index_of.clear()
         return len(self.steps)
 
     # --- known facts about it -------------------------------------------------------------------
 
-    def part(self, number: int) -> NestedPlaces:
-        """Return the places of result ``number`` of a formula with several: motion, loads."""
+    def part(self, i: int) -> NestedIndices:
+        """Return the indices of result ``i`` of a formula with several: motion, loads."""
         assert not isinstance(self.results, int), 'the formula returns one number'
-        return self.results[number]
+        return self.results[i]
 
     @cached_property
     def used_constants(self) -> list[int]:
-        """Return the places of results of data alone that are used with inputs or as results."""
-        used = {i for place in self.varies for i in self.steps[place].arguments}
+        """Return the indices of results of data alone that are used with inputs or as results."""
+        used = {i for index in self.varies for i in self.steps[index].arguments}
         return [i for i in sorted(used.union(flat(self.results)) - self.varies)
                 if self.steps[i].operation != 'constant']
 
     def constants(self, data: Sequence[float]) -> list[float | None]:
-        """Return, by place, the values that depend on data alone, for some data; else None."""
+        """Return, by index, the values that depend on data alone, for some data; else None."""
         values: list[Any] = [None] * len(self.steps)
         values[self.count:self.count + self.size] = data
-        for place in range(self.count + self.size, len(values)):
-            if place not in self.varies:
-                step = self.steps[place]
-                values[place] = step.value if step.is_given else step.of(
+        for index in range(self.count + self.size, len(values)):
+            if index not in self.varies:
+                step = self.steps[index]
+                values[index] = step.value if step.is_given else step.of(
                     *[values[i] for i in step.arguments])
         return values
 
-    def needed(self, places: Iterable[int], with_refusals: bool = False) -> list[int]:
+    def needed(self, indices: Iterable[int], with_refusals: bool = False) -> list[int]:
         """
-        Return the places of all steps that some results need, in order.
+        Return the indices of all steps that some results need, in order.
 
         ``with_refusals``: and of those that refuse some arguments, as the formula with floats
         does even where no result needs them.
         """
-        found: set[int] = set()
-        left = list(places)
+        needed: set[int] = set()
+        left = list(indices)
         if with_refusals:
             left += [i for i, step in enumerate(self.steps) if step.operation in REFUSING]
         while left:
-            place = left.pop()
-            if place not in found:
-                found.add(place)
-                left += self.steps[place].arguments
-        return sorted(found)
+            index = left.pop()
+            if index not in needed:
+                needed.add(index)
+                left += self.steps[index].arguments
+        return sorted(needed)
 
     def literals(self) -> dict[int, float]:
-        """Return the constants that stand in the text of the formula, by place."""
-        return {place: step.value for place, step in enumerate(self.steps)
+        """Return the constants that stand in the text of the formula, by index."""
+        return {index: step.value for index, step in enumerate(self.steps)
                 if step.operation == 'constant'}
 
     def simplified(self, known: Mapping[int, float], end: int | None = None) -> Trace:
         """
-        Return the same trace, with the same places, without what some known numbers make needless.
+        Return the same trace, with the same indices, without what known numbers make needless.
 
-        ``known``: {place: value}. Operations on known numbers become constants; products and sums
+        ``known``: {index: value}. Operations on known numbers become constants; products and sums
         with zero, factors of one and choices with a known condition are replaced by an argument.
-        An operation that refuses its arguments stays, and so do all from place ``end`` on.
+        An operation that refuses its arguments stays, and so do all from index ``end`` on.
         """
-        other = object.__new__(Trace)
-        other.steps, other.count, other.size = list(self.steps), self.count, self.size
-        other._places = {}
+        simple = object.__new__(Trace)
+        simple.steps, simple.count, simple.size = list(self.steps), self.count, self.size
+        simple._index_of = {}
         values, same = dict(known), list(range(len(self.steps)))
-        for place, value in known.items():
-            other.steps[place] = Step('constant', (), value)
-        for place, step in enumerate(self.steps):
+        for index, value in known.items():
+            simple.steps[index] = Step('constant', (), value)
+        for index, step in enumerate(self.steps):
             if step.is_given:
                 continue
             step = step._replace(arguments=tuple([same[i] for i in step.arguments]))
-            if end is not None and place >= end:
-                other.steps[place] = step
+            if end is not None and index >= end:
+                simple.steps[index] = step
                 continue
             same_as = _passed(step, values)
             if step.operation == 'sub' and len({*step.arguments}) == 1:     # NaN or nothing
-                values[place], step = 0.0, Step('constant', (), 0.0)
-                same_as = other._places.setdefault(_key(step), place)
+                values[index], step = 0.0, Step('constant', (), 0.0)
+                same_as = simple._index_of.setdefault(_key(step), index)
             if same_as is None:
                 try:
-                    values[place] = step.of(*[values[i] for i in step.arguments])
-                    step = Step('constant', (), values[place])
+                    values[index] = step.of(*[values[i] for i in step.arguments])
+                    step = Step('constant', (), values[index])
                 except (KeyError, ArithmeticError, ValueError):       # not known, or refused
                     pass
-                same_as = other._places.setdefault(_key(step), place)
-            same[place] = same_as
-            other.steps[place] = step if same_as == place else NOTHING
-        other.results = _renamed(self.results, same)
-        other.varies = set(range(self.count))
-        for place, step in enumerate(other.steps):
-            if not other.varies.isdisjoint(step.arguments):
-                other.varies.add(place)
-        return other
+                same_as = simple._index_of.setdefault(_key(step), index)
+            same[index] = same_as
+            simple.steps[index] = step if same_as == index else NOTHING
+        simple.results = _renamed(self.results, same)
+        simple.varies = set(range(self.count))
+        for index, step in enumerate(simple.steps):
+            if not simple.varies.isdisjoint(step.arguments):
+                simple.varies.add(index)
+        return simple
 
 
 def _key(step: Step) -> Hashable:
@@ -341,20 +341,20 @@ def _key(step: Step) -> Hashable:
 
 
 def _without(operation: str, values: Sequence[Recordable]) -> Recordable | None:
-    """Return the result of a sum or product with a float 0.0 or 1.0, None if that is no other."""
+    """Return the result of a sum or product with a float 0.0 or 1.0; None: it must be computed."""
     if len(values) != 2 or isinstance(values[0], Number) and isinstance(values[1], Number):
         return None
-    one, other = values
+    left, right = values
     if operation in COMMUTES:
-        known, number = (other, one) if isinstance(one, Number) else (one, other)
+        known, symbol = (right, left) if isinstance(left, Number) else (left, right)
         if operation == 'mul' and known == 0.0:
             return 0.0
-        return number if known == (1.0 if operation == 'mul' else 0.0) else None
-    if operation == 'sub' and one == 0.0 and isinstance(other, Number):
-        negative: Number = -other       # type: ignore[operator]  # as is set above
+        return symbol if known == (1.0 if operation == 'mul' else 0.0) else None
+    if operation == 'sub' and left == 0.0 and isinstance(right, Number):
+        negative: Number = -right       # type: ignore[operator]  # as is set above
         return negative
-    if isinstance(one, Number) and other == {'sub': 0.0, 'truediv': 1.0}.get(operation):
-        return one
+    if isinstance(left, Number) and right == {'sub': 0.0, 'truediv': 1.0}.get(operation):
+        return left
     return None
 
 
@@ -362,7 +362,7 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     """
     Return the argument that is the result of an operation which does nothing, or None.
 
-    With the known ``values`` by place: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x.
+    With the known ``values`` by index: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x.
     """
     operation, arguments = step.operation, step.arguments
     known = [values.get(i) for i in arguments]
@@ -370,21 +370,21 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
         return arguments[1] if known[0] else arguments[2]
     if all(value is not None for value in known):
         return None
-    for value, own, other in zip(known, arguments, reversed(arguments)):
+    for value, argument, second in zip(known, arguments, reversed(arguments)):
         if operation == 'mul' and value == 0.0:
-            return own
+            return argument
         if operation == 'mul' and value == 1.0 or operation == 'add' and value == 0.0:
-            return other
+            return second
     does_nothing = {'sub': 0.0, 'truediv': 1.0}.get(operation)
     return arguments[0] if does_nothing is not None and known[1] == does_nothing else None
 
 
-def _renamed(places: NestedPlaces, same: Sequence[int]) -> NestedPlaces:
-    return same[places] if isinstance(places, int) else tuple([_renamed(part, same)
-                                                               for part in places])
+def _renamed(indices: NestedIndices, same: Sequence[int]) -> NestedIndices:
+    return same[indices] if isinstance(indices, int) else tuple([_renamed(part, same)
+                                                               for part in indices])
 
 
-def flat(places: NestedPlaces) -> list[int]:
-    """Return the places of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
-    return [places] if isinstance(places, int) else [place for part in places
-                                                     for place in flat(part)]
+def flat(indices: NestedIndices) -> list[int]:
+    """Return the indices of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
+    return [indices] if isinstance(indices, int) else [index for part in indices
+                                                     for index in flat(part)]

@@ -22,11 +22,11 @@ class Vector:
     def __repr__(self) -> str:
         return f'Vector({self.x!r}, {self.y!r})'
 
-    def __add__(self, other: Vector) -> Vector:
-        return Vector(self.x + other.x, self.y + other.y)
+    def __add__(self, vector: Vector) -> Vector:
+        return Vector(self.x + vector.x, self.y + vector.y)
 
-    def __sub__(self, other: Vector) -> Vector:
-        return Vector(self.x - other.x, self.y - other.y)
+    def __sub__(self, vector: Vector) -> Vector:
+        return Vector(self.x - vector.x, self.y - vector.y)
 
     def __neg__(self) -> Vector:
         return Vector(-self.x, -self.y)
@@ -42,13 +42,13 @@ class Vector:
         """Return k x a: the vector turned by +90 degrees."""
         return Vector(-self.y, self.x)
 
-    def dot(self, other: Vector) -> Scalar:
+    def dot(self, vector: Vector) -> Scalar:
         """Return the dot product."""
-        return self.x * other.x + self.y * other.y
+        return self.x * vector.x + self.y * vector.y
 
-    def cross(self, other: Vector) -> Scalar:
+    def cross(self, vector: Vector) -> Scalar:
         """Return the z component of the cross product."""
-        return self.x * other.y - self.y * other.x
+        return self.x * vector.y - self.y * vector.x
 
     def along(self, direction: Vector) -> Vector:
         """Return on the ground axes a vector given along a unit vector (x) and to its left (y)."""

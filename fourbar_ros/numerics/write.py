@@ -5,7 +5,7 @@ A trace as the text of a Python function that does only what its results need.
 
 A formula written for any number type computes more than an integrator asks for: angles, products
 with masses of zero, rates at the rate one. Its trace becomes a function without calls, tuples and
-choices of its own. What refuses an argument in the formula (a root of a negative number, a
+choices. What refuses an argument in the formula (a root of a negative number, a
 division by zero) does so here, even where the result does not need it. A traceback shows the line
 that was written, and names the formula. Operations, their order and so their results are those of
 the formula. :mod:`.write_arrays` does the same for arrays.
@@ -22,7 +22,7 @@ import re
 from typing import Any
 
 from fourbar_ros.numerics.number_types import Function, NumberType
-from fourbar_ros.numerics.trace import flat, NestedPlaces, OPERATIONS, REFUSING, Trace
+from fourbar_ros.numerics.trace import flat, NestedIndices, OPERATIONS, REFUSING, Trace
 
 DEEPEST = 12      # operations in one expression, one inside the other
 KEPT = 64         # texts whose functions, and whose lines for tracebacks, are kept
@@ -32,7 +32,7 @@ FLOATS = {'add': '({} + {})', 'sub': '({} - {})', 'mul': '({} * {})', 'truediv':
 _CALLED = [name for name in OPERATIONS if name not in FLOATS]
 _NAMES = re.compile(r'[a-z]\w*')
 _files: deque[str] = deque()
-_numbers = itertools.count(1)
+_line_numbers = itertools.count(1)
 
 
 def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1,
@@ -51,16 +51,16 @@ def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1
     (9.0, 2.0)
 
     """
-    trace = Trace(lambda numbers, _: make_formula(numbers), count)
+    trace = Trace(lambda n, _: make_formula(n), count)
     return _lines(trace.simplified(trace.literals()), name)(())
 
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str
              ) -> Callable[[Sequence[float]], Function]:
     """
-    Return numbers of data -> Python function of floats, for all data of one structure.
+    Return data -> Python function of floats, for all data of one structure.
 
-    It is written and compiled once. ``zeros``: which numbers of the data are zero in all of them:
+    It is written and compiled once. ``zeros``: which of the data are zero in all of them:
     their terms are left out. Without zeros nothing is known of the data, and the line has the bits
     of the formula with floats, the signs of zeros too. ``name``: as for :func:`straight_line`.
 
@@ -77,7 +77,7 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
 
 
 def _lines(trace: Trace, name: str) -> Callable[[Sequence[float]], Function]:
-    """Return numbers of data -> compiled function of the inputs of a trace."""
+    """Return data -> compiled function of the inputs of a trace."""
     text, functions = _text_of(trace)
     make = compiled(text, name)
     return lambda data: make(*data, inf, nan, *[OPERATIONS[name] for name in _CALLED], *functions)
@@ -92,15 +92,15 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
     fastest.
     """
     made, lines = list[str](), list[str]()
-    texts = dict[int, tuple[str, int]]()          # of each place its expression, its depth
+    texts = dict[int, tuple[str, int]]()          # of each index its expression, its depth
     functions = list[Function]()                  # that are no formulas, as a table of forces
     needed = trace.needed(flat(trace.results), with_refusals=True)
     uses, kept = _uses_of(trace, needed)
-    for place in needed:
-        operation, arguments, value = trace.steps[place]
-        if trace.steps[place].is_given:
+    for index in needed:
+        operation, arguments, value = trace.steps[index]
+        if trace.steps[index].is_given:
             letter = {'input': 'x', 'datum': 'd'}.get(operation)
-            texts[place] = f'{letter}{place}' if letter else f'({float(value)!r})', 0
+            texts[index] = f'{letter}{index}' if letter else f'({float(value)!r})', 0
             continue
         if operation == 'call':
             functions += [value] * (value not in functions)
@@ -108,30 +108,30 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
         parts = [texts[i] for i in arguments]
         form = FLOATS.get(operation) or f'{operation}({", ".join(["{}"] * len(parts))})'
         whole, depth = form.format(*[part for part, _ in parts]), 1 + max(d for _, d in parts)
-        varies = place in trace.varies
+        varies = index in trace.varies
         # what is used once stands where it is used, unless it may refuse its arguments: a
         # traceback then shows it on a line of its own
-        if (uses[place] == 1 and depth < DEEPEST and operation not in REFUSING
-                and (varies or place not in kept)):
-            texts[place] = whole, depth
+        if (uses[index] == 1 and depth < DEEPEST and operation not in REFUSING
+                and (varies or index not in kept)):
+            texts[index] = whole, depth
         else:
-            (lines if varies else made).append(f'{"    " * (1 + varies)}v{place} = {whole}')
-            texts[place] = f'v{place}', 0
+            (lines if varies else made).append(f'{"    " * (1 + varies)}v{index} = {whole}')
+            texts[index] = f'v{index}', 0
 
-    def nested(places: NestedPlaces) -> str:
+    def nested(indices: NestedIndices) -> str:
         """Return the text of results as the formula returns them: '(v5, (v7, x0, ), )'."""
-        return (texts[places][0] if isinstance(places, int)
-                else f'({"".join([f"{nested(part)}, " for part in places])})')
+        return (texts[indices][0] if isinstance(indices, int)
+                else f'({"".join([f"{nested(part)}, " for part in indices])})')
 
     answer = nested(trace.results)
     data = [f'd{i}' for i in range(trace.count, trace.count + trace.size)]
-    given = [*data, 'inf', 'nan', *_CALLED, *[f'f{i}' for i in range(len(functions))]]
+    names = [*data, 'inf', 'nan', *_CALLED, *[f'f{i}' for i in range(len(functions))]]
     inputs = [f'x{i}' for i in range(trace.count)]
     if data:
         used = set(_NAMES.findall(' '.join((*lines, answer))))
-        inputs += [f'{name}={name}' for name in (*given, *[one.split()[0] for one in made])
+        inputs += [f'{name}={name}' for name in (*names, *[line.split()[0] for line in made])
                    if name in used]
-    text = [f'def make({", ".join(given)}):', *made, f'    def line({", ".join(inputs)}):', *lines,
+    text = [f'def make({", ".join(names)}):', *made, f'    def line({", ".join(inputs)}):', *lines,
             f'        return {answer}', '    return line', '']
     return '\n'.join(text), functions
 
@@ -140,10 +140,10 @@ def _uses_of(trace: Trace, needed: Sequence[int]) -> tuple[Counter[int], set[int
     """Return how often the result of each step is used, and which of data alone inputs meet."""
     results = flat(trace.results)
     uses, kept = Counter(results), set(results)
-    for place in needed:
-        uses.update(trace.steps[place].arguments)
-        if place in trace.varies:
-            kept.update(trace.steps[place].arguments)
+    for index in needed:
+        uses.update(trace.steps[index].arguments)
+        if index in trace.varies:
+            kept.update(trace.steps[index].arguments)
     return uses, kept
 
 
@@ -154,7 +154,7 @@ def compiled(text: str, name: str) -> Function:
 
     The last 64 texts are kept, compiled, and as files for tracebacks, which name the formula.
     """
-    file, names = f'<{name}, line {next(_numbers)}>', {'__builtins__': dict[str, Any]()}
+    file, names = f'<{name}, line {next(_line_numbers)}>', {'__builtins__': dict[str, Any]()}
     exec(compile(text, file, 'exec'), names)
     if len(_files) == KEPT:
         linecache.cache.pop(_files.popleft(), None)

@@ -23,9 +23,9 @@ CHUNK = 12288     # most samples at a time
 _CONDITIONS, _NOT_IN_PLACE = ('gt', 'lt'), ('where', 'hypot')    # which write before they read
 
 
-def _where(condition: Array, one: Any, other: Any, out: Array) -> None:
-    np.copyto(out, other)
-    np.copyto(out, one, where=condition)
+def _where(condition: Array, if_true: Any, if_false: Any, out: Array) -> None:
+    np.copyto(out, if_false)
+    np.copyto(out, if_true, where=condition)
 
 
 # The last argument is where the result goes. All other operations are on data alone.
@@ -42,30 +42,30 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
     """
     Return the function (inputs, constants) -> results ``wanted`` of a trace of three inputs.
 
-    Results are arrays of shape (n,) with own memory, computed chunk by chunk; so are inputs;
-    constants by place are those of :meth:`.Trace.constants`. ``zeros``: places of numbers that do
-    not depend on the inputs and are zero.
+    Inputs and results are arrays of shape (n,), computed chunk by chunk; results have memory of
+    their own. ``constants``: by index, from :meth:`.Trace.constants`. ``zeros``: indices of what
+    does not depend on the inputs and is zero.
     """
-    simple, places = _without_zeros(trace, wanted, zeros)
-    steps = [place for place in simple.needed(places)
-             if place in trace.varies and place >= trace.count]
+    simple, indices = _without_zeros(trace, wanted, zeros)
+    steps = [index for index in simple.needed(indices)
+             if index in trace.varies and index >= trace.count]
     # differences of equal numbers, which do not depend on the inputs any more
     fixed = {i: simple.steps[i].value for i in steps if simple.steps[i].is_given}
-    lines, kinds = array_statements(simple, places, [i for i in steps if i not in fixed])
+    lines, kinds = array_statements(simple, indices, [i for i in steps if i not in fixed])
     known = sorted({int(name[1:]) for name in re.findall(r'v\d+', ' '.join(lines))})
     names = [*(f'v{i}' for i in known), *(f'b{i}' for i in range(len(kinds))),
-             *(f'r{i}' for i in range(len(places)))]
+             *(f'r{i}' for i in range(len(indices)))]
     line = compiled('\n'.join([f'def make({", ".join(ARRAYS)}):',
                                f'    def line({", ".join(names)}):',
-                               *(f'        {one}' for one in lines or ['pass']),
+                               *(f'        {text}' for text in lines or ['pass']),
                                '    return line', '']), 'arrays')(*ARRAYS.values())
 
     def run_on(inputs: Sequence[Array], constants: Sequence[Any]) -> list[Array]:
         keep_memory()
         size, values = inputs[0].size, [*inputs, *constants[3:]]
-        for place, value in fixed.items():
-            values[place] = value
-        rows: list[Array] = [np.empty(size) for _ in places]
+        for index, value in fixed.items():
+            values[index] = value
+        rows: list[Array] = [np.empty(size) for _ in indices]
         count = -(-size // -(-size // CHUNK)) if size else 1     # chunks of equal size
         buffers: list[Any] = [np.empty(count, kind) for kind in kinds]
         for start in range(0, size, count):
@@ -80,64 +80,64 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
 def _without_zeros(trace: Trace, wanted: Sequence[int],
                    zeros: frozenset[int]) -> tuple[Trace, list[int]]:
     """
-    Return the trace without what only adds zero, and the places of the results ``wanted`` in it.
+    Return the trace without what only adds zero, and the indices of the results ``wanted`` in it.
 
     The whole trace if a result would then no longer be NaN where it should.
     """
     simple = trace.simplified(dict.fromkeys(zeros, 0.0))
-    full, places = ([flat(one.results)[i] for i in wanted] for one in (trace, simple))
-    if _carriers(simple, places) != _carriers(trace, full):
+    full, indices = ([flat(each.results)[i] for i in wanted] for each in (trace, simple))
+    if _carriers(simple, indices) != _carriers(trace, full):
         return trace, full
-    return simple, places
+    return simple, indices
 
 
 def array_statements(trace: Trace, results: Sequence[int],
-                     places: Sequence[int]) -> tuple[list[str], list[type]]:
+                     indices: Sequence[int]) -> tuple[list[str], list[type]]:
     """
-    Return the statements of the steps at ``places``, and the types of their buffers b0, b1, ...
+    Return the statements of the steps at ``indices``, and the types of their buffers b0, b1, ...
 
     A result is written to its row r0, r1, ...; another step gets a buffer that no later step reads
-    any more, or a new one. What is known is v and its place.
+    any more, or a new one. A known value is v and its index.
     """
-    last_use = {i: place for place in places for i in trace.steps[place].arguments}
-    names = {place: f'r{i}' for i, place in reversed([*enumerate(results)]) if place in places}
+    last_use = {i: index for index in indices for i in trace.steps[index].arguments}
+    names = {index: f'r{i}' for i, index in reversed([*enumerate(results)]) if index in indices}
     buffers, kinds, free, lines = dict[int, str](), list[type](), list[str](), list[str]()
-    for place in places:
-        operation, arguments, _ = trace.steps[place]
+    for index in indices:
+        operation, arguments, _ = trace.steps[index]
         done = [buffers[i] for i in dict.fromkeys(arguments)
-                if i in buffers and last_use[i] == place]
+                if i in buffers and last_use[i] == index]
         if operation not in _NOT_IN_PLACE:
             free += done
-        if place not in names:
+        if index not in names:
             if operation in _CONDITIONS or not free:
-                names[place] = f'b{len(kinds)}'
+                names[index] = f'b{len(kinds)}'
                 kinds.append(bool if operation in _CONDITIONS else float)
             else:
-                names[place] = free.pop()
+                names[index] = free.pop()
             if operation not in _CONDITIONS:
-                buffers[place] = names[place]
+                buffers[index] = names[index]
         if operation in _NOT_IN_PLACE:
             free += done
-        given = ', '.join([names.get(i, f'v{i}') for i in (*arguments, place)])
-        lines.append(f'{operation}({given})')
+        operands = ', '.join([names.get(i, f'v{i}') for i in (*arguments, index)])
+        lines.append(f'{operation}({operands})')
     # an input, one number, or a result twice
-    return lines + [f'copy(r{i}, {names.get(place, f"v{place}")})'
-                    for i, place in enumerate(results) if names.get(place) != f'r{i}'], kinds
+    return lines + [f'copy(r{i}, {names.get(index, f"v{index}")})'
+                    for i, index in enumerate(results) if names.get(index) != f'r{i}'], kinds
 
 
-def _carriers(trace: Trace, places: Sequence[int]) -> list[frozenset[int]]:
+def _carriers(trace: Trace, indices: Sequence[int]) -> list[frozenset[int]]:
     """
-    Return, for each result, the places of the roots and of the position that it depends on.
+    Return, for each result, the indices of the roots and of the position that it depends on.
 
     Out of range they are NaN, and so make the result NaN. Rate and acceleration do not count: a
     result may multiply them by zero.
     """
     carried: list[frozenset[int]] = []
-    for place, step in enumerate(trace.steps):
+    for index, step in enumerate(trace.steps):
         of_arguments = frozenset[int]().union(*[carried[i] for i in step.arguments])
-        is_carrier = place == 0 or step.operation == 'sqrt'
-        carried.append(of_arguments | {place} if is_carrier else of_arguments)
-    return [carried[place] for place in places]
+        is_carrier = index == 0 or step.operation == 'sqrt'
+        carried.append(of_arguments | {index} if is_carrier else of_arguments)
+    return [carried[index] for index in indices]
 
 
 @cache
