@@ -90,7 +90,7 @@ def _show(arguments: Namespace) -> None:
             tables.what_it_is(with_masses, path),
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
-            tables.proofs_in_words(extrema) if arguments.certify else None,
+            tables.proofs_in_words(extrema) or None,
             _effort_in_words(linkage, effort) if effort else why_no_loads,
             *(_pose_tables(linkage, pose, scene) if pose else ())])
     warn(scene)

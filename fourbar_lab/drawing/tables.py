@@ -15,6 +15,7 @@ from fourbar_lab.drawing.record import (
     properties_of,
 )
 from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.extrema.proof import INTERVALS
 from fourbar_ros.mechanics.bodies import Base, field_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
@@ -150,5 +151,7 @@ def proofs_in_words(extrema: Sequence[Extremum]) -> str:
     """Return a line for each way in which extrema are proved, or not, with the quantities."""
     names: dict[str, dict[str, None]] = {}
     for extremum in extrema:
-        names.setdefault(extremum.proof, {})[extremum.quantity] = None
+        if extremum.proof:
+            text = extremum.proof.replace(INTERVALS, 'proved complete')
+            names.setdefault(text, {})[extremum.quantity] = None
     return '\n'.join(f'{proof}: {", ".join(of)}' for proof, of in names.items())

@@ -12,6 +12,7 @@ where they have one-sided values.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from math import isfinite, isnan, nan, pi
 from typing import Any, NamedTuple, Union
 
@@ -21,7 +22,7 @@ from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
-from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import number, rate_of_input
 from fourbar_ros.numerics.roots import fold
 import numpy as np
@@ -158,14 +159,15 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     if not search.paths:
         raise InvalidParameter('within', within, 'the links close at none of these inputs, but in '
                                + in_words(linkage.input_ranges, linkage.input_coordinate.unit))
-    found, proofs = search.extrema(conditions), [''] * len(quantities)
+    found, proofs, refuted = search.extrema(conditions), [''] * len(quantities), set[int]()
     if certify:
         def tell(share: float) -> None:
             check()
             progress(share)
-        found, proofs = search.proved(found, conditions, tell, seconds)
-    return [extremum for quantity, part, proof in zip(quantities, found, proofs)
-            for extremum in _extrema(quantity, linkage, part, proof)]
+        found, proofs, refuted = search.proved(found, conditions, tell, seconds)
+    return [extremum for row, quantity in enumerate(quantities) if found[row]
+            for extremum in _extrema(quantity, linkage, found[row], proofs[row], row in refuted,
+                                     partial(search.exact, row))]
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
@@ -213,43 +215,73 @@ def _is_one(quantity: Any) -> bool:
     return isinstance(quantity, str) or hasattr(quantity, 'of') or callable(quantity)
 
 
-def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum],
-             proof: str) -> list[Extremum]:
+def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], proof: str,
+             is_refuted: bool, exact: Callable[[list[float]], Array]) -> list[Extremum]:
     """
     Return the extrema of one quantity as records for users, by place, the global ones marked.
 
-    ``found``: from the search; ``proof``: says whether they are complete. An extremum is global if
-    its value is the largest (smallest) within the errors of both.
+    ``found``: from the search; ``proof``: says whether they are complete; ``is_refuted``: it says
+    that they are not, so that only infinite ones are global; ``exact``: see
+    :func:`_most_extreme`.
     """
-    if not found:
-        return []
     found = sorted(found, key=lambda one: (one.place, one.side))
-    bounds, values = [_bounds(one) for one in found], [one.value for one in found]
-    lowest, highest = np.fmin.reduce(values), np.fmax.reduce(values)     # without NaN
-    low = max([top for (_, top), value in zip(bounds, values) if value == lowest], default=nan)
-    high = min([bottom for (bottom, _), value in zip(bounds, values) if value == highest],
-               default=nan)
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide
-    doubts = [f'not certain: constant within {one.noise:.1e} {symbol}, its rounding errors'
-              if not one.sense and one.noise else '' for one in found]
+    lowest, low_in_doubt = _most_extreme(found, -1, exact)
+    highest, high_in_doubt = _most_extreme(found, 1, exact)
+    first, in_doubt = lowest | highest, low_in_doubt | high_in_doubt
+    proofs = [f'not certain: constant within {one.noise:.1e} {symbol}, its rounding errors'
+              if not one.sense and one.noise else
+              'not certain: rounding errors hide which is the most extreme' if i in in_doubt
+              else proof for i, one in enumerate(found)]
     angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
     return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
-                     one.sense <= 0 and bottom <= low or one.sense >= 0 and top >= high,
+                     i in first and not (is_refuted and isfinite(one.value)),
                      INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,
-                     one.side, unit * one.condition, one.value_condition, doubt or proof,
+                     one.side, unit * one.condition, one.value_condition, text,
                      unit * one.place if is_slide else nan)
-            for one, theta1, doubt, (bottom, top) in zip(found, angles, doubts, bounds)]
+            for i, (one, theta1, text) in enumerate(zip(found, angles, proofs))]
 
 
-def _bounds(one: PathExtremum) -> tuple[float, float]:
-    """Return (low, high) of a value with its error: two whose bounds overlap count as equal."""
+def _most_extreme(found: Sequence[PathExtremum], sense: int,
+                  exact: Callable[[list[float]], Array]) -> tuple[set[int], set[int]]:
+    """
+    Return the indices of the lowest (``sense`` -1) or highest extrema (1), and of those in doubt.
+
+    Values that differ by their last bits are equal. Where errors may be larger than that,
+    ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not known.
+    """
+    values = {i: sense * one.value for i, one in enumerate(found)
+              if one.sense != -sense and not isnan(one.value)}
+    if not values:
+        return set(), set()
+    best = max(values, key=values.__getitem__)
+    least = values[best] - _error(found[best])
+    near = {i: value for i, value in values.items() if value + _error(found[i]) >= least}
+    greatest = _greatest(near)
+    if len(greatest) == len(near):
+        return greatest, set()
+    inner = [i for i in near if found[i].sense and not found[i].side and found[i].value]
+    exactly = near | dict(zip(inner, (sense * exact([found[i].place for i in inner])).tolist()))
+    if any(isnan(exactly[i]) or found[i].noise and not found[i].sense for i in near):
+        return greatest, set(near)
+    return _greatest(exactly), set()
+
+
+def _greatest(values: dict[int, float]) -> set[int]:
+    """Return the keys of the greatest values and of those that are equal but for last bits."""
+    greatest = max(values.values())
+    least = greatest - 64.0 * EPS * abs(greatest) if isfinite(greatest) else greatest
+    return {i for i, value in values.items() if value >= least}
+
+
+def _error(one: PathExtremum) -> float:
+    """Return a bound of the error of a value."""
     if not isfinite(one.value):
-        return one.value, one.value
+        return 0.0
     condition = one.value_condition if one.value_condition < TRUSTED else 0.0
-    error = max(one.noise, 4 * EPS * (16 + condition) * abs(one.value))
-    return one.value - error, one.value + error
+    return max(one.noise, 4 * EPS * (16 + condition) * abs(one.value))
 
 
 def _crank_angles(linkage: Mechanism, found: Sequence[PathExtremum]) -> list[float]:

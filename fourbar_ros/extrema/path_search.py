@@ -39,10 +39,15 @@ NEARER = 2.0**-12
 # Part of the bound of rounding errors that counts for an extremum; the least error of a value.
 PART_OF_NOISE = 0.25
 SMALLEST = 2.0**-1022
-# Distance from a root at which slopes tell a kink from a smooth minimum, in samples.
-KINK = 2.0**-12
+# Distance from a root at which slopes tell a kink from a smooth minimum, in samples; how small the
+# value is then beside that of a sample.
+KINK, DEEP = 2.0**-12, 2.0**-12
 # Part of a square that a step leaves over, below which it has lost its digits: beside a kink.
 MOSTLY_CANCELLED = 2.0**-12
+# Distance of samples, in the path's unit, below which the rounding of an input moves a value.
+NARROW = 2.0**-10
+# How far from an extremum a quantity is evaluated with many digits to confirm it, in samples.
+BESIDE = 2.0**-6
 # Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
@@ -69,7 +74,7 @@ class PathExtremum(NamedTuple):
     is_flat: bool = False            # at the flat position of a change point
     condition: float = nan           # as in Extremum, of the place
     value_condition: float = nan
-    noise: float = 0.0               # bound of the error of the value, besides its last bits
+    noise: float = 0.0               # least error of the value, of a constant a bound
 
 
 def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
@@ -127,8 +132,9 @@ class Roots(NamedTuple):
     sense: Array        # +1 a maximum, -1 a minimum
     x: Array            # the input there
     spacing: Array      # distance of the samples there
-    value: Array        # of the quantity
-    noise: Array        # a bound of its rounding error; 0 at a change point, where none is known
+    value: Array        # of the quantity at the input as it is reported
+    rounding: Array     # its least rounding error
+    noise: Array        # a bound of that; 0 at a change point, where none is known
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
@@ -156,9 +162,11 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
         change, is_of_square = slope * step, is_positive[which]
         square = value * value - change
         at_root = np.where(is_of_square, np.sqrt(np.maximum(square, 0.0)), value - 0.5 * change)
-        near = np.flatnonzero(is_of_square & (square < MOSTLY_CANCELLED * value * value))
+        is_lost = is_of_square & (square < MOSTLY_CANCELLED * value * value)
+        near = np.flatnonzero(is_lost | (spacing[which] < NARROW))
         if near.size:
-            at_root[near] = sampler.values(root[near])[row[which[near]], np.arange(near.size)]
+            at_root[near] = sampler.values(sampler.fold(root[near]))[
+                row[which[near]], np.arange(near.size)]
         return root, at_root
 
     root, value = solved(np.arange(row.size)) if row.size else (xa, xa)
@@ -172,10 +180,11 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
-        value = sampler.values(root)[row, np.arange(row.size)]
-    noise = np.maximum(samples.noise[row, i], samples.noise[row, (i + 1) % x.size])
-    return Roots(row, i, sense, root, spacing, value,
-                 np.zeros(row.size) if sampler.flats else PART_OF_NOISE * noise)
+        value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
+    rounding, noise = (np.zeros(row.size) if sampler.flats else PART_OF_NOISE * np.maximum(
+        errors[row, i], errors[row, (i + 1) % x.size])
+        for errors in (samples.rounding, samples.noise))
+    return Roots(row, i, sense, root, spacing, value, rounding, noise)
 
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array,
@@ -190,11 +199,14 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     none.
     """
     roots = _roots(sampler, samples, rows)
-    is_small = np.flatnonzero((roots.noise > 0.0) & (np.abs(roots.value) <= roots.noise))
+    is_magnitude = np.asarray((samples.values >= 0.0).all(axis=1))[roots.quantity]
+    near = samples.values[roots.quantity, roots.before]
+    is_small = np.flatnonzero((roots.sense < 0) & is_magnitude & (
+        np.abs(roots.value) <= np.maximum(roots.noise, DEEP * near)))
     if is_small.size:
         roots.value[is_small[_is_kink(sampler, roots, is_small)]] = 0.0
     if not sampler.flats:       # else no bound is known
-        kept = _beyond_noise(samples, roots)
+        kept = _beyond_noise(sampler, samples, roots)
         roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
@@ -204,23 +216,28 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
                   if with_conditions else np.full((2, roots.quantity.size), nan))
     columns = {'quantity': roots.quantity, 'place': sampler.fold(roots.x), 'value': value,
                'sense': roots.sense, 'condition': conditions[0],
-               'value_condition': conditions[1], 'noise': roots.noise}
+               'value_condition': conditions[1], 'noise': roots.rounding}
     return [PathExtremum(**dict(zip(columns, fields)))
             for fields in zip(*(column.tolist() for column in columns.values()))]
 
 
 def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
     """
-    Return which magnitudes |F| at roots are small because F changes its sign: they are kinks.
+    Return which magnitudes |F| are least because F changes its sign: they are kinks.
 
-    |F| is zero there: the rounding of x and of F explains the value.
+    |F| is zero there: the rounding of x and of the terms of F explains the value, or that of x
+    explains what many digits leave.
     """
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
-    ulps = 4.0 * EPS * np.maximum(np.abs(x), SMALL)
-    return np.asarray(is_kink & (np.abs(roots.value[which]) <= ulps * size + roots.noise[which]))
+    ulps = 4.0 * EPS * np.maximum(np.abs(sampler.fold(x)), SMALL)
+    is_zero = is_kink & (np.abs(roots.value[which]) <= ulps * size + roots.rounding[which])
+    open_ = np.flatnonzero(is_kink & ~is_zero)
+    if open_.size:
+        is_zero[open_] = sampler.exact(x[open_], row[open_]) <= (ulps * size)[open_]
+    return np.asarray(is_zero)
 
 
 def _beside(sampler: Sampler, x: Array, turn: Array, row: Array) -> tuple[Array, Array]:
@@ -239,14 +256,23 @@ class _Turn(NamedTuple):
     root: int           # its number among the roots
 
 
-def _beyond_noise(samples: Samples, roots: Roots) -> Array:
+def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
     """
     Return the indices of the roots that rounding errors cannot have made.
 
     Maxima and minima take turns along a path. Two neighbours between which no fall is larger than
     rounding errors are taken out together, the most alike first; so is one beside an end to which
-    there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0.
+    there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0. Where the bound of
+    the errors may be far too large, many digits confirm extrema.
     """
+    @cache
+    def is_confirmed(k: int) -> bool:
+        """Return whether many digits have an extremum at a root."""
+        beside = BESIDE * roots.spacing[k]
+        before, here, after = roots.sense[k] * sampler.exact(
+            roots.x[k] + np.array((-beside, 0.0, beside)), np.full(3, roots.quantity[k]))
+        return bool(before < here > after)
+
     order = np.lexsort((roots.x, roots.before, roots.quantity))
     kept = list[int]()
     for own in np.split(order, np.flatnonzero(np.diff(roots.quantity[order])) + 1):
@@ -259,11 +285,19 @@ def _beyond_noise(samples: Samples, roots: Roots) -> Array:
         if not samples.path.is_closed:
             turns = [_Turn(float(values[0]), float(errors[0]), -1, -1), *turns,
                      _Turn(float(values[-1]), float(errors[-1]), values.size - 1, -1)]
-        kept += [turn.root for turn in _with_falls(turns, values, errors) if turn.root >= 0]
+
+        def is_certain(one: _Turn, other: _Turn) -> bool:
+            """Return whether two neighbours that differ by less than the bound are extrema."""
+            inner = [turn.root for turn in (one, other) if turn.root >= 0]
+            return (bool(inner) and abs(one.value - other.value) > roots.rounding[inner].max()
+                    and all(map(is_confirmed, inner)))
+        kept += [turn.root for turn in _with_falls(turns, values, errors, is_certain)
+                 if turn.root >= 0]
     return np.array(kept, int)
 
 
-def _with_falls(turns: list[_Turn], values: Array, errors: Array) -> list[_Turn]:
+def _with_falls(turns: list[_Turn], values: Array, errors: Array,
+                is_certain: Callable[[_Turn, _Turn], bool]) -> list[_Turn]:
     """Return those of the extrema of a quantity, with any ends, that its rounding leaves."""
     @cache
     def fall(one: _Turn, other: _Turn) -> float:
@@ -284,8 +318,10 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array) -> list[_Turn]
         if least > 1.0:
             break
         k = falls.index(least)
-        turns = [turn for i, turn in enumerate(turns)
-                 if i not in (k, (k + 1) % len(turns)) or turn.root < 0]
+        pair = k, (k + 1) % len(turns)
+        certain = is_certain(*(turns[i] for i in pair))
+        turns = [turn._replace(error=0.0) if certain and i in pair else turn
+                 for i, turn in enumerate(turns) if certain or i not in pair or turn.root < 0]
     return turns
 
 

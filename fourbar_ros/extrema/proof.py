@@ -47,8 +47,8 @@ LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
 # How well a proof confirms places at best and at least [in the input's unit], and values: over
-# themselves, and over the largest value (of a root: of the squares).
-PLACE, WIDEST, VALUE, OF_LARGEST = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-40
+# themselves, besides what the rounding of their terms and of the input, over itself, makes of it.
+PLACE, WIDEST, VALUE, INPUT = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-50
 
 
 class ProvenPiece(NamedTuple):
@@ -90,12 +90,11 @@ class Proof(NamedTuple):
             return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
         coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, PLACE
         turns = (0,) if self.linkage.is_driven_by_slide else (-1, 0, 1)     # paths may go beyond
-        largest = max([abs(one.value) for one in inside], default=0.0)
         for one in inside:
             part = next((part for part in left for turn in turns
                          if part.sense == one.sense and part.low - PLACE <= one.place
                          + 2.0 * pi * turn <= part.high + PLACE), None)
-            around = self._width(one, largest) if part else inf
+            around = self._width(one) if part else inf
             if part is None or around == inf:
                 kind = 'minimum' if one.sense < 0 else 'maximum'
                 return (f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
@@ -116,7 +115,7 @@ class Proof(NamedTuple):
         return any(0.0 < side * self.linkage.distance(place, at) < width
                    for side, at, width in self.ends)
 
-    def _width(self, one: PathExtremum, largest: float) -> float:
+    def _width(self, one: PathExtremum) -> float:
         """
         Return how near to its place an extremum is, inf if it may be far or has another value.
 
@@ -129,19 +128,23 @@ class Proof(NamedTuple):
             before, after = [one.sense * polynomial(slopes(c), t) if c else nan
                              for t in (-width, width)]
             if c and before > 0 > after:
-                return width if self._has_value(float(c[0].mid()), one, largest) else inf
+                return width if self._has_value(c, one) else inf
             if before < 0 or after > 0:
                 return inf
             width *= 2.0
         return inf
 
-    def _has_value(self, value: float, one: PathExtremum, largest: float) -> bool:
-        """Return whether the enclosed quantity has, at x, the value that was found."""
-        size, bound = abs(one.value), VALUE * abs(one.value) + one.noise + OF_LARGEST * largest
+    def _has_value(self, c: list[arb], one: PathExtremum) -> bool:
+        """Return whether the quantity with the coefficients ``c`` has the value that was found."""
+        value, slope, bend, size = *(float(part.mid()) for part in c[:3]), abs(one.value)
+        near, bound = INPUT * max(abs(one.place), PLACE), VALUE * size + one.noise
+        by_input = (abs(slope) + abs(bend) * near) * near
         if self.is_square:
-            return one.value >= 0.0 and abs(value - size * size) <= bound * (2.0 * size + bound)
+            return (one.value >= 0.0 and abs(value - size * size)
+                    <= bound * (2.0 * size + bound) + by_input)
         off = value - one.value
-        return abs(off - 2.0 * pi * round(off / (2.0 * pi)) * self.is_angle) <= bound
+        return (abs(off - 2.0 * pi * round(off / (2.0 * pi)) * self.is_angle)
+                <= bound + by_input)
 
 
 def slopes(c: list[arb]) -> list[arb]:
@@ -327,27 +330,27 @@ class Enclosing:
                 if not self._trace.steps[place].is_given]
         return self._orders[rows]
 
-    def __call__(self, low: float, high: float, rows: Sequence[int], order: int = ORDER
+    def __call__(self, low: float, high: float, rows: Sequence[int]
                  ) -> tuple[arb, dict[int, list[arb] | None]]:
         """Return the middle of a piece, and of quantities the coefficients of (T1), if known."""
         from flint import arb, arb_series
 
         middle, values = arb(0.5 * (low + high)), list(self._values)
-        with arb_settings(BITS, order + 2):
+        with arb_settings(BITS, ORDER + 2):
             values[0] = tuple([arb_series([self.unit * x, self.unit], terms) for x, terms in (
-                (middle, order + 1), (arb(low).union(arb(high)), order + 2))])
+                (middle, ORDER + 1), (arb(low).union(arb(high)), ORDER + 2))])
             try:
                 run(self._trace, [place for place in self._needed(tuple(rows))
                                   if place in self._trace.varies], self._table, values)
-                return middle, {i: self._coefficients(i, values, order) for i in rows}
+                return middle, {i: self._coefficients(i, values) for i in rows}
             except (ValueError, ZeroDivisionError):     # a divisor may vanish
                 return middle, dict.fromkeys(rows)
 
     def one(self, i: int, low: float, high: float) -> list[arb] | None:
-        """Return the coefficients of (T1) of a quantity on a short piece, n = 1."""
-        return self(low, high, [i], 1)[1][i]
+        """Return the coefficients of (T1) of a quantity on a short piece."""
+        return self(low, high, [i])[1][i]
 
-    def _coefficients(self, i: int, values: Sequence[Any], order: int) -> list[arb] | None:
+    def _coefficients(self, i: int, values: Sequence[Any]) -> list[arb] | None:
         """
         Return c_0 to c_n and C of (T1) of a quantity, from the values of the trace.
 
@@ -357,11 +360,11 @@ class Enclosing:
             return None
         from flint import arb_series
 
-        zero = arb_series([0], order + 2)       # the sum is a series, also of constants
+        zero = arb_series([0], ORDER + 2)       # the sum is a series, also of constants
         about, over = [sum(part, zero) for part in zip(*[
             self._table['mul'](values[place], values[place]) if self._is_hypot[i]
             else values[place] for place in self._results[i]])]
-        return [*[about[k] for k in range(order + 1)], over[order + 1]]
+        return [*[about[k] for k in range(ORDER + 1)], over[ORDER + 1]]
 
 
 def _recorded(value: Any) -> Any:

@@ -8,7 +8,9 @@ The derivative is exact: a complex step through the same formulas that compute t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from copy import copy
+from decimal import Decimal, localcontext
 from math import pi
 from typing import Any, ClassVar, NamedTuple, Union
 
@@ -16,13 +18,16 @@ from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.extrema.flat_positions import FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.batches import step_of_arrays
+from fourbar_ros.mechanisms.evaluation import formula_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
-from fourbar_ros.numerics.number_types import Function, Scalar
+from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
+from fourbar_ros.numerics.number_types import Function, numbers_of, Scalar
 from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.tables import ARRAYS
+from fourbar_ros.numerics.trace import flat
 import numpy as np
 
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
@@ -47,7 +52,8 @@ class Samples(NamedTuple):
     values: Array       # each in its unit
     slopes: Array       # their derivatives with respect to the input in its unit
     state: State        # motion and loads from which they come: fields of shape (n,), or floats
-    noise: Array        # bounds of the rounding errors of the values
+    rounding: Array     # the least rounding errors of the values
+    noise: Array        # bounds of them, large where the dyad is nearly in line
 
 
 def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
@@ -118,7 +124,7 @@ class Sampler:
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates,
                                    'too large: quantities overflow')
-        return Samples(path, self._continuous(values), slopes, state, self.noise(state))
+        return Samples(path, self._continuous(values), slopes, state, *self.errors(state))
 
     def _refuse_nan(self, x: Array, values: Array) -> None:
         """Refuse functions of users that are NaN somewhere; the message names the input."""
@@ -177,11 +183,11 @@ class Sampler:
             position = np.where(reaches(position), position, np.nan)
         with np.errstate(all='ignore'):
             fields = (step or self._step)(position, *self.rates)
-        for flat in self.flats.values():
-            t = flat.distance(x)
+        for flat_side in self.flats.values():
+            t = flat_side.distance(x)
             near = (t.real > 0.0) & (t.real < REACH)
             if near.any():
-                fields = _replaced(fields, near, flat.state(t[near]))
+                fields = _replaced(fields, near, flat_side.state(t[near]))
         return self._named(fields)
 
     def _named(self, fields: Sequence[Array] | Array) -> State:
@@ -259,12 +265,36 @@ class Sampler:
         with np.errstate(divide='ignore', invalid='ignore'):
             return here, here * turn / (there - here), value[0], here
 
-    def noise(self, state: State) -> Array:
+    def exact(self, x: Array, row: Array) -> Array:
         """
-        Return a bound of the rounding errors of each quantity, shape (quantities, n).
+        Return quantity ``row[i]`` at x[i] from many digits; NaN of functions, and where it is 0/0.
 
-        It follows from the sizes of the terms in its sum. Example: the shaking force of a balanced
-        linkage is zero, and its computed value the rounding of joint reactions that cancel.
+        It takes milliseconds each: for the few that rounding errors leave undecided.
+        """
+        recorded = (self.linkage.record_with_loads if self._has_loads
+                    else self.linkage.record_of_motion)
+        names = self.linkage.MOTION._fields + self.linkage.LOADS._fields
+        data = numbers_of(formula_of(self.linkage, self._has_loads)[1])
+        values, results = np.full(x.size, np.nan), flat(recorded.trace.results)
+        with localcontext(MANY_DIGITS):
+            for i in set(row.tolist()):
+                if not is_published(self.quantities[i]):
+                    continue
+                numbers = in_decimals(recorded.trace, data,
+                                      [results[names.index(self.quantities[i].name)]])
+                for k in np.flatnonzero(row == i).tolist():
+                    with suppress(ArithmeticError, ValueError):
+                        values[k], = numbers(*map(Decimal, (float(self.unit * x[k]),
+                                                            *self.rates)))
+        return values
+
+    def errors(self, state: State) -> tuple[Array, Array]:
+        """
+        Return the least rounding errors of each quantity, and a bound of them, (quantities, n).
+
+        They follow from the sizes of the terms in its sum. Example: the shaking force of a
+        balanced linkage is zero, and its computed value the rounding of joint reactions that
+        cancel. Beside some change points the bound is far too large.
         ``state``: a real one, as :meth:`sample` returns it.
         """
         motion, loads = state
@@ -275,6 +305,6 @@ class Sampler:
             scales['N'] = force = sum(abs(getattr(loads, name).real)
                                       for name in self.linkage.reactions)
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
-        rows = np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
-                         for q in self.quantities])
-        return np.asarray(64.0 * EPS * rows / np.minimum(np.abs(sine), 1.0))
+        least = 64.0 * EPS * np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
+                                       for q in self.quantities])
+        return least, least / np.minimum(np.abs(sine), 1.0)

@@ -17,6 +17,8 @@ from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, Function
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
 
 SAMPLES = 256       # points of a full turn, at least
 
@@ -54,11 +56,16 @@ class Search:
                     found[rows[part.quantity]].append(part)
         return found
 
+    def exact(self, quantity: int, x: Sequence[float]) -> Array:
+        """Return a quantity at inputs, in the unit of the input, as :meth:`.Sampler.exact`."""
+        sampler, rows = next(group for group in self._groups if quantity in group[1])
+        return sampler.exact(np.array(x), np.full(len(x), rows.index(quantity)))
+
     def proved(self, found: list[list[PathExtremum]], with_conditions: bool,
                check: Callable[[float], None], seconds: float
-               ) -> tuple[list[list[PathExtremum]], list[str]]:
+               ) -> tuple[list[list[PathExtremum]], list[str], set[int]]:
         """
-        Return the extrema and the text of the proof of each quantity.
+        Return the extrema and the text of the proof of each quantity, and whose are refuted.
 
         Extrema that contradict their proof are searched once more: between the ends of the parts
         in which the proof says that they are.
@@ -66,17 +73,18 @@ class Search:
         """
         proofs = self.prove(found, check, seconds)
         texts = [proof.verdict(part) for proof, part in zip(proofs, found)]
-        wrong = [row for row, proof in enumerate(proofs)
-                 if texts[row].startswith(NOT_PROVED) and not proof.why_not]
+        wrong = {row for row, proof in enumerate(proofs)
+                 if texts[row].startswith(NOT_PROVED) and not proof.why_not}
         if wrong:
             ends = [end for row in wrong for part in proofs[row].parts
                     for end in (part.low, part.high)]
             again = self.extrema(with_conditions, ends)
-            for row in wrong:
+            for row in sorted(wrong):
                 text = proofs[row].verdict(again[row])
                 if not text.startswith(NOT_PROVED):
                     found[row], texts[row] = again[row], text
-        return found, texts
+                    wrong.remove(row)
+        return found, texts, wrong
 
     def prove(self, found: list[list[PathExtremum]], check: Callable[[float], None],
               seconds: float) -> list[Proof]:

@@ -2,11 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Extrema where rounding hides them: none invented, none missed, no value but a computed one."""
 from contextlib import suppress
-from math import inf, isfinite, isinf
+from math import inf, isfinite, isinf, nan
 
-from fourbar_ros import Bodies, Body, find_extrema, FourBar
+from fourbar_ros import (
+    Bodies,
+    Body,
+    find_extrema,
+    FourBar,
+    InvertedSlider,
+    round_rod,
+    SliderCrank,
+)
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.extrema.find import _bounds
+from fourbar_ros.extrema.find import _most_extreme
 from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
@@ -101,6 +109,63 @@ def test_a_shaking_force_is_zero_within_an_error_that_is_told_if_the_masses_bala
             assert 0.0 < float(extremum.proof.split()[4]) < 1e-10
 
 
+# --- beside change points ------------------------------------------------------------------------
+
+DECIMALS = 0.1, 0.5, 0.3, 0.7           # a1 + a4 = a2 + a3 in decimals, off by 1e-16 in floats
+NEARLY_A_RHOMBUS = (1.0000033334616476, 1.0000762003798638, 1.0000662905053657, 1.00001799671099)
+
+
+def change_point_in_decimals(make, *lengths, **more):
+    """Return a linkage with rods."""
+    sides = [length for length in (*lengths, 0.3) if length][:3]
+    return make(*lengths, bodies=Bodies(*(round_rod(side, 7850.0, 0.01) for side in sides)),
+                **more)
+
+
+def machine_of(a1, a2, a3, a4):
+    rods = [round_rod(length, 7850.0, 0.01) for length in (a2, a3)]
+    return Machine([Dyad('main', 'RRR', Point('crank', a1), Point('ground', a4),
+                         ('rod', 'rocker'), length_1=a2, length_2=a3)],
+                   bodies=dict(zip(('rod', 'rocker'), rods)))
+
+
+@pytest.mark.parametrize('linkage', [
+    change_point_in_decimals(FourBar, *DECIMALS), machine_of(*DECIMALS),
+    *(change_point_in_decimals(FourBar, *DECIMALS[:3], DECIMALS[3] - off)
+      for off in (1e-16, 1e-14)),
+    change_point_in_decimals(SliderCrank, 0.3, 0.1, offset=0.2),
+    change_point_in_decimals(SliderCrank, 0.7, 0.1, offset=0.6),
+    change_point_in_decimals(InvertedSlider, 0.8, 0.1, offset=0.7)])
+@pytest.mark.parametrize('certify', [False, True])
+def test_beside_a_change_point_values_are_those_of_a_step_and_global_ones_are_alike(linkage,
+                                                                                    certify):
+    quantities = ('shaking_force', 'shaking_moment', 'driving_torque')
+    found = find_extrema(linkage, quantities, 10.0, certify=certify)
+    for one in found:
+        if one.place == 'interior':
+            value = getattr(linkage.step(one.theta1, 10.0)[1], one.quantity)
+            assert one.value == pytest.approx(value, rel=64 * EPS), one
+        assert all(one.value == pytest.approx(other.value, rel=64 * EPS) for other in found
+                   if (one.quantity, one.kind) == (other.quantity, other.kind)
+                   and one.is_global and other.is_global)
+    assert max(abs(one.value) for one in found if one.is_global) > 1e4
+
+
+@pytest.mark.parametrize('certify', [False, True])
+def test_a_force_of_13203_newtons_is_not_zero_at_a_margin_of_1e_6(certify):
+    linkage = FourBar(*NEARLY_A_RHOMBUS, mode=1, bodies=Bodies(
+        Body(4.655679701884757, -0.4163523403752849, -0.24243452328563006, 0.3457837970995006),
+        Body(4.725234785077774, -0.8241237999750397, -0.09451813159506886, 0.2090164375021505),
+        Body(3.4090770447230163, -0.06676229886692187, -0.24101889060347803, 0.8622759617605749)))
+    found = [one for one in find_extrema(linkage, 'f32', -0.4716864451483751, certify=certify)
+             if one.kind == 'minimum']
+    near = min(found, key=lambda one: abs(one.theta1 - 4.5644676820757227e-06))
+    # in exact arithmetic; a value is known to eps times its condition
+    assert near.value == pytest.approx(13203.357362843, rel=EPS * near.value_condition)
+    assert near.value > 1e4 and not near.is_global
+    assert [one.value for one in found if one.is_global] == [pytest.approx(0.0234, rel=1e-2)]
+
+
 # --- none missed: linkages whose dyads come near their toggles together --------------------------
 
 def near_two_toggles(rng):
@@ -193,10 +258,14 @@ def test_a_quantity_with_a_kink_at_a_toggle_is_not_continued_beyond_it():
     assert len(limits) == 4 and np.abs(limits).max() < 1e-10
 
 
-def test_values_count_as_equal_within_their_rounding_errors():
-    assert _bounds(PathExtremum(0, 0.3, 1.0, 1, noise=1e-6)) == (1.0 - 1e-6, 1.0 + 1e-6)
-    low, high = _bounds(PathExtremum(0, 0.3, 1.0, 1, value_condition=10.0))
-    assert 1.0 - low == high - 1.0 == 104 * EPS
+@pytest.mark.parametrize('error', [{'noise': 1e-6}, {'value_condition': 1e5}])
+def test_many_digits_decide_between_values_within_their_errors_or_nobody_does(error):
+    found = [PathExtremum(0, x, value, 1, **error) for x, value in (
+        (0.1, 1.0), (0.2, 1.0 + 1e-12), (0.3, 1.0 - 1e-3))]
+    for values, first, in_doubt in (([1.0, 0.9], {0}, set()), ([1.0, nan], {1}, {0, 1}),
+                                    ([1.0, 1.0 + 10 * EPS], {0, 1}, set())):
+        result = _most_extreme(found, 1, lambda x, values=values: np.array(values))
+        assert result == (first, in_doubt)
 
 
 # --- what is refused -----------------------------------------------------------------------------
