@@ -100,7 +100,7 @@ setup(
         'fourbar.verbs': [f'{verb} = {LAB}.cli.{verb}'
                           for verb in ('balance', 'draw', 'generate', 'list', 'live',
                                        'new', 'record', 'reproduce', 'show', 'study', 'table')],
-        'fourbar.lab': [f'sdf = {LAB}.export.sdf:sdf', f'mjcf = {LAB}.export.mjcf:mjcf',
+        'fourbar.lab': [f'mjcf = {LAB}.export.mjcf:mjcf',
                         f'plot = {LAB}.drawing.recorded:plot'],
     },
 )

@@ -32,7 +32,7 @@ def mjcf(model: RobotModel) -> str:
     for closure in model.closures:
         if closure.connection.axis is not None:
             raise NoDescription(f'the loop of joint {closure.name} is cut at a slide, for which '
-                                'MuJoCo has no constraint: use SDF')
+                                'MuJoCo has no constraint')
     root = Element('mujoco', model=model.name)
     comment(root, model.title)
     # roll, pitch, yaw about fixed axes, as in URDF

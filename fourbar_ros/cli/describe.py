@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar describe``: a scene as URDF, SDF or MJCF."""
+"""``fourbar describe``: a scene as URDF or MJCF."""
 from __future__ import annotations
 
 from argparse import Namespace
@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fourbar_ros.cli.common import add_scene, add_verb, Verbs, write_or_print
 
-SUFFIXES = {'.urdf': 'urdf', '.sdf': 'sdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
+SUFFIXES = {'.urdf': 'urdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
 examples:
   fourbar describe paper                     URDF on the screen
@@ -24,15 +24,15 @@ docs/robots.md has the rest.
 
 def add(verbs: Verbs) -> None:
     """Add ``fourbar describe`` with its arguments."""
-    verb = add_verb(verbs, 'describe', 'write a scene as URDF, SDF or MJCF',
-                    'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove), '
-                    'SDF (Gazebo) or MJCF\n(MuJoCo), with masses, joint names and senses of the '
-                    'scene, in its assembly mode.', EPILOG)
+    verb = add_verb(verbs, 'describe', 'write a scene as URDF or MJCF',
+                    'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove) '
+                    'or MJCF (MuJoCo),\nwith masses, joint names and senses of the scene, in its '
+                    'assembly mode.', EPILOG)
     add_scene(verb)
-    verb.add_argument('--as', dest='format', choices=('urdf', 'sdf', 'mjcf'),
+    verb.add_argument('--as', dest='format', choices=('urdf', 'mjcf'),
                       help='format; default: that of the file name, else urdf')
     verb.add_argument('-o', '--out', metavar='FILE', type=Path,
-                      help='file to write (.urdf, .sdf, .mjcf, .xml); default: print it')
+                      help='file to write (.urdf, .mjcf, .xml); default: print it')
     verb.set_defaults(run=_describe)
 
 

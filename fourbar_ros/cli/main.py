@@ -50,7 +50,7 @@ examples:
   fourbar simulate motor --until 2             a motor starts a linkage: extrema at samples
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
-  fourbar describe paper -o paper.urdf         the scene as URDF; or --as sdf, --as mjcf
+  fourbar describe paper -o paper.urdf         the scene as URDF; or --as mjcf
   fourbar generate paper -o code               the scene as C; or --as fmu2
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
   fourbar study STUDY.yaml -o DIR              compute many designs of a scene

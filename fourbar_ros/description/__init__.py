@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A scene as URDF; with fourbar_lab as SDF or MJCF too.
+A scene as URDF; with fourbar_lab as MJCF too.
 
 >>> from fourbar_ros import load_scene
 >>> from fourbar_ros.description import describe

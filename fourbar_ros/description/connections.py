@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Which links each joint of a mechanism connects, and where: URDF, SDF and MJCF are made of it."""
+"""Which links each joint of a mechanism connects, and where: URDF and MJCF are made of it."""
 from __future__ import annotations
 
 from collections.abc import Iterator

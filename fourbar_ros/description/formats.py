@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""One scene in one of the formats: URDF here, SDF and MJCF by fourbar_lab."""
+"""One scene in one of the formats: URDF here, MJCF by fourbar_lab."""
 from __future__ import annotations
 
 from fourbar_ros.description.model import model_of, NoDescription
@@ -9,7 +9,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.optional import lab
 from fourbar_ros.scene.scene import Scene
 
-FORMATS = 'urdf', 'sdf', 'mjcf'
+FORMATS = 'urdf', 'mjcf'
 
 
 def check_pictures(scene: Scene) -> None:
@@ -22,10 +22,10 @@ def check_pictures(scene: Scene) -> None:
 
 def describe(scene: Scene, format_: str = 'urdf') -> str:
     """
-    Return a scene as URDF, SDF or MJCF.
+    Return a scene as URDF or MJCF.
 
     Raises InvalidParameter for an unknown format, NoDescription if the format cannot hold the
-    scene, ModuleNotFoundError for SDF and MJCF without fourbar_lab.
+    scene, ModuleNotFoundError for MJCF without fourbar_lab.
     """
     if format_ not in FORMATS:
         raise InvalidParameter('format', format_, f'must be one of {", ".join(FORMATS)}')

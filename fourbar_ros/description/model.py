@@ -3,7 +3,7 @@
 """
 A scene as links, joints and shapes in one plane, with the names that it has in ROS.
 
-URDF, SDF and MJCF are written from it. Frames are the same as the node's: the root is the scene's
+URDF and MJCF are written from it. Frames are the same as the node's: the root is the scene's
 ``frame_id`` in O1. Each link has its frame at its first joint, x along the link. Joints have the
 names, senses and zeros of ``joint_states``. URDF knows trees only: every link hangs on one joint,
 and each joint beyond that closes a loop.
@@ -18,7 +18,6 @@ from fourbar_ros.description.connections import Connection, connections_of
 from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Body, field_of
-from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
@@ -78,11 +77,7 @@ class ModelJoint(NamedTuple):
 
 
 class ModelLink(NamedTuple):
-    """
-    A moving link: its frame, the joint it hangs on, its body and shapes in its own frame.
-
-    ``pose``: (x, y, angle) in the root at the start; ``parent``: the frame that carries it.
-    """
+    """A moving link: its frame, that of its carrier, the joint between, body and shapes."""
 
     name: str
     frame: str
@@ -90,7 +85,6 @@ class ModelLink(NamedTuple):
     joint: ModelJoint
     body: Body | None
     shapes: Sequence[Shape]
-    pose: tuple[float, float, float]
 
 
 class Closure(NamedTuple):
@@ -100,8 +94,6 @@ class Closure(NamedTuple):
     connection: Connection
     parent: str
     child: str
-    ratio: float
-    start: float
 
     @property
     def frames(self) -> tuple[str, str]:
@@ -151,13 +143,11 @@ def model_of(scene: Scene) -> RobotModel:
     masses = scene.bare_linkage.bodies
     bodies = masses._asdict() if masses else {}
     links = tuple(ModelLink(name, frames[name], frames[joints[place].connection.parent],
-                            joints[place], bodies.get(name), shapes[name],
-                            _pose(mechanism.link_motion(motion, name)))
+                            joints[place], bodies.get(name), shapes[name])
                   for name, place in holding.items())
     closures = tuple(Closure(joints[place].name, joints[place].connection,
                              frames[joints[place].connection.parent],
-                             frames[joints[place].connection.child], joints[place].ratio,
-                             joints[place].start)
+                             frames[joints[place].connection.child])
                      for place in cut)
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
@@ -233,11 +223,6 @@ def _radius(scene: Scene) -> float:
         if not isnan(radius):
             return float(radius)
     return 0.02 * max(map(abs, scene.linkage.lengths))
-
-
-def _pose(link: LinkMotion) -> tuple[float, float, float]:
-    """Return (x, y, angle) of a link."""
-    return link.x, link.y, float(np.arctan2(link.sine, link.cosine))
 
 
 def _check_names(model: RobotModel) -> None:

@@ -23,7 +23,7 @@ JointWithTravel = tuple[Connection, tuple[float, float] | None]    # with the tr
 
 class Shape(NamedTuple):
     """
-    A solid: a ``form``, cylinder or box, with its sizes, as words of URDF and SDF [m].
+    A solid: a ``form``, cylinder or box, with its sizes, as words of URDF [m].
 
     ``pose``: x, y, z, roll, pitch, yaw in the frame of its link; a cylinder lies along z of it.
     """

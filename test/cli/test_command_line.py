@@ -157,7 +157,7 @@ def test_a_picture_is_where_the_output_says(given, written, tmp_path, capsys):
      'fourbar: reproduce requires matplotlib: pip install matplotlib'),
     ('main("scene check paper".split())', 'fourbar_lab', 0,
      'fourbar: no verb balance, draw, generate'),
-    ('main("describe paper --as sdf".split())', 'fourbar_lab', 1,
+    ('main("describe paper --as mjcf".split())', 'fourbar_lab', 1,
      'fourbar: describe requires fourbar_lab: pip'),
     ('optional.node()', 'rclpy', 1, 'fourbar_node requires ROS 2: source'),
     ('optional.demo()', 'rclpy', 1, 'fourbar_demo requires ROS 2: source')])

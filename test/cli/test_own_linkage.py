@@ -135,14 +135,14 @@ def test_the_list_has_every_scene_that_a_verb_takes(capsys):
 
 
 @pytest.mark.parametrize('words, root', [
-    ([], 'robot'), (['--as', 'sdf'], 'sdf'), (['--as', 'mjcf'], 'mujoco')])
+    ([], 'robot'), (['--as', 'mjcf'], 'mujoco')])
 def test_it_prints_the_format_that_is_asked_for(words, root, capsys):
     assert main(['describe', 'paper', *words]) == 0
     assert ElementTree.fromstring(capsys.readouterr().out).tag == root
 
 
 @pytest.mark.parametrize('name, root', [
-    ('a.urdf', 'robot'), ('a.sdf', 'sdf'), ('a.mjcf', 'mujoco'), ('a.xml', 'mujoco')])
+    ('a.urdf', 'robot'), ('a.mjcf', 'mujoco'), ('a.xml', 'mujoco')])
 def test_the_file_name_chooses_the_format(name, root, tmp_path, capsys):
     assert main(['describe', 'cylinder', '-o', str(tmp_path / name)]) == 0
     assert ElementTree.parse(tmp_path / name).getroot().tag == root

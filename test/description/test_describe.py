@@ -9,7 +9,6 @@ import subprocess
 from xml.etree import ElementTree
 
 from fourbar_ros import InvalidParameter
-from fourbar_ros.description.connections import connections_of
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import FACTS
@@ -93,44 +92,6 @@ def test_forward_kinematics_of_the_urdf_close_the_cut_joints(case, turned):
         place = point_motion(scene.linkage, motion, *scene.points['tip']).place
         assert np.abs(robot.get_transform('tip', 'fourbar')[:2, 3] - place).max() <= 1e-12 * size
     assert model.closures and worst > 0.0 or case.kind.TITLE == 'Scotch yoke'
-
-
-@every_case
-def test_sdf_is_closed_at_all_its_joints(case):
-    """Each joint is at one place and along one axis, seen from its parent and from its child."""
-    scene = scene_of(case)
-    model = ElementTree.fromstring(describe(scene, 'sdf')).find('model')
-    poses = {link.get('name'): [float(v) for v in (link.findtext('pose') or '0 0 0 0 0 0').split()]
-             for link in model.findall('link')}
-    joints = {joint.get('name'): joint for joint in model.findall('joint')
-              if joint.get('type') != 'fixed'}
-    assert set(joints) == set(scene.joint_names)
-
-    def place(frame, x, y):
-        x0, y0, _, _, _, angle = poses[frame]
-        return complex(x0, y0) + complex(x, y) * np.exp(1j * angle)
-
-    motion = scene.linkage.motion(scene.drive.start)
-    for its, name, joint in zip(connections_of(scene.linkage), scene.joint_names,
-                                scene.linkage.JOINTS):
-        element = joints[name]
-        x, y, *_ = map(float, element.findtext('pose').split())
-        on_child = place(element.findtext('child'), x, y)
-        q = getattr(motion, joint.coordinate.position)
-        on_parent = np.array(its.on_parent) + (q * np.array(its.axis) if its.axis else 0.0)
-        assert abs(place(element.findtext('parent'), *on_parent) - on_child) <= 1e-12
-        assert element.get('type') == ('prismatic' if its.axis else 'revolute')
-
-
-def test_gravity_of_an_sdf_points_downwards():
-    scene = from_values({**PAPER, **RODS, 'gravity.x': 3.0, 'gravity.y': -4.0})
-    model = ElementTree.fromstring(describe(scene, 'sdf')).find('model')
-    roll, pitch, yaw = list(map(float, model.findtext('pose').split()))[3:]
-    c, s = np.cos, np.sin
-    about_x = np.array([[1, 0, 0], [0, c(roll), -s(roll)], [0, s(roll), c(roll)]])
-    about_y = np.array([[c(pitch), 0, s(pitch)], [0, 1, 0], [-s(pitch), 0, c(pitch)]])
-    assert yaw == 0.0
-    assert np.abs(about_y @ about_x @ [0.6, -0.8, 0.0] - [0.0, 0.0, -1.0]).max() <= 4.0 * EPS
 
 
 @every_case
@@ -243,16 +204,12 @@ def test_the_start_lies_within_the_limits_of_every_format(values):
         joints = {joint.name: joint for joint in model_of(scene).joints}
     except NoDescription:
         pytest.skip('no tree')
-    urdf, sdf = (ElementTree.fromstring(describe(scene, form)) for form in ('urdf', 'sdf'))
+    urdf = ElementTree.fromstring(describe(scene))
     motion, limits = scene.linkage.motion(float(model_of(scene).position)), {}
     starts = joint_positions(scene, motion)
     for element in urdf.findall('joint'):
         for limit in element.findall('limit'):
             limits[element.get('name')] = float(limit.get('lower')), float(limit.get('upper'))
-    for element in sdf.iter('joint'):
-        for limit in element.iter('limit'):
-            low, high = float(limit.findtext('lower')), float(limit.findtext('upper'))
-            assert low <= 0.0 <= high
     for name, (low, high) in limits.items():
         assert joints[name].start == starts[name] and low <= starts[name] <= high
     driven, = [joint for joint in joints.values() if joint.is_driven]
@@ -327,7 +284,7 @@ def test_what_no_description_can_hold_is_refused_in_one_line(wrong, why):
 
 
 def test_an_unknown_format_is_refused():
-    with pytest.raises(InvalidParameter, match='must be one of urdf, sdf, mjcf'):
+    with pytest.raises(InvalidParameter, match='must be one of urdf, mjcf'):
         describe(from_values(PAPER), 'obj')
 
 
