@@ -19,7 +19,8 @@ case = Case()
 omega = float(case.omega)
 sign = 1.0 if math.sin(case.truth['theta4'][0] - case.truth['beta'][0]) > 0.0 else -1.0
 linkage = FourBar(*case.lengths, mode=2 if sign > 0.0 else 1,
-                  bodies=Bodies(*(Body(*b) for b in case.bodies)))
+                  bodies=Bodies(*(Body(mass, cg_along=along, cg_across=across, inertia=inertia)
+                                  for mass, along, across, inertia in case.bodies)))
 masses = [(b.mass, b.cg_along, b.cg_across, b.inertia) for b in linkage.bodies]
 
 

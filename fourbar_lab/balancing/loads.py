@@ -50,9 +50,9 @@ def body_of(numbers: Array) -> Body:
     """Return the body with (m, m x, m y, J): the inverse of :func:`numbers_of`, J_cg >= 0."""
     mass, along, across, inertia = numbers.tolist()
     if mass == 0.0:
-        return Body(0.0, 0.0, 0.0, max(inertia, 0.0))
+        return Body(0.0, inertia=max(inertia, 0.0))
     x, y = along / mass, across / mass
-    return Body(mass, x, y, max(inertia - mass * (x * x + y * y), 0.0))
+    return Body(mass, cg_along=x, cg_across=y, inertia=max(inertia - mass * (x * x + y * y), 0.0))
 
 
 def without_weight(mechanism: Mechanism) -> Mechanism:
@@ -117,7 +117,8 @@ class Loads:
         """
         fields, columns = self.group(name), list[Array]()
         unit = power_of_two(*self.mechanism.lengths)        # u
-        probes = (Body(1.0), Body(1.0, unit), Body(1.0, 0.0, unit), Body(0.0, 0.0, 0.0, 1.0))
+        probes = (Body(1.0), Body(1.0, cg_along=unit), Body(1.0, cg_across=unit),
+                  Body(0.0, inertia=1.0))
         for link in range(len(self.links)):
             mass, along, across, inertia = (self._of_probe(x, link, probe, fields)
                                             for probe in probes)

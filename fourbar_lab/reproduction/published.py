@@ -40,7 +40,7 @@ EXAMPLE_7_7 = FourBar(2.0, 6.0, 7.0, 5.0)
 PAPER_LENGTHS, PAPER_SPEED = (0.4, 1.2, 0.8, 1.0), 25.0
 RODS = [round_rod(length, 7750.0, 0.01) for length in PAPER_LENGTHS[:3]]
 PAPER = FourBar(*PAPER_LENGTHS, bodies=Bodies(*RODS))
-THIN_RODS = Bodies(*(Body(rod.mass, rod.cg_along, 0.0, rod.mass * length**2 / 12.0)
+THIN_RODS = Bodies(*(Body(rod.mass, cg_along=rod.cg_along, inertia=rod.mass * length**2 / 12.0)
                      for rod, length in zip(RODS, PAPER_LENGTHS)))
 THIN = FourBar(*PAPER_LENGTHS, bodies=THIN_RODS)
 
@@ -132,5 +132,6 @@ def counterweighted(linkage: FourBar) -> FourBar:
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
     moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * theta1)
     total = crank.mass + mass
-    body = Body(total, moment.real / total, moment.imag / total, crank.inertia)
+    body = Body(total, cg_along=moment.real / total, cg_across=moment.imag / total,
+                inertia=crank.inertia)
     return replace(linkage, bodies=linkage.bodies._replace(crank=body))

@@ -7,8 +7,8 @@ Motion that follows from torque: drives, springs, forces over a position, static
 >>> from fourbar_ros.dynamics import Drive, MotorLine, simulate, System
 >>> linkage = load_scene('paper').linkage
 >>> run = simulate(System(linkage, 0.0, drive=Drive(MotorLine(400.0, 26.0))), until=1.0)
->>> run.status, f'{run.at(1.0)[1]:.4f}'             # its rate [rad/s]
-('reached the end', '18.2322')
+>>> run.status, f'{run.at(1.0).rate:.4f} rad/s'
+('reached the end', '18.2322 rad/s')
 """
 from __future__ import annotations
 
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         NOT_CONVERGED,
         REACHED,
         Run,
+        RunState,
         simulate,
         STOPPED,
     )
@@ -55,7 +56,7 @@ if TYPE_CHECKING:
 __all__ = [
     'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED', 'Attachment',
     'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel', 'ForceTable',
-    'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'Shaft',
+    'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'RunState', 'Shaft',
     'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way', 'equilibria',
     'flywheel_for', 'free_period', 'loads_with', 'simulate',
 ]
@@ -68,7 +69,8 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.dynamics.force_table': 'ForceTable',
     'fourbar_ros.dynamics.forces': 'loads_with',
     'fourbar_ros.dynamics.simulation':
-        'EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, simulate, STOPPED',
+        'EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, RunState, '
+        'simulate, STOPPED',
     'fourbar_ros.dynamics.sources':
         'ConstantTorque, DCMotor, Drive, InductionMotor, MotorLine, Shaft, SpeedController, '
         'TorqueTable',

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import inf, remainder, tau
-from typing import TYPE_CHECKING, Union
+from typing import Any, TYPE_CHECKING, Union
 
 from fourbar_ros.dynamics.equation import (
     Equation,
@@ -123,13 +123,19 @@ class MotionCoordinate:
         _, ratio, bend = self.input_of(float(state[0]))
         return float(change * ratio + rate * rate * bend)
 
-    def modes(self, positions: ArrayLike) -> NDArray[np.int64]:
-        """Return the assembly mode at values of p, integers of their shape."""
+    def modes(self, positions: ArrayLike) -> NDArray[Any]:
+        """
+        Return the assembly mode at values of p, integers of their shape.
+
+        Each dyad is a bit of a mode: of more than 63 dyads they are Python's integers.
+        """
         positions = np.asarray(positions, float)
-        is_other = np.asarray(self.equation.is_alternate(positions), bool)
+        is_other = np.broadcast_to(self.equation.is_alternate(positions), positions.shape)
         if not self.is_input:
             is_other = is_other ^ ~(np.asarray(self.other(positions)[1]) > 0.0)
-        return np.where(is_other, self.mode_beyond, self.mode)
+        modes = self.mode, self.mode_beyond
+        dtype = np.int64 if max(modes) < 2**63 else object
+        return np.asarray(np.array(modes, dtype)[is_other.astype(int)])
 
 
 def _of_system(system: System, *key: object) -> MotionCoordinate:

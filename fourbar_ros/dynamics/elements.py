@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, KW_ONLY
 from functools import cached_property
 from math import ceil, cos, inf, remainder, sin, tau
 from typing import Any, NamedTuple, Union
@@ -65,12 +65,14 @@ class Spring:
     """
     Linear spring and damper between two points of different links.
 
-    Stiffness [N/m], free length [m], at which it exerts no force, damping [N s/m]: zero or more.
+    Stiffness [N/m]; by name ``free_length`` [m], at which it exerts no force, and ``damping``
+    [N s/m]: zero or more.
     """
 
     first: Attachment
     second: Attachment
     stiffness: float = quantity(0.0, least=0.0)
+    _: KW_ONLY
     free_length: float = quantity(0.0, least=0.0)
     damping: float = quantity(0.0, least=0.0)
 
@@ -108,14 +110,15 @@ class TorsionSpring:
     """
     Torsion spring and damper between two links, or a link and the ground.
 
-    It acts on the angle of the second relative to the first: stiffness [N m/rad] and damping
-    [N m s/rad], zero or more; free angle [rad], at which it exerts no moment. The deflection
-    counts within half a turn.
+    It acts on the angle of the second relative to the first: stiffness [N m/rad]; by name
+    ``free_angle`` [rad], at which it exerts no moment, and ``damping`` [N m s/rad]. Stiffness and
+    damping are zero or more. The deflection counts within half a turn.
     """
 
     first: str
     second: str
     stiffness: float = quantity(0.0, least=0.0)
+    _: KW_ONLY
     free_angle: float = quantity(0.0)
     damping: float = quantity(0.0, least=0.0)
 

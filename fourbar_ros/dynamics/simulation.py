@@ -63,6 +63,17 @@ ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
 _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
 
 
+class RunState(NamedTuple):
+    """The state of a run, each field a float or an array of the shape of its times."""
+
+    position: Any              # of the input [rad] or [m]
+    rate: Any                  # of the input [rad/s] or [m/s]
+    motor_position: Any        # before an elastic shaft, else that of the input; NaN: no drive
+    motor_rate: Any
+    source: tuple[Any, ...]    # states of the torque source: current [A], integral [rad]
+    work: Any                  # done by all that is not conservative since the start [J]
+
+
 class Event(NamedTuple):
     """Something that ends a leg of a run."""
 
@@ -193,33 +204,51 @@ class Run:
         return found
 
     @cached_property
-    def states(self) -> Array:
+    def _rows(self) -> Array:
         """Return the states over time, named by ``system.names``, of shape (states, n)."""
         return self._states(self.time)
 
+    def _record(self, rows: Array) -> RunState:
+        """Return states named by ``system.names``, of shape (states, ...), by field."""
+        drive = self.system.drive
+        has_shaft = drive is not None and drive.shaft is not None
+        motor = rows[2:4] if has_shaft else rows[:2] if drive else np.full_like(rows[:2], nan)
+        work = np.zeros(rows.shape[1:])[()] if self.system.is_conservative else rows[-1]
+        (position, rate), source = rows[:2], tuple(rows[4 if has_shaft else 2:-1])
+        return RunState(position, rate, motor[0], motor[1], source, work)
+
+    @property
+    def states(self) -> RunState:
+        """Return the state over time, fields of shape (n,)."""
+        return self._record(self._rows)
+
     @cached_property
-    def modes(self) -> NDArray[np.int64]:
+    def modes(self) -> NDArray[Any]:
         """Return the assembly mode over time, which changes at toggles and change points."""
-        modes = np.empty(self.time.size, np.int64)
-        for leg, there, states in self._on_legs(self.time):
-            modes[there] = leg.coordinate.modes(states[0])
-        return modes
+        return np.concatenate([leg.coordinate.modes(states[0])
+                               for leg, _, states in self._on_legs(self.time)])
 
     @property
     def position(self) -> Array:
         """Return the input over time [rad] or [m]."""
-        return np.asarray(self.states[0])
+        return np.asarray(self._rows[0])
 
     @property
     def rate(self) -> Array:
         """Return the rate of the input over time [rad/s] or [m/s]."""
-        return np.asarray(self.states[1])
+        return np.asarray(self._rows[1])
 
     @property
     def torque(self) -> Array:
         """Return the torque (force) of the drive on the input over time [N m] or [N]."""
         return np.array([self.system.torque(t, y)
-                         for t, y in zip(self.time.tolist(), self.states.T.tolist())])
+                         for t, y in zip(self.time.tolist(), self._rows.T.tolist())])
+
+    @property
+    def motor_torque(self) -> Array:
+        """Return the torque (force) of the motor over time, before an elastic shaft."""
+        return np.array([self.system.motor_torque(t, y)
+                         for t, y in zip(self.time.tolist(), self._rows.T.tolist())])
 
     @property
     def acceleration(self) -> Array:
@@ -232,17 +261,17 @@ class Run:
 
     # --- between its times, and derived results -------------------------------------------------
 
-    def at(self, time: ArrayLike) -> Array:
+    def at(self, time: ArrayLike) -> RunState:
         """
-        Return the states at any times from 0 to the end of the run [s], in any order.
+        Return the state at any times from 0 to the end of the run [s], in any order.
 
-        Of times of shape (...) the result has the shape (states, ...). Interpolated between the
-        steps of the integrator; the error is that of the run.
+        Fields have the shape of the times. Interpolated between the steps of the integrator; the
+        error is that of the run.
         """
         given = array('time', time)
         if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self._end):
             raise InvalidParameter('time', time, f'must lie between 0 and {self._end:.17g} s')
-        return self._states(np.ravel(given)).reshape(-1, *given.shape)
+        return self._record(self._states(np.ravel(given)).reshape(-1, *given.shape))
 
     @cached_property
     def loads(self) -> NamedFields:

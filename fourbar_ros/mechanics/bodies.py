@@ -3,7 +3,7 @@
 """Masses and loads of a link in its own frame: origin at its first joint, x to its second."""
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, KW_ONLY
 from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.given import number
@@ -19,6 +19,8 @@ class Body:
 
     The first joint is O1 for the crank, A for the coupler and O4 for the output link.
 
+    All but the mass is given by name: ``Body(2.0, cg_along=0.1, inertia=0.02)``.
+
     Parameters
     ----------
     mass : float
@@ -30,6 +32,7 @@ class Body:
     """
 
     mass: float
+    _: KW_ONLY
     cg_along: float = 0.0
     cg_across: float = 0.0
     inertia: float = 0.0
@@ -50,7 +53,8 @@ class Applied:
     External force and couple on a link.
 
     The force acts at a point fixed in the link; its direction, like that of gravity, is constant
-    along the ground axes (x from O1 to O4), whatever the link does.
+    along the ground axes (x from O1 to O4), whatever the link does. All but the force is given by
+    name: ``Applied(0.0, -5.0, along=0.2, couple=1.0)``.
 
     Parameters
     ----------
@@ -65,6 +69,7 @@ class Applied:
 
     force_x: float = 0.0
     force_y: float = 0.0
+    _: KW_ONLY
     along: float = 0.0
     across: float = 0.0
     couple: float = 0.0
@@ -109,11 +114,15 @@ def field_of(gravity: Gravity) -> tuple[Scalar, Scalar]:
     return gravity
 
 
-def unchecked(kind: type[_Kind], *values: Scalar) -> _Kind:
-    """Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks."""
+def unchecked(kind: type[_Kind], *values: Scalar, **by_name: Scalar) -> _Kind:
+    """
+    Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks.
+
+    All are given, in the order of the fields or by name.
+    """
     made = object.__new__(kind)
-    for field, value in zip(fields(kind), values):
-        object.__setattr__(made, field.name, value)
+    for name, value in (*zip([field.name for field in fields(kind)], values), *by_name.items()):
+        object.__setattr__(made, name, value)
     return made
 
 

@@ -37,7 +37,8 @@ def _uniform(numbers_of: Callable[..., tuple[float, ...]], **values: float) -> B
     given = [number(name, value, 'must be a positive number', above=0.0)
              for name, value in values.items()]
     try:
-        return Body(*numbers_of(*given))
+        mass, along, across, inertia = numbers_of(*given)
+        return Body(mass, cg_along=along, cg_across=across, inertia=inertia)
     except (OverflowError, InvalidParameter):
         raise InvalidParameter(', '.join(values), given, 'so large that mass or inertia '
                                                          'overflows') from None

@@ -95,7 +95,8 @@ def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFi
     """
     gravity = mechanism.gravity
     base = gravity if isinstance(gravity, Base) else Base(*(-g for g in field_of(gravity)))
-    needs = needs_of(Body(*carried), 1.0, base, NOT_APPLIED, FIXED)
+    body = Body(carried.mass, cg_along=carried.x, cg_across=carried.y, inertia=carried.inertia)
+    needs = needs_of(body, 1.0, base, NOT_APPLIED, FIXED)
     x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
     found: NamedFields = loads._replace(
         shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),

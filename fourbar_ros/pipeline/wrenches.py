@@ -74,7 +74,8 @@ def loaded(linkage: Mechanism, scene: Scene, acting: Mapping[str, ActingInput]
             linkage = linkage.with_base(each)
         else:
             at = applied[name]
-            applied[name] = Applied(each.force_x, each.force_y, at.along, at.across, each.couple)
+            applied[name] = Applied(each.force_x, each.force_y, along=at.along, across=at.across,
+                                    couple=each.couple)
     return linkage.with_external(cast(External, scene.linkage.EXTERNAL(**applied)))
 
 

@@ -116,10 +116,11 @@ def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
     try:
         if turns:
             return TorsionSpring(values[of_links[0]], values[of_links[1]], stiffness,
-                                 values[f'{name}.free_angle'], damping)
+                                 free_angle=values[f'{name}.free_angle'], damping=damping)
         first, second = (Attachment(*point_in(f'{name}.{end}', values))
                          for end in ('first', 'second'))
-        return Spring(first, second, stiffness, values[f'{name}.free_length'], damping)
+        return Spring(first, second, stiffness, free_length=values[f'{name}.free_length'],
+                      damping=damping)
     except InvalidParameter as error:
         if error.name != 'second':
             raise

@@ -146,8 +146,8 @@ def _gravity(values: ParameterValues) -> Gravity:
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
                 applied: Callable[..., Any] = Applied) -> dict[str, Any]:
     """Return {link: its external force}, made by ``applied`` from the numbers of each."""
-    return {link: applied(*(values[f'external.{link}.{field}']
-                            for field in Applied.__dataclass_fields__))
+    return {link: applied(**{field: values[f'external.{link}.{field}']
+                             for field in Applied.__dataclass_fields__})
             for link in mechanism.EXTERNAL._fields}
 
 
@@ -227,8 +227,9 @@ class BodiesOfLinks:
                                        f'{" and inertia" * link.turns} of the {link.name}')
         along = (values[name + 'cg_along'] if self._has(name + 'cg_along')
                  else 0.5 * self._lengths[link.length] if link.length else 0.0)
-        return self.body(values[name + 'mass'], along, values[name + 'cg_across'],
-                         values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)
+        return self.body(values[name + 'mass'], cg_along=along,
+                         cg_across=values[name + 'cg_across'],
+                         inertia=values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)
 
 
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------

@@ -60,14 +60,13 @@ class SimulatedScene(NamedTuple):
         Input and its rate, twist of an elastic shaft and speed of the motor before it, state of
         the motor itself; 0 for parts that the drive does not have.
         """
-        run, names = self.run, self.run.system.names
-        states = np.zeros((5, run.time.size))
-        states[:2] = run.states[:2]
-        if 'motor_position' in names:
-            states[2] = run.states[2] - run.states[0]
-            states[3] = run.states[3]
-        if 'source_0' in names:
-            states[4] = run.states[names.index('source_0')]
+        known, drive = self.run.states, self.run.system.drive
+        states = np.zeros((5, self.run.time.size))
+        states[:2] = known.position, known.rate
+        if drive and drive.shaft:
+            states[2:4] = known.motor_position - known.position, known.motor_rate
+        if known.source:
+            states[4] = known.source[0]
         return states
 
     def peaks(self) -> list[Peak]:
@@ -75,13 +74,12 @@ class SimulatedScene(NamedTuple):
         run, linkage = self.run, self.scene.linkage
         per_second = f'{linkage.input_coordinate.unit}/s'
         force = 'N' if linkage.is_driven_by_slide else 'N m'
-        motor = np.array([run.system.motor_torque(t, y)
-                          for t, y in zip(run.time.tolist(), run.states.T.tolist())])
         quantities = known_quantities(linkage, linkage.input)
         rows: list[tuple[str, str, Array]] = [
             ('speed of the input', per_second, run.rate),
             ('acceleration of the input', f'{per_second}^2', run.acceleration),
-            ('torque on the input', force, run.torque), ('torque of the motor', force, motor),
+            ('torque on the input', force, run.torque),
+            ('torque of the motor', force, run.motor_torque),
             *((name, quantities[name].unit, values)
               for name, values in run.loads._asdict().items() if name in quantities)]
         found = []

@@ -23,7 +23,7 @@ from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
-from support.samples import some
+from support.samples import record, some
 
 optimize = pytest.importorskip('scipy.optimize')
 pytest.importorskip('clarabel')
@@ -58,8 +58,8 @@ def test_loads_are_linear_in_masses_moments_and_inertias(name):
     unit = max(loads.mechanism.lengths)
     for _ in range(3):
         # the mechanism's own formulas, with other bodies: J >= m r^2 holds by construction
-        bodies = [Body(rng.uniform(0.1, 2.0), *(unit * rng.uniform(-0.5, 0.5, 2)),
-                       rng.uniform(0.0, 1.0) * unit**2) for _ in loads.links]
+        bodies = [record(Body, rng.uniform(0.1, 2.0), *(unit * rng.uniform(-0.5, 0.5, 2)),
+                         rng.uniform(0.0, 1.0) * unit**2) for _ in loads.links]
         mechanism = replace(still(loads.mechanism), bodies=loads.mechanism.BODIES(*bodies))
         numbers = np.concatenate([numbers_of(body) for body in bodies])
         expected = mechanism.loads(x, loads.rate)
@@ -102,7 +102,8 @@ def test_full_balance_of_a_4r_is_that_of_berkof_and_lowen():
     # with r2, r2' from A and B to the coupler's centre of gravity; here it lies off the line.
     linkage = load('paper').linkage
     bodies = linkage.bodies
-    coupler = Body(bodies.coupler.mass, 0.5, 0.1, bodies.coupler.inertia)
+    coupler = Body(bodies.coupler.mass, cg_along=0.5, cg_across=0.1,
+                   inertia=bodies.coupler.inertia)
     linkage = replace(linkage, bodies=bodies._replace(coupler=coupler))
     loads = Loads(linkage, 25.0)
     found = full_force_balance(places_of(loads, ('crank', 'output')))

@@ -83,7 +83,8 @@ def test_scale_bars_are_round(value, expected):
     assert nice(value) == pytest.approx(expected, rel=1e-14)
 
 
-BODIES = Bodies(Body(1.0, 0.1, 0.0, 0.01), Body(2.0, 0.2, 0.0, 0.02), Body(1.0, 0.1, 0.0, 0.01))
+BODIES = Bodies(Body(1.0, cg_along=0.1, inertia=0.01), Body(2.0, cg_along=0.2, inertia=0.02),
+                Body(1.0, cg_along=0.1, inertia=0.01))
 
 
 @some('mechanism, value', [

@@ -59,7 +59,7 @@ def test_a_dc_motor_with_inductance_and_gear():
     rate, current, _ = expm(matrix) @ [0.0, 0.0, 1.0]
     assert run.system.names == ('position', 'rate', 'source_0', 'work')
     assert run.rate[-1] == pytest.approx(rate, rel=1e-9)
-    assert run.states[2, -1] == pytest.approx(current, rel=1e-9)
+    assert run.states.source[0][-1] == pytest.approx(current, rel=1e-9)
     without = DCMotor(24.0, 0.5, 0.1, gear=10.0)      # a motor line: 48 N m to 24 rad/s
     assert without.torque(0.0, 12.0, ()) == (pytest.approx(24.0), ())
 
@@ -85,9 +85,11 @@ def test_a_stiff_shaft_is_integrated_implicitly_and_a_soft_one_is_not():
 
 @some('method', ['DOP853', 'RK45', 'LSODA', 'Radau', 'BDF'], 2)
 def test_every_method_gives_the_same(method):
-    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+    bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1),
+                    Body(2.0, cg_along=0.6, cg_across=0.1, inertia=0.2),
+                    Body(1.5, cg_along=0.4, inertia=0.1))
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
-    system = System(linkage, 0.2, 9.0, [TorsionSpring('coupler', 'output', 4.0, 0.3)])
+    system = System(linkage, 0.2, 9.0, [TorsionSpring('coupler', 'output', 4.0, free_angle=0.3)])
     run = simulate(system, 1.0, 1e-6, method)
     assert run.status == REACHED and run.drift <= 1e-6
     exact = simulate(system, 1.0, 1e-11, times=[1.0])
@@ -106,7 +108,7 @@ def test_couples_do_work_over_turns():
 
 def test_a_driven_slide_stops_at_the_end_of_its_stroke():
     """At the end of the stroke at the time at which the free run is there."""
-    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), NOTHING, Body(3.0))
+    bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1), NOTHING, Body(3.0))
     options = {'input': 'slide', 'bodies': bodies}
     push = Drive(ConstantTorque(5.0))
     run = simulate(System(SliderCrank(0.5, 1.0, stroke=(0.8, 1.2), **options), 1.0, drive=push),
@@ -117,7 +119,7 @@ def test_a_driven_slide_stops_at_the_end_of_its_stroke():
 
 
 def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():
-    system = System(wheel(), 0.5, 0.0, [TorsionSpring(GROUND, 'crank', 8.0, 0.0, 2.0)])
+    system = System(wheel(), 0.5, 0.0, [TorsionSpring(GROUND, 'crank', 8.0, damping=2.0)])
     run = simulate(system, 20.0, 1e-9)
     assert run.status == REACHED
     root = (4.0 - 0.25)**0.5      # 2 q.. + 2 q. + 8 q = 0

@@ -18,7 +18,8 @@ from support.samples import some
 from support.scenes import PAPER, RODS
 
 BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
-LOADS = External(Applied(3.0, -4.0, 0.2, 0.1, 1.5), Applied(-20.0, 7.0, 0.5, -0.2, 0.0))
+LOADS = External(Applied(3.0, -4.0, along=0.2, across=0.1, couple=1.5),
+                 Applied(-20.0, 7.0, along=0.5, across=-0.2, couple=0.0))
 LINKAGES = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81), external=LOADS),
             FourBar(0.4, 1.2, 0.8, 1.0, mode=1, bodies=BODIES),
             SliderCrank(0.3, 0.9, 0.1, bodies=BODIES, gravity=(0.0, -9.81)),
@@ -26,16 +27,21 @@ LINKAGES = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81), ext
 MORE = [*LINKAGES, InvertedSlider(0.3, 0.9, 0.1, bodies=BODIES, gravity=(0.0, -9.81)),
         InvertedSlider(0.3, 0.9, 0.1, input='slide', bodies=BODIES, gravity=(0.0, -9.81)),
         ScotchYoke(0.5, 0.1, input='slide', mode=1, bodies=BODIES, gravity=(2.0, -9.81))]
-LINEAR = [Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0, 0.4, 15.0),
-          Spring(Attachment('coupler', 0.2, -0.3), Attachment('output', 0.0, 0.2), 700.0, 0.0),
-          Spring(Attachment('coupler', 0.5, 0.5), Attachment('ground', 0.1, 2.0), 0.0, 0.0, 40.0)]
+LINEAR = [Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0,
+                 free_length=0.4, damping=15.0),
+          Spring(Attachment('coupler', 0.2, -0.3), Attachment('output', 0.0, 0.2), 700.0,
+                 free_length=0.0),
+          Spring(Attachment('coupler', 0.5, 0.5), Attachment('ground', 0.1, 2.0), 0.0,
+                 damping=40.0)]
 ON_CRANK = [
-    Spring(Attachment('ground', -0.3, 0.5), Attachment('crank', 0.2, 0.1), 600.0, 0.3, 12.0),
-    Spring(Attachment('crank', 0.1, -0.2), Attachment('output', 0.1, 0.2), 500.0, 0.2, 7.0),
-    TorsionSpring('ground', 'crank', 30.0, 0.4, 1.5),
-    TorsionSpring('crank', 'coupler', 20.0, -0.2, 0.8)]
-TORSION = [TorsionSpring('coupler', 'output', 60.0, 0.3, 2.0),
-           TorsionSpring('ground', 'coupler', 25.0, -1.0, 0.5)]
+    Spring(Attachment('ground', -0.3, 0.5), Attachment('crank', 0.2, 0.1), 600.0, free_length=0.3,
+           damping=12.0),
+    Spring(Attachment('crank', 0.1, -0.2), Attachment('output', 0.1, 0.2), 500.0, free_length=0.2,
+           damping=7.0),
+    TorsionSpring('ground', 'crank', 30.0, free_angle=0.4, damping=1.5),
+    TorsionSpring('crank', 'coupler', 20.0, free_angle=-0.2, damping=0.8)]
+TORSION = [TorsionSpring('coupler', 'output', 60.0, free_angle=0.3, damping=2.0),
+           TorsionSpring('ground', 'coupler', 25.0, free_angle=-1.0, damping=0.5)]
 
 
 @some('elements', [LINEAR[:1], LINEAR, TORSION, ON_CRANK,

@@ -89,7 +89,7 @@ def test_arrays_give_what_single_values_give(case):
 
 def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     """Its ends meet at q = 0, up to an infinitesimal: the force is k r.r', not 0/0."""
-    bodies = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(0.0), Body(0.0))
+    bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1), Body(0.0), Body(0.0))
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
     spring = Spring(Attachment(GROUND, 0.4), Attachment('crank', 0.4), 5.0)
     assert abs(Equation(linkage, [spring]).terms(0.0).force) <= 1e-70
@@ -101,7 +101,7 @@ def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     (lambda: Spring(Attachment('crank'), Attachment(), stiffness=-1.0), 'stiffness'),
     (lambda: TorsionSpring(GROUND, 'crank', damping=float('nan')), 'damping'),
     (lambda: Attachment('crank', along='x'), 'along'),
-    (lambda: Spring(Attachment(), Attachment('crank'), 1.0, -0.1), 'free_length'),
+    (lambda: Spring(Attachment(), Attachment('crank'), 1.0, free_length=-0.1), 'free_length'),
     (lambda: Equation(FourBar(0.4, 1.2, 0.8, 1.0), extra_inertia=-10.0), 'extra_inertia'),
     (lambda: Equation(None), 'mechanism'), (lambda: Equation('paper'), 'mechanism'),
 ])
@@ -122,7 +122,7 @@ def test_an_unknown_link_and_missing_masses_are_errors():
 
 def test_couples_are_the_part_of_the_force_without_a_potential():
     """A couple M on a link whose angle turns by b' for each radian of the crank gives M b'."""
-    bodies = Bodies(*[Body(1.0, 0.1, 0.0, 0.1)] * 3)
+    bodies = Bodies(*[Body(1.0, cg_along=0.1, inertia=0.1)] * 3)
     plain = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
     for link, rate in (('coupler', 'omega_beta'), ('output', 'omega4')):
         on_link = External(**{link: replace(NOT_APPLIED, couple=5.0, force_x=3.0, along=0.2)})

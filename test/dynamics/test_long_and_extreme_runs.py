@@ -14,7 +14,9 @@ from support.dynamics_problems import EXTREMES, light_crank, near_change_point
 from support.samples import some
 
 scipy = pytest.importorskip('scipy')
-BODIES = Bodies(Body(1.0, 0.2, 0.0, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, 0.0, 0.1))
+BODIES = Bodies(Body(1.0, cg_along=0.2, inertia=0.1),
+                Body(2.0, cg_along=0.6, cg_across=0.1, inertia=0.2),
+                Body(1.5, cg_along=0.4, inertia=0.1))
 
 
 def free(**options):

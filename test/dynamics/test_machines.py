@@ -53,7 +53,8 @@ def test_a_slide_that_no_dyad_limits_is_pushed_to_the_end_of_its_stroke():
 def rocking(lengths, mirrored):
     """Return a released linkage of four rods, and as a machine, with a dyad without mass."""
     a1, a2, a3, a4 = lengths
-    rods = [Body(length, 0.5 * length, 0.1, 0.1 * length**3) for length in (a1, a2, a3)]
+    rods = [Body(length, cg_along=0.5 * length, cg_across=0.1,
+                 inertia=0.1 * length**3) for length in (a1, a2, a3)]
     ends = [Point('crank', a1), Point('ground', a4)]
     names, sizes = ('coupler', 'output'), {'length_1': a2, 'length_2': a3}
     if mirrored:

@@ -125,8 +125,9 @@ def test_the_drive_of_the_loads_is_that_of_the_equation_also_in_arrays(linkage):
     """With a spring, a damper and a torsion spring beside the forces."""
     elements = [*forces_on(linkage),
                 Spring(Attachment('ground', 1.4, 0.3), Attachment(linkage.LINKS[-1].name, 0.3),
-                       900.0, 0.4, 15.0),
-                TorsionSpring(linkage.LINKS[0].name, linkage.LINKS[1].name, 20.0, 0.1, 0.5)]
+                       900.0, free_length=0.4, damping=15.0),
+                TorsionSpring(linkage.LINKS[0].name, linkage.LINKS[1].name, 20.0, free_angle=0.1,
+                              damping=0.5)]
     loaded, equation = make_loaded(linkage, elements), Equation(linkage, elements)
     motions = list(samples(linkage, 11, 30))
     found = loads_with(linkage, elements, *np.array(motions).T.reshape(3, 5, 6))
@@ -186,7 +187,7 @@ def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
     runs = [simulate(System(linkage, middle + turns * TURN, 2.0, [element]), 1.5, 1e-8,
                      times=[0.8, 1.5])
             for turns in (0, 3)
-            for element in (TorsionSpring('ground', 'crank', 25.0, middle),
+            for element in (TorsionSpring('ground', 'crank', 25.0, free_angle=middle),
                             PositionForce(Attachment('crank'), table, 'input', None),
                             PositionForce(Attachment('crank'), table, LinkAngle('crank'), None))]
     for run in runs:
@@ -225,7 +226,7 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
     for i in (run.time.size // 3, run.time.size // 2, -1):
         work = work_of_gas(system, 0.0, run.position[i])
         assert kinetic[i] - kinetic[0] == pytest.approx(work, abs=2e-8 * kinetic[i])
-        assert run.states[-1, i] == pytest.approx(work, abs=2e-8 * kinetic[i])
+        assert run.states.work[i] == pytest.approx(work, abs=2e-8 * kinetic[i])
     volume = 0.005808804816 * np.array([system.mechanism.motion(q).slide for q in
                                         system.equation.forces[0].value.places])
     pressure = np.array(system.equation.forces[0].value.values)

@@ -81,8 +81,8 @@ def test_a_motor_and_its_shaft_against_many_digits(stiffness):
     run = simulate(System(paper_linkage(), 0.0, drive=drive), 0.5, 1e-9)
     assert run.status == REACHED
     exact = np.array(P6[stiffness])
-    assert np.max(np.abs(run.states[[0, 2], -1] - exact[[0, 2]])) <= 1e-9
-    assert np.max(np.abs(run.states[[1, 3], -1] - exact[[1, 3]])) <= 1e-7
+    error = np.abs(np.array(run.at(0.5)[:4]) - exact[:4])
+    assert np.max(error[[0, 2]]) <= 1e-9 and np.max(error[[1, 3]]) <= 1e-7
 
 
 # --- P3, the N-four-bar, as a machine of N loops: through all its change points for 20 s ---------
@@ -98,6 +98,16 @@ def test_windows_swing_as_one_pendulum(count):
             assert abs(position - windows_exact(mp.mpf(time), count)) <= 1e-9
     assert set(run.modes.tolist()) <= {1, 2**count}
     assert run.drift <= 1e-9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('count', [64, 200])
+def test_more_windows_than_an_integer_has_bits(count):
+    """Each dyad is a bit of the mode: 65 of them and more, through one flat posture."""
+    run = simulate(windows(count), 1.0, 1e-6, times=(0.5, 1.0))
+    assert run.status == REACHED and run.position[0] > 0.0 > run.position[1]
+    assert run.modes.tolist() == [2**count, 1] and np.isfinite(run.loads.driving_torque).all()
+    assert abs(run.position[1] - windows_exact(mp.mpf(1), count)) <= 1e-6
 
 
 @pytest.mark.parametrize('count', [more(10, 40)])

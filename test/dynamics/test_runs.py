@@ -10,7 +10,14 @@ from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, Way
 from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
-from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, TorqueTable
+from fourbar_ros.dynamics.sources import (
+    ConstantTorque,
+    DCMotor,
+    Drive,
+    MotorLine,
+    Shaft,
+    TorqueTable,
+)
 from fourbar_ros.dynamics.statics import free_period
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -23,7 +30,8 @@ LINKAGE = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(0.0, -9.81))
 ROCKER = FourBar(0.9, 1.0, 0.8, 1.2, bodies=BODIES, gravity=(0.0, -9.81))
 CUT = PositionForce(Attachment('output', 0.3), ForceTable([0.0, 0.4, 0.8], [0.0, -40.0, 5.0]),
                     Way(Attachment('output', 0.3), direction=0.5 * pi))
-SPRING = Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0, 0.4, 15.0)
+SPRING = Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0,
+                free_length=0.4, damping=15.0)
 MIDDLE = 0.5 * sum(ROCKER.input_ranges[0])
 SYSTEMS = {'motor': System(LINKAGE, 0.0, 0.0, (), Drive(MotorLine(400.0, 26.0), rotor=0.5)),
            'forces': System(LINKAGE, 0.3, 12.0, (CUT, SPRING)),
@@ -42,15 +50,30 @@ def test_a_run_is_as_good_between_its_times_as_at_them(name):
     times = np.linspace(0.0, 0.4, 23)
     reference = simulate(system, 0.4, 1e-11, times=times)
     assert run.status == reference.status == REACHED
-    assert np.max(np.abs(run.at(times)[0] - reference.position)) <= asked
+    assert np.max(np.abs(run.at(times).position - reference.position)) <= asked
     mixed = run.at([[0.3, 0.1], [0.1, 0.0]])
-    assert mixed.shape == (len(system.names), 2, 2)
-    assert np.array_equal(mixed[:, 0, 1], mixed[:, 1, 0])
-    assert mixed[:, 1, 1] == pytest.approx(system.start)
-    assert run.at(0.4).shape == (len(system.names),)
-    assert run.at(0.4)[0] == pytest.approx(run.position[-1], abs=asked)
+    assert mixed.position.shape == mixed.work.shape == (2, 2)
+    assert np.array_equal(mixed.rate[0, 1], mixed.rate[1, 0])
+    assert (mixed.position[1, 1], mixed.rate[1, 1]) == pytest.approx(system.start[:2])
+    assert isinstance(run.at(0.4).rate, float)
+    assert run.at(0.4).position == pytest.approx(run.position[-1], abs=asked)
     sparse = simulate(system, 0.4, asked, times=[0.4])
-    assert np.max(np.abs(sparse.at(times)[0] - reference.position)) <= asked
+    assert np.max(np.abs(sparse.at(times).position - reference.position)) <= asked
+
+
+@pytest.mark.parametrize('drive, has_motor, states', [
+    (None, False, 0), (Drive(ConstantTorque(1.0)), True, 0),
+    (Drive(DCMotor(24.0, 0.5, 0.1, 0.05), rotor=0.1, shaft=Shaft(1e4, 1.0)), True, 1)])
+def test_the_state_of_a_run_is_one_record_whatever_the_system(drive, has_motor, states):
+    run = simulate(System(LINKAGE, 0.0, 1.0, drive=drive), 0.01, 1e-6)
+    for state in (run.at(0.01), run.at([0.01, 0.0]), run.states):
+        assert state._fields == ('position', 'rate', 'motor_position', 'motor_rate', 'source',
+                                 'work')
+        assert np.isfinite(state.motor_rate).all() == has_motor and len(state.source) == states
+    state, work = run.at(0.01), run.states.work[-1]
+    assert state.work == work and (work != 0.0) == (drive is not None)
+    if drive and not drive.shaft:
+        assert state[2:4] == state[:2]
 
 
 @pytest.mark.parametrize('count, shape', [
@@ -63,7 +86,7 @@ def test_early_times_are_those_asked_for(count, shape):
                       run.system.start, rtol=1e-12, atol=1e-12, dense_output=True,
                       method='DOP853').sol
     for times in np.random.default_rng(1).uniform(0.0, 0.05, (count, *shape)):
-        assert np.max(np.abs(run.at(times) - exact(times))[0]) <= 1e-6
+        assert np.max(np.abs(run.at(times).position - exact(times)[0])) <= 1e-6
 
 
 @pytest.mark.parametrize('wrong', [-0.1, 0.41, float('nan'), [0.1, 0.5], 'soon', None, []])
@@ -195,7 +218,7 @@ def test_a_run_and_its_system_are_pickled(name):
     run = simulate(SYSTEMS[name], 0.3, 1e-6)
     again = pickle.loads(pickle.dumps(run))
     assert again.status == run.status and np.array_equal(again.loads.f41, run.loads.f41)
-    for field in ('time', 'states', 'modes', 'torque', 'acceleration'):
+    for field in ('time', 'position', 'rate', 'modes', 'torque', 'acceleration'):
         assert np.array_equal(getattr(again, field), getattr(run, field))
-    assert np.array_equal(again.at(0.1), run.at(0.1))
-    assert np.array_equal(simulate(again.system, 0.3, 1e-6).states, run.states)
+    assert again.at(0.1).rate == run.at(0.1).rate
+    assert np.array_equal(simulate(again.system, 0.3, 1e-6).position, run.position)

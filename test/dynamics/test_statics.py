@@ -26,7 +26,7 @@ scipy = pytest.importorskip('scipy')
 
 
 def pendulum(**options):
-    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
+    bodies = Bodies(Body(2.0, cg_along=0.25, inertia=0.1), Body(0.0), Body(0.0))
     return FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81), **options)
 
 
@@ -109,7 +109,8 @@ def test_after_its_period_a_free_motion_is_where_it_began(case, count=more(4, 12
 
 def test_what_has_no_free_motion_is_refused():
     for system in (System(pendulum(), 0.0, drive=Drive(ConstantTorque(1.0))),
-                   System(FourBar(0.8, 1.2, 0.4, 1.0, bodies=Bodies(*[Body(1.0, 0.2)] * 3)), 1.0,
+                   System(FourBar(0.8, 1.2, 0.4, 1.0,
+                                  bodies=Bodies(*[Body(1.0, cg_along=0.2)] * 3)), 1.0,
                           1.0)):
         with pytest.raises(InvalidParameter, match='system'):
             free_period(system)
@@ -152,7 +153,7 @@ def test_what_is_wrong_is_refused_by_name(call, name):
 @pytest.mark.parametrize('turned', [0.0, pi, 0.5 * pi, -0.5 * pi])
 def test_equilibria_at_the_seam_of_a_turn_are_found_once(turned):
     """A pendulum hangs along gravity and stands against it, also where the angle is +-pi or 0."""
-    bodies = Bodies(Body(2.0, 0.25, 0.0, 0.1), Body(0.0), Body(0.0))
+    bodies = Bodies(Body(2.0, cg_along=0.25, inertia=0.1), Body(0.0), Body(0.0))
     down = (9.81 * np.cos(turned), 9.81 * np.sin(turned))
     crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=down)
     found = equilibria(Equation(crank))
@@ -168,7 +169,7 @@ def test_the_wrap_of_a_torsion_spring_is_no_equilibrium(free):
     """The deflection jumps from pi to -pi opposite to the free angle; it rests at that alone."""
     bodies = Bodies(Body(0.0, inertia=0.3), Body(0.0), Body(0.0))
     crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
-    found = equilibria(Equation(crank, [TorsionSpring('ground', 'crank', 7.0, free)]))
+    found = equilibria(Equation(crank, [TorsionSpring('ground', 'crank', 7.0, free_angle=free)]))
     assert len(found) == 1 and found[0].is_stable
     assert abs(np.sin(0.5 * (found[0].position - free))) <= 4.0 * EPS
     assert found[0].frequency == pytest.approx(sqrt(7.0 / 0.3) / (2.0 * pi), rel=1e-12)

@@ -17,7 +17,7 @@ from support.samples import some
 from support.swings import Alone, BODIES, CASES
 
 pytest.importorskip('scipy')
-LOADS = External(Applied(0.3, 0.1, 2.0, -3.0), Applied(force_x=4.0))
+LOADS = External(Applied(0.3, 0.1, along=2.0, across=-3.0), Applied(force_x=4.0))
 
 
 def swing(mechanism, position, count=160):
@@ -81,15 +81,16 @@ def test_drive_flywheel_springs_and_work_go_through_toggles(shaft):
     drive = Drive(MotorLine(30.0, 40.0) if shaft else ConstantTorque(25.0), rotor=0.02,
                   flywheel=0.05, shaft=shaft)
     times = np.linspace(0.0, 1.5, 20001)
-    run = simulate(System(mechanism, position, 2.0, [TorsionSpring('crank', 'coupler', 3.0, 0.2)],
+    run = simulate(System(mechanism, position, 2.0,
+                          [TorsionSpring('crank', 'coupler', 3.0, free_angle=0.2)],
                           drive), 1.5, 1e-9, times=times)
     assert run.status == REACHED and run.drift <= 1e-9
     low, high = mechanism.input_ranges[-1]
     assert run.position.min() >= low - 1e-9 and run.position.max() <= high + 1e-9
     work = np.trapezoid if hasattr(np, 'trapezoid') else np.trapz
-    assert run.states[-1, -1] == pytest.approx(work(run.torque * run.rate, times), abs=1e-4)
+    assert run.states.work[-1] == pytest.approx(work(run.torque * run.rate, times), abs=1e-4)
     if not shaft:
-        assert run.states[-1, -1] == pytest.approx(25.0 * (run.position[-1] - position), abs=1e-8)
+        assert run.states.work[-1] == pytest.approx(25.0 * (run.position[-1] - position), abs=1e-8)
 
 
 def test_a_start_next_to_a_toggle():

@@ -196,7 +196,7 @@ def test_parameters_can_be_changed_and_have_the_bits_of_another_mechanism(tmp_pa
     code = Code(scene, tmp_path, 'paper')
     run, own = code.compiled(*C), scene.linkage
     bodies = own.bodies._replace(coupler=replace(own.bodies.coupler, mass=5.5, cg_across=0.07))
-    external = own.external._replace(output=Applied(1.0, -2.0, 0.3, 0.01, 0.4))
+    external = own.external._replace(output=Applied(1.0, -2.0, along=0.3, across=0.01, couple=0.4))
     other = replace(own, a1=0.37, a3=0.83, bodies=bodies, gravity=(0.3, -9.81), external=external)
     inputs = random_inputs(other, 2, 500)
     found = {'a1': 0.37, 'a3': 0.83, 'bodies.coupler.mass': 5.5, 'bodies.coupler.cg_across': 0.07,

@@ -25,7 +25,7 @@ import numpy as np
 import pytest
 from support import contract, strategies
 from support.cartesian import exact_values
-from support.samples import more
+from support.samples import more, record
 from support.scans import tops
 
 EPS = 2.0**-52
@@ -83,7 +83,8 @@ def test_a_load_beside_another_one_1e18_times_larger_is_said_not_to_be_certain()
                   length_1=1.2, length_2=0.8),
              Dyad('small', 'RRP', Point('rocker', 0.4, 0.1), Point('ground', 0.0, 0.6),
                   ('link', 'block'), length_1=1.5, direction_2=0.1)]
-    heavy, light = Body(1e6, 0.3, 0.1, 1e5), Body(1e-12, 0.3, 0.1, 1e-13)
+    heavy, light = Body(1e6, cg_along=0.3, cg_across=0.1, inertia=1e5),
+    Body(1e-12, cg_along=0.3, cg_across=0.1, inertia=1e-13)
     machine = Machine(dyads, bodies={'rod': heavy, 'rocker': heavy, 'link': light, 'block': light})
     one, = find_extrema(machine, 'small_inner', 3.0)
     scan = machine.loads(np.linspace(-np.pi, np.pi, 2001), 3.0).small_inner
@@ -95,12 +96,12 @@ def test_a_load_beside_another_one_1e18_times_larger_is_said_not_to_be_certain()
 def test_a_shaking_force_is_zero_within_an_error_that_is_told_if_the_masses_balance(wrong):
     """Berkof and Lowen's counterweights, and one that is a little wrong."""
     a1, a2, a3, a4 = PAPER
-    coupler = Body(2.0, 0.5, 0.1, 0.1)
+    coupler = Body(2.0, cg_along=0.5, cg_across=0.1, inertia=0.1)
     at_b = coupler.mass * complex(coupler.cg_along, coupler.cg_across) / a2
     crank, output = -(coupler.mass - at_b) * a1, -at_b * a3
     linkage = FourBar(*PAPER, bodies=Bodies(
-        Body(1.0, crank.real * (1.0 + wrong), crank.imag, 0.1), coupler,
-        Body(1.0, output.real, output.imag, 0.1)))
+        Body(1.0, cg_along=crank.real * (1.0 + wrong), cg_across=crank.imag, inertia=0.1), coupler,
+        Body(1.0, cg_along=output.real, cg_across=output.imag, inertia=0.1)))
     # the crank's part turns with it: m e omega^2, constant up to the rounding of the others
     for extremum in find_extrema(linkage, 'shaking_force', 10.0):
         assert abs(extremum.value - abs(crank.real) * wrong * 100.0) <= 1e-12
@@ -188,8 +189,9 @@ def near_two_toggles(rng):
             second = Dyad('b', 'RRR', Point('a1', *own), Point('ground', *ground), ('b1', 'b2'),
                           length_1=rod, length_2=reach * (1.0 + gap) - rod,
                           mode=int(rng.integers(1, 3)))
-            bodies = {name: Body(rng.uniform(0.5, 2.0), *rng.uniform(-0.5, 0.5, 2).tolist(),
-                                 rng.uniform(0.1, 0.5)) for name in ('a1', 'a2', 'b1', 'b2')}
+            bodies = {name: record(Body, rng.uniform(0.5, 2.0),
+                                   *rng.uniform(-0.5, 0.5, 2).tolist(),
+                                   rng.uniform(0.1, 0.5)) for name in ('a1', 'a2', 'b1', 'b2')}
             machine = Machine([first, second], bodies=bodies, gravity=(0.0, -9.81))
         except FourBarError:
             continue

@@ -19,11 +19,13 @@ import numpy as np
 import pytest
 from support.contract import with_rods
 from support.random_machines import random_dyads, random_machines
-from support.samples import some
+from support.samples import record, some
 
 PAPER = (0.4, 1.2, 0.8, 1.0)
 RATES = ('omega4', 'alpha4')
-MASSES = Bodies(Body(1.0, 0.3, 0.1, 0.02), Body(2.0, 0.4, -0.1, 0.03), Body(1.5, 0.2, 0.15, 0.05))
+MASSES = Bodies(Body(1.0, cg_along=0.3, cg_across=0.1, inertia=0.02),
+                Body(2.0, cg_along=0.4, cg_across=-0.1, inertia=0.03),
+                Body(1.5, cg_along=0.2, cg_across=0.15, inertia=0.05))
 
 
 def proofs(extrema):
@@ -181,8 +183,9 @@ def test_searches_of_random_machines_find_what_their_proofs_find(seed):
         machine = None
         while machine is None:
             dyads = random_dyads(rng, 'crank', int(rng.integers(1, 4)))
-            bodies = {link: Body(10.0**rng.uniform(-3.0, 3.0), *rng.uniform(-0.5, 0.5, 2).tolist(),
-                                 10.0**rng.uniform(-4.0, 2.0)) for link in dyads[-1].links}
+            bodies = {link: record(Body, 10.0**rng.uniform(-3.0, 3.0),
+                                   *rng.uniform(-0.5, 0.5, 2).tolist(),
+                                   10.0**rng.uniform(-4.0, 2.0)) for link in dyads[-1].links}
             with suppress(FourBarError):
                 machine = Machine(dyads, bodies=bodies)
         methods = Search(machine, select((), machine), (1.0, 0.0))

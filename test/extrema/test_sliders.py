@@ -96,8 +96,8 @@ def test_what_floats_cannot_hold_is_refused():
     (FourBar(4.0, 3.0, 2.0, 8.0), 10.0**-4.4, 3), (FourBar(4.0, 3.0, 2.0, 8.0), 1e-5, 3)])
 def test_pairs_next_to_a_toggle_are_found(mechanism, rate, count):
     """Velocity and acceleration terms of a reaction cancel there; counts are proved."""
-    bodies = Bodies(Body(1.0, 0.05, 0.0, 0.01), Body(1.0, 0.15, 0.0, 0.01),
-                    Body(1.0, 0.0, 0.0, 0.01))
+    bodies = Bodies(Body(1.0, cg_along=0.05, inertia=0.01), Body(1.0, cg_along=0.15, inertia=0.01),
+                    Body(1.0, inertia=0.01))
     found = find_extrema(replace(mechanism, bodies=bodies), ('f41',), rate, 1.3 if count == 6
                          else 1.0)
     assert sum(e.place == 'interior' for e in found) == count

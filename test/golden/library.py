@@ -238,10 +238,11 @@ class Simulated:
         scene = replace(scene, drive=Group(**vars(scene.drive) | {'rate': COUNT / until}))
         run = simulate_scene(scene, until, 1e-10).run
         energy = run.system.equation.energy(run.position, run.rate)
+        states = {**run.states._asdict(),
+                  **{f'source_{i}': row for i, row in enumerate(run.states.source)}}
         return {'status': [run.status], 'error': [run.error], 'time': run.time.tolist(),
                 'mode': run.modes.tolist(), 'energy': np.asarray(energy).tolist(),
-                **{f'state {name}': row.tolist()
-                   for name, row in zip(run.system.names, run.states)}}
+                **{f'state {name}': states[name].tolist() for name in run.system.names}}
 
     @staticmethod
     def tolerances(old, new):

@@ -3,7 +3,8 @@
 """Rods and bars beside integrals over their volume, by quadrature that is exact for them."""
 from math import inf, nan
 
-from fourbar_ros import Body, flat_bar, InvalidParameter, round_rod
+from fourbar_ros import Applied, Body, flat_bar, InvalidParameter, round_rod
+from fourbar_ros.dynamics import Attachment, Spring, TorsionSpring
 import numpy as np
 import pytest
 
@@ -46,11 +47,26 @@ def test_a_flat_bar_is_a_box_whose_width_lies_in_the_plane(length, width, thickn
     assert_is(flat_bar(length, 2700.0, width, thickness), x, y, mass)
 
 
+@pytest.mark.parametrize('value, name', [
+    (-1.0, 'mass'), (nan, 'mass'), (inf, 'cg_along'), (nan, 'cg_across'), (-1.0, 'inertia')])
+def test_bad_bodies_are_refused_by_name(value, name):
+    with pytest.raises(InvalidParameter, match=f'^{name} = '):
+        Body(**{'mass': 1.0, name: value})
+
+
+@pytest.mark.parametrize('make', [
+    lambda: Body(2.0, 0.1), lambda: Applied(1.0, 2.0, 3.0),
+    lambda: Spring(Attachment(), Attachment('crank'), 500.0, 0.1),
+    lambda: TorsionSpring('ground', 'crank', 5.0, 0.1)])
+def test_a_second_number_that_could_be_another_one_is_given_by_name(make):
+    """As Body(m, I) was a mass with its centre I metres along the link."""
+    with pytest.raises(TypeError, match='positional arguments'):
+        make()
+
+
 @pytest.mark.parametrize('make, arguments, name', [
-    (Body, (-1.0,), 'mass'), (Body, (nan,), 'mass'), (Body, (1.0, inf), 'cg_along'),
-    (Body, (1.0, 0.0, nan), 'cg_across'), (Body, (1.0, 0.0, 0.0, -1.0), 'inertia'),
     (round_rod, (0.0, 1.0, 1.0), 'length'), (round_rod, (1.0, -1.0, 1.0), 'density'),
     (round_rod, (1.0, 1.0, nan), 'radius')])
-def test_bad_bodies_are_refused_by_name(make, arguments, name):
+def test_bad_rods_are_refused_by_name(make, arguments, name):
     with pytest.raises(InvalidParameter, match=f'^{name} = '):
         make(*arguments)

@@ -28,7 +28,7 @@ import pytest
 from support import contract
 from support.cartesian import ANGLES, beside, BITS, EPS, MANY_BITS, values, values_of
 from support.extrema_reference import exact_roots
-from support.samples import more, some
+from support.samples import more, record, some
 
 # Where limits are read off: a pole grows by 1e5 from one to the other, a zero falls.
 NEAR, NEARER = '1e-40', '1e-45'
@@ -122,8 +122,8 @@ def whole_change_points(most):
 def random_loads(rng):
     """Return bodies, sometimes gravity and loads; and rates, sometimes an acceleration."""
     bodies = contract.random_bodies(rng)
-    applied = (External(*(Applied(*rng.normal(size=5).tolist()) for _ in range(2))) if rng.random()
-               < 0.3 else External())
+    applied = (External(*(record(Applied, *rng.normal(size=5).tolist()) for _ in range(2)))
+               if rng.random() < 0.3 else External())
     gravity = tuple(rng.normal(0.0, 5.0, 2).tolist()) if rng.random() < 0.5 else (0.0, 0.0)
     rates = float(rng.normal(0.0, 3.0)), float(rng.normal(0.0, 3.0)) if rng.random() < 0.3 else 0.0
     return {'bodies': bodies, 'external': applied, 'gravity': gravity}, rates
@@ -234,7 +234,8 @@ FAST = [(FourBar(2.0, 4.0, 3.0, 5.0), pi), (FourBar(4.0, 2.0, 3.0, 5.0), 0.0),
 def test_extrema_next_to_the_flat_are_found(mechanism, place, rate):
     """Small weights make weak poles, with extrema 1e-9 to 1e-3 from the flat position."""
     rng = np.random.default_rng(3)
-    bodies = Bodies(*(Body(*rng.uniform((0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)).tolist())
+    least, most = (0.1, 0.2, 0.0, 0.01), (2.0, 1.0, 0.0, 0.2)
+    bodies = Bodies(*(record(Body, *rng.uniform(least, most).tolist())
                       for _ in range(3)))
     mechanism = replace(mechanism, bodies=bodies, gravity=(3.0, -9.81))
     names = ['shaking_moment', 'f41', 'f32', 'f43']
@@ -262,7 +263,8 @@ def test_extrema_next_to_the_flat_are_found(mechanism, place, rate):
 
 def with_rods(lengths, mode):
     return FourBar(*lengths, mode=mode,
-                   bodies=Bodies(*(Body(1.0, 0.5 * a, 0.0, a * a / 12.0) for a in lengths[:3])))
+                   bodies=Bodies(*(Body(1.0, cg_along=0.5 * a,
+                                        inertia=a * a / 12.0) for a in lengths[:3])))
 
 
 @some('order', [(0, 1, 0, 1), (0, 0, 1, 1), (0, 1, 1, 0)], 1)

@@ -33,7 +33,8 @@ def with_source(rng, mechanism, what, link):
     mass, gravity = float(10.0**rng.uniform(-3.0, 3.0)), (0.0, 0.0)
     body, applied = Body(0.0), Applied()
     if what in ('body', 'weight'):
-        body = Body(mass, along, across, float(mass * size**2 * rng.uniform()))
+        body = Body(mass, cg_along=along, cg_across=across,
+                    inertia=float(mass * size**2 * rng.uniform()))
     if what == 'weight':
         gravity = tuple(rng.normal(0.0, 10.0, 2).tolist())
     if what == 'point mass':
@@ -41,7 +42,7 @@ def with_source(rng, mechanism, what, link):
     if what == 'inertia':
         body = Body(0.0, inertia=mass)
     if what == 'force':
-        applied = Applied(*rng.normal(0.0, 5.0, 2).tolist(), along, across)
+        applied = Applied(*rng.normal(0.0, 5.0, 2).tolist(), along=along, across=across)
     if what == 'couple':
         applied = Applied(couple=float(rng.normal(0.0, 5.0)))
     none = mechanism.BODIES(*[Body(0.0)] * len(mechanism.BODIES._fields))

@@ -115,12 +115,12 @@ def moved(mover, count, step=1e-3):
 
 @pytest.mark.parametrize('linkage, start', [(PAPER, 0.3), (ROCKER, 0.5)])
 def test_a_step_under_what_acts_is_one_of_a_linkage_that_has_it(linkage, start):
-    along = replace(linkage, external=External(output=Applied(0.0, 0.0, 0.5, 0.1)))
+    along = replace(linkage, external=External(output=Applied(0.0, 0.0, along=0.5, across=0.1)))
     mover = Mover(System(along, start), 1e-9, 9999, acting=tuple(ACTS))
     for name, what in ACTS.items():
         mover.act(name, what)
     fixed = along.with_base(ACTS['base']).with_external(External(
-        output=Applied(20.0, -30.0, 0.5, 0.1, 4.0)))
+        output=Applied(20.0, -30.0, along=0.5, across=0.1, couple=4.0)))
     alone = Mover(System(fixed, start), 1e-9, 9999)
     ours, due = moved(mover, 600), moved(alone, 600)
     assert np.abs(ours - due).max() <= 1e-9 * np.abs(due).max()

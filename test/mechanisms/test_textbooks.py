@@ -19,7 +19,7 @@ import pytest
 from support import contract
 from support.cartesian import EPS
 
-MASSES = Bodies(Body(2.0, 0.0, 0.0, 0.1), Body(0.3), Body(4.0))
+MASSES = Bodies(Body(2.0, inertia=0.1), Body(0.3), Body(4.0))
 
 
 def test_harmonic_motion_of_a_textbook():
@@ -70,7 +70,7 @@ def test_gas_force_on_the_piston():
 
 def test_an_excavator_at_rest():
     """A load on the boom (crank): the cylinder is a two-force member, from moments about O1."""
-    weight = Bodies(Body(100.0, 2.0), Body(0.0), Body(0.0))
+    weight = Bodies(Body(100.0, cg_along=2.0), Body(0.0), Body(0.0))
     cylinder = InvertedSlider(1.0, 2.0, mode=2, input='slide', bodies=weight, gravity=(0.0, -9.81))
     m, loads = cylinder.step(2.1)
     assert abs(loads.guide_force) <= EPS * loads.f41 and loads.guide_couple == 0.0

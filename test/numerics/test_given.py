@@ -38,6 +38,7 @@ import numpy as np
 import pytest
 from support import contract
 from support.contract import every_input
+from support.samples import record
 
 FOUR_BAR = load_scene('paper').linkage
 ODD = ['1.0', b'1', None, True, 1j, datetime(2020, 1, 1), np.datetime64('2020'), Decimal(1), [1.0],
@@ -72,8 +73,8 @@ def test_other_numbers_are_computed_with_as_doubles(case, made):
     lengths, given = contract.draw(rng, case)
     masses = contract.random_masses(rng, case, 1.0, 1.0)
     one, other = (case.make(map(to, lengths), {
-        'bodies': [Body(*map(to, astuple(body))) for body in masses['bodies']],
-        'external': [Applied(*map(to, astuple(push))) for push in masses['external']],
+        'bodies': [record(Body, *map(to, astuple(body))) for body in masses['bodies']],
+        'external': [record(Applied, *map(to, astuple(push))) for push in masses['external']],
         'gravity': [*map(to, masses['gravity'])]}) for to in (made, lambda v: float(made(v))))
     assert one == other and all(type(v) is float
                                 for v in (*one.lengths, *one.gravity, one.bodies.crank.mass))

@@ -57,7 +57,8 @@ def test_steps_have_the_bits_of_the_formulas(case, data):
     mechanism, its = data.draw(mechanisms(case))
     nothing = type(mechanism.bodies)._make([Body(0.0)] * len(mechanism.bodies))
     loads = [type(mechanism.external)._make([acting] * len(mechanism.external))
-             for acting in (Applied(), Applied(force_y=2.0), Applied(1.0, -2.0, 0.3, 0.1, 5.0))]
+             for acting in (Applied(), Applied(force_y=2.0),
+                            Applied(1.0, -2.0, along=0.3, across=0.1, couple=5.0))]
     for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
                 replace(mechanism, bodies=nothing, external=loads[0]),
                 *map(mechanism.with_external, loads)):

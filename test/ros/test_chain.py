@@ -62,7 +62,8 @@ class Loaded:
     def under(self, position, *numbers):
         """Return the driving torque of the core under a wrench, in the place of the scene."""
         given = getattr(self.linkage.external, self.link)
-        applied = Applied(*numbers[:2], given.along, given.across, numbers[2])
+        applied = Applied(*numbers[:2], along=given.along, across=given.across,
+                          couple=numbers[2])
         loaded = self.linkage.with_external(External(**{self.link: applied}))
         return loaded.loads(position, 2.0, 3.0).driving_torque
 

@@ -131,7 +131,8 @@ def test_a_force_over_a_point_is_that_at_its_coordinate(axis):
     plain, push = there.bare_linkage, there.values
     for q in (0.3, 2.0, 4.4):
         at = getattr(point_motion(plain, plain.motion(q), 'coupler', 0.6, 0.2), axis)
-        force = Applied(0.0, 100.0 * at, push['forces.push.along'], push['forces.push.across'])
+        force = Applied(0.0, 100.0 * at, along=push['forces.push.along'],
+                        across=push['forces.push.across'])
         loaded = plain.with_external(plain.external._replace(output=force))
         found = loads_with(plain, there.forces, q, 2.0, 3.0)
         expected = loaded.loads(q, 2.0, 3.0)

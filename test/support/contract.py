@@ -27,6 +27,7 @@ from fourbar_ros.mechanisms.kinds import FACTS, kind_of
 import numpy as np
 import pytest
 from support import random_machines
+from support.samples import record
 
 TRIES = 10_000
 
@@ -139,8 +140,8 @@ def with_rods(lengths, **others):
 
 def random_bodies(rng):
     """Return three bodies of some tenths of a metre and a kilogramme."""
-    return Bodies(*(Body(*rng.uniform((0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)).tolist())
-                    for _ in range(3)))
+    least, most = (0.1, 0.0, -0.2, 0.01), (2.0, 1.0, 0.2, 0.2)
+    return Bodies(*(record(Body, *rng.uniform(least, most).tolist()) for _ in range(3)))
 
 
 def random_lengths(rng, count):
@@ -297,11 +298,12 @@ def random_masses(rng, case, reach, speed):
 
     def numbers(*values):
         return [float(value) for value in values]
-    bodies = [Body(*numbers(rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach),
-                            rng.uniform(0.0, 1.0) * reach**2)) for _ in case.kind.BODIES._fields]
-    external = [Applied(*numbers(*(rng.uniform(-5.0, 5.0, 2) * force),
-                                 *(rng.uniform(-1.0, 1.0, 2) * reach),
-                                 rng.uniform(-5.0, 5.0) * force * reach))
+    bodies = [record(Body, *numbers(rng.uniform(0.1, 10.0), *(rng.uniform(-1.0, 1.0, 2) * reach),
+                                    rng.uniform(0.0, 1.0) * reach**2))
+              for _ in case.kind.BODIES._fields]
+    external = [record(Applied, *numbers(*(rng.uniform(-5.0, 5.0, 2) * force),
+                                         *(rng.uniform(-1.0, 1.0, 2) * reach),
+                                         rng.uniform(-5.0, 5.0) * force * reach))
                 for _ in case.kind.EXTERNAL._fields]
     return {'bodies': case.kind.BODIES(*bodies), 'external': case.kind.EXTERNAL(*external),
             'gravity': tuple(numbers(*(rng.uniform(-1.0, 1.0, 2) * force)))}

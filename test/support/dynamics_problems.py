@@ -50,13 +50,14 @@ def sundials_slider_crank():
     slider_crank = SliderCrank(
         0.5, 1.0, bodies=Bodies(Body(0.0, inertia=1.0), Body(0.0, inertia=2.0), Body(1.0)),
         external=External(Applied(force_x=-1.0), Applied(force_x=2.0)))
-    spring = Spring(Attachment('crank', 0.25), Attachment('coupler', 0.5), 1.0, 1.0, 1.0)
+    spring = Spring(Attachment('crank', 0.25), Attachment('coupler', 0.5), 1.0, free_length=1.0,
+                    damping=1.0)
     return System(slider_crank, pi / 2, 0.0, [spring])
 
 
 def one_window():
     """P3, N = 1: a parallelogram of rods, 1 m and 1 kg, upright, the upper at 1 m/s."""
-    rod = Body(1.0, 0.5, 0.0, 1.0 / 12.0)
+    rod = Body(1.0, cg_along=0.5, inertia=1.0 / 12.0)
     parallelogram = FourBar(1.0, 1.0, 1.0, 1.0, bodies=Bodies(rod, rod, rod), gravity=(0.0, -9.81))
     return System(parallelogram, pi / 2, -1.0)
 
@@ -69,7 +70,7 @@ def windows(count):
                           (f'beam{i}', f'post{i}'), length_1=1.0, length_2=1.0))
         post = f'post{i}'
     links = ['crank', *(link for dyad in dyads for link in dyad.links)]
-    bodies = dict.fromkeys(links, Body(1.0, 0.5, 0.0, 1.0 / 12.0))
+    bodies = dict.fromkeys(links, Body(1.0, cg_along=0.5, inertia=1.0 / 12.0))
     return System(Machine(dyads, bodies=bodies, gravity=(0.0, -9.81)), pi / 2, -1.0)
 
 
@@ -118,15 +119,15 @@ def light_crank(inertia=1e-6):
 
 def near_change_point(gap=1e-6):
     """Rods of a linkage that lies flat but for a gap: its output whips past the flat position."""
-    rod = Body(1.0, 0.5, 0.0, 1.0 / 12.0)
+    rod = Body(1.0, cg_along=0.5, inertia=1.0 / 12.0)
     linkage = FourBar(0.5, 1.0, 1.0, 0.5 + gap, bodies=Bodies(rod, rod, rod))
     return System(linkage, 1.0, 3.0)
 
 
 def light_rods(mass=1e-8):
     """Return a heavy output link on rods of hardly any mass: dead points of the output."""
-    bodies = Bodies(Body(mass, 0.2, 0.0, mass), Body(mass, 0.6, 0.0, mass),
-                    Body(2.0, 0.4, 0.0, 0.3))
+    bodies = Bodies(Body(mass, cg_along=0.2, inertia=mass), Body(mass, cg_along=0.6, inertia=mass),
+                    Body(2.0, cg_along=0.4, inertia=0.3))
     return System(FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), 0.5, 1.0)
 
 

@@ -8,6 +8,7 @@ from fourbar_ros import load_scene
 from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 import mpmath as mp
 from support.cartesian import exact, number, of_mpmath
+from support.samples import record
 
 
 def random_elements(rng, mechanism):
@@ -16,9 +17,10 @@ def random_elements(rng, mechanism):
 
     def point(link):
         return Attachment(link, *rng.uniform(-1.0, 1.0, 2).tolist())
-    return (Spring(point(first), point(second), *rng.uniform(0.1, 5.0, 3).tolist()),
-            Spring(point(GROUND), point(last), *rng.uniform(0.1, 5.0, 3).tolist()),
-            TorsionSpring(first, second, 3.0, float(rng.uniform(-0.4, 0.4)), 0.7))
+    return (record(Spring, point(first), point(second), *rng.uniform(0.1, 5.0, 3).tolist()),
+            record(Spring, point(GROUND), point(last), *rng.uniform(0.1, 5.0, 3).tolist()),
+            TorsionSpring(first, second, 3.0, free_angle=float(rng.uniform(-0.4, 0.4)),
+                          damping=0.7))
 
 
 # --- energies by Cartesian coordinates of all links, for q in mpmath -----------------------------
@@ -98,5 +100,5 @@ ANDREWS_RATE = '1139.9203022591062132888514'
 def andrews():
     """Return the seven bodies as a machine, its spring, and the torque on the crank."""
     spring = Spring(Attachment(GROUND, 0.014, 0.072), Attachment('K3', 0.018, 0.02), 4530.0,
-                    0.07785)
+                    free_length=0.07785)
     return load_scene('andrews').linkage, spring, 0.033

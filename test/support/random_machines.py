@@ -16,6 +16,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, 
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 from support.cartesian import BEGIN
+from support.samples import record
 
 DIMENSIONS = {        # {kind of dyad: {dimension: its least and largest}}
     'RRR': {'length_1': (1.5, 3.0), 'length_2': (1.5, 3.0)},
@@ -53,10 +54,10 @@ def random_dyads(rng, driven, count, structure=None, before=()):
 def with_masses(rng, dyads, **options):
     """Return a machine with bodies, gravity and external loads, everything acting."""
     machine = Machine(dyads, **options)
-    bodies = {name: Body(float(rng.uniform(0.5, 2.0)), *rng.uniform(-0.5, 0.5, 2).tolist(),
-                         float(rng.uniform(0.1, 0.5))) for name in machine.layout.moving}
-    external = {name: Applied(*rng.uniform(-5.0, 5.0, 2).tolist(),
-                              *rng.uniform(-1.0, 1.0, 2).tolist(), float(rng.uniform(-5.0, 5.0)))
+    bodies = {name: record(Body, float(rng.uniform(0.5, 2.0)), *rng.uniform(-0.5, 0.5, 2).tolist(),
+                           float(rng.uniform(0.1, 0.5))) for name in machine.layout.moving}
+    external = {name: record(Applied, *rng.uniform(-5.0, 5.0, 2).tolist(),
+                             *rng.uniform(-1.0, 1.0, 2).tolist(), float(rng.uniform(-5.0, 5.0)))
                 for name in machine.EXTERNAL._fields}
     return Machine(dyads, **options, bodies=bodies, external=external,
                    gravity=tuple(rng.uniform(-10.0, 10.0, 2).tolist()))

@@ -1,6 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""How much of a sample ``make test`` takes; ``make test-all`` takes all of it."""
+"""How much of a sample ``make test`` takes; ``make test-all`` takes all of it. Random records."""
+from dataclasses import fields
+
 from hypothesis import settings
 import pytest
 
@@ -8,6 +10,11 @@ import pytest
 def more(quick, long):
     """Return what this profile of hypothesis takes: the one of ``make test-all`` is long."""
     return long if settings.default.max_examples >= 100 else quick
+
+
+def record(kind, *values):
+    """Return a Body, Applied or Spring of values in the order of its fields."""
+    return kind(**dict(zip([field.name for field in fields(kind)], values)))
 
 
 def some(names, cases, quick, ids=None):

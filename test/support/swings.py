@@ -3,7 +3,9 @@
 """Linkages of all kinds whose input turns back at toggle positions, let go with a rate."""
 from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, SliderCrank
 
-BODIES = Bodies(Body(1.0, 0.2, 0.05, 0.1), Body(2.0, 0.6, 0.1, 0.2), Body(1.5, 0.4, -0.1, 0.1))
+BODIES = Bodies(Body(1.0, cg_along=0.2, cg_across=0.05, inertia=0.1),
+                Body(2.0, cg_along=0.6, cg_across=0.1, inertia=0.2),
+                Body(1.5, cg_along=0.4, cg_across=-0.1, inertia=0.1))
 PULL = {'gravity': (0.3, -9.81), 'bodies': BODIES}
 CASES = {
     'non-Grashof': (FourBar(1.0, 0.8, 0.9, 2.0, **PULL), 0.5, 2.0),

@@ -50,10 +50,11 @@ def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
     """Lengths times a power of two, masses that keep forces: each field times a power of it."""
     scale = 2.0**(power if case != contract.MACHINES else power // 5)
     for mechanism, given in contract.ordinary(case, 213, 5):
-        bodies = [Body(b.mass / scale, b.cg_along * scale, b.cg_across * scale, b.inertia * scale)
+        bodies = [Body(b.mass / scale, cg_along=b.cg_along * scale, cg_across=b.cg_across * scale,
+                       inertia=b.inertia * scale)
                   for b in mechanism.bodies]
-        external = [Applied(a.force_x, a.force_y, a.along * scale, a.across * scale,
-                            a.couple * scale) for a in mechanism.external]
+        external = [Applied(a.force_x, a.force_y, along=a.along * scale, across=a.across * scale,
+                            couple=a.couple * scale) for a in mechanism.external]
         stroke = mechanism.stroke and {'stroke': [end * scale for end in mechanism.stroke]}
         larger = mechanism.with_lengths([v * scale for v in mechanism.lengths])
         scaled = replace(larger, bodies=bodies, external=external, **stroke or {},

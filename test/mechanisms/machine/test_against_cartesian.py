@@ -102,7 +102,8 @@ def test_a_block_pinned_to_what_carries_its_yoke_does_not_feel_the_yoke():
              direction_1=-0.175238988, direction_2=1.504196840),
         Dyad('d2', 'RPP', Point('a0', -0.369, 0.167), Point('a1', 0.125, 0.332), ('c', 'bar'),
              direction_2=0.861, slot=0.965)],
-        bodies=dict.fromkeys(('c', 'bar'), Body(1.3, -0.1, -0.3, 0.3)), gravity=(3.7, -9.1))
+        bodies=dict.fromkeys(('c', 'bar'), Body(1.3, cg_along=-0.1, cg_across=-0.3, inertia=0.3)),
+        gravity=(3.7, -9.1))
     given = (-0.25775713, 2.15674477, 1.162506906)
     assert abs(machine.motion(*given).slide_a1_acceleration) > 1e6
     check(Drawn(machine, given))

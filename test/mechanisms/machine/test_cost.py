@@ -8,7 +8,7 @@ from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 
-BODY = Body(1.0, 0.1, 0.05, 0.2)
+BODY = Body(1.0, cg_along=0.1, cg_across=0.05, inertia=0.2)
 
 
 @cache

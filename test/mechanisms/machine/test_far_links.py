@@ -96,7 +96,9 @@ def test_no_extrema_of_rounding_noise():
     """There were more than a hundred for each of these quantities, within 3e-6 of the limits."""
     dyads = MACHINES['from the ground']
     links = Machine(dyads).layout.moving
-    machine = Machine(dyads, bodies=dict.fromkeys(links, Body(1.5, 0.3, -0.1, 0.4)),
+    machine = Machine(dyads, bodies=dict.fromkeys(links,
+                                                  Body(1.5, cg_along=0.3, cg_across=-0.1,
+                                                       inertia=0.4)),
                       gravity=(-4.0, -3.0))
     limits = [end.x for bound in machine.limits for end in bound]
     quantities = list(known_quantities(machine, machine.input).values())

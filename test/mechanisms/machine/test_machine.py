@@ -42,7 +42,8 @@ def six_bar():
                          ('coupler', 'rocker'), length_1=1.2, length_2=0.8),
                     Dyad('upper', 'RRR', Point('rocker', 0.9, 0.2), Point('ground', 2.0),
                          ('rod', 'arm'), length_1=0.9, length_2=0.75)],
-                   bodies={'arm': Body(1.0, 0.3, 0.0, 0.1), 'rod': Body(0.5, 0.2)})
+                   bodies={'arm': Body(1.0, cg_along=0.3, inertia=0.1),
+                           'rod': Body(0.5, cg_along=0.2)})
 
 
 def test_a_toggle_names_its_dyad():
