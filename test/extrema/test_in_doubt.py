@@ -155,9 +155,12 @@ def test_beside_a_change_point_values_are_those_of_a_step_and_global_ones_are_al
 @pytest.mark.parametrize('certify', [False, True])
 def test_a_force_of_13203_newtons_is_not_zero_at_a_margin_of_1e_6(certify):
     linkage = FourBar(*NEARLY_A_RHOMBUS, mode=1, bodies=Bodies(
-        Body(4.655679701884757, -0.4163523403752849, -0.24243452328563006, 0.3457837970995006),
-        Body(4.725234785077774, -0.8241237999750397, -0.09451813159506886, 0.2090164375021505),
-        Body(3.4090770447230163, -0.06676229886692187, -0.24101889060347803, 0.8622759617605749)))
+        Body(4.655679701884757, cg_along=-0.4163523403752849, cg_across=-0.24243452328563006,
+             inertia=0.3457837970995006),
+        Body(4.725234785077774, cg_along=-0.8241237999750397, cg_across=-0.09451813159506886,
+             inertia=0.2090164375021505),
+        Body(3.4090770447230163, cg_along=-0.06676229886692187, cg_across=-0.24101889060347803,
+             inertia=0.8622759617605749)))
     found = [one for one in find_extrema(linkage, 'f32', -0.4716864451483751, certify=certify)
              if one.kind == 'minimum']
     near = min(found, key=lambda one: abs(one.theta1 - 4.5644676820757227e-06))
