@@ -153,9 +153,14 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
     """
     searched = _searched(linkage, scene)
     wanted = [searched[name] for name in names if name in searched
-              and not (searched[name].is_load and linkage.bodies is None)]
+              and is_searched(linkage, searched[name])]
     return (find_extrema(linkage, wanted, speed, acceleration, conditions=False) if wanted
             else [])
+
+
+def is_searched(linkage: Mechanism, quantity: Asked) -> bool:
+    """Return whether a quantity has extrema over the input: loads follow from motion alone."""
+    return not quantity.is_load or linkage.bodies is not None
 
 
 def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]

@@ -35,6 +35,7 @@ from fourbar_lab.live.picture import (
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.stepper import INVALID_INPUT, OK, STATUS_NAMES
+from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.settings import ParameterValues
 from nicegui import background_tasks, run, ui
 from nicegui.element import Element
@@ -140,6 +141,7 @@ class Page:
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
+                self.warnings = ui.label().classes('fb-warnings').props('role=status')
                 self.player = Player()
                 show(self.player, size=[WIDTH, HEIGHT], answered=0, **NOTHING)
                 self.player.on('rest', self._rest, [None])
@@ -182,6 +184,7 @@ class Page:
                 self.extrema.add_slot('body-cell-at', GO_THERE)
                 self.extrema.on('go', lambda event: self.go(event.args))
                 self.extrema.on('rowClick', lambda event: self.go(event.args[1]['input']))
+                self.no_extrema = ui.label()
             with _panel('Facts'):
                 columns = [tables.column('name'), tables.column('text')]
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
@@ -205,6 +208,7 @@ class Page:
         except FourBarError as error:
             self.refusal, self.pose = str(error), None
             self.alarm.set_text(self.refusal)
+            self.warnings.set_text('')
             self.words.set_text('impossible')
             self._clear()
             return
@@ -212,6 +216,7 @@ class Page:
         self.names = [name for name in self.names if name in shown.quantities]
         self.position = shown.nearest_input(self.position)
         self.words.set_text(shown.linkage.description)
+        self.warnings.set_text('\n'.join(warnings_of(shown.scene)))
         self.no_loads.set_text(shown.why_no_loads and f'no forces: {shown.why_no_loads}')
         self._refill()
 
@@ -223,6 +228,7 @@ class Page:
         self.set_curves({})
         for table in (self.extrema, self.facts):
             table.rows = []
+        self.no_extrema.set_text('')
 
     def _refill(self) -> None:
         """Draw all anew, after another choice of what is shown or how; views when they open."""
@@ -361,6 +367,7 @@ class Page:
             self.curves.style(f'height:{charts.height(len(self.names))}px')
         elif name == 'Extrema':
             self.extrema.rows = tables.extrema_rows(shown, shown.extrema(self.names))
+            self.no_extrema.set_text(shown.why_not_searched(self.names))
         elif name == 'Facts':
             rows = [*facts(shown.scene.bare_linkage), *tables.joint_rows(shown)]
             self.facts.rows = [{'name': name, 'text': text} for name, text in rows]

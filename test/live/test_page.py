@@ -9,6 +9,7 @@ from math import cos, pi, radians, sin
 import re
 import threading
 import urllib.error
+from urllib.parse import urlencode
 import urllib.request
 
 from fourbar_lab.drawing.poses import number
@@ -94,6 +95,40 @@ def test_a_length_changes_picture_curves_facts_and_address(tab):
     assert tab.driver.find_element('css selector', 'input[aria-label="linkage.a2"]'
                                    ).get_attribute('value') == '1.1'
     assert other.alarm() == ''
+
+
+def test_what_is_allowed_but_hardly_meant_is_warned_of_as_on_the_command_line(tab):
+    assert tab.warnings() == ''
+    tab.write('linkage.a3', '80')
+    tab.until(tab.alarm, 'the alarm of what cannot close')
+    assert tab.warnings() == ''
+    for name in ('a1', 'a2', 'a4'):
+        tab.write(f'linkage.{name}', '50')
+    tab.until(lambda: tab.warnings() == 'linkage.a1 = 50 m: did you mean 0.05? Lengths are in '
+              'metres (and 3 more)', 'the warning')
+
+
+@pytest.mark.parametrize('query', ['linkage.a1=abc', 'bodies.rods.radius=30'])
+def test_no_line_of_words_lies_on_the_picture(driver, address, query):
+    tab = Tab(driver, f'{address}/?{query}')
+    tab.until(lambda: tab.alarm() or tab.warnings(), 'words')
+    words, picture = driver.execute_script(
+        "return ['.fb-alarm, .fb-warnings', '.fb-stage .fb-picture'].map(s => [...document"
+        ".querySelectorAll(s)].map(e => e.getBoundingClientRect()).map(b => [b.top, b.bottom]))")
+    assert max(below for _, below in words) <= picture[0][0]
+
+
+@pytest.mark.slow
+def test_quantities_without_extrema_are_named_beside_their_table(driver, address):
+    force = {'link': 'output', 'acts': 'along', 'over': 'input', 'place_unit': 'deg',
+             'places': '[0.0, 180.0, 360.0]', 'values': '[8.0, 1.0, 8.0]', 'periodic': 'true'}
+    query = urlencode({'scene': 'slider_crank',
+                       **{f'forces.gas.{name}': value for name, value in force.items()}})
+    tab = Tab(driver, f'{address}/?{query}')
+    tab.open('Extrema')
+    why = 'no extrema of driving_torque, shaking_force: forces over a position (forces.gas) act'
+    tab.until(lambda: why in tab.driver.find_element('tag name', 'body').text, 'why not')
+    assert {row[0] for row in tab.rows('quantity')} == {'slide_velocity', 'slide_acceleration'}
 
 
 @pytest.mark.slow

@@ -192,3 +192,13 @@ def test_no_door_gives_loads_of_a_base_that_a_topic_moves(tmp_path, capsys):
     assert page.pose(0.3).loads is None and 'motion of the base' in page.why_no_loads
     with pytest.raises(InvalidParameter, match='motion of the base'):
         there.loads(0.3)
+
+
+def test_the_page_says_of_which_quantities_it_searches_no_extrema():
+    page = shown(THERE.values)
+    names = page.usual_quantities
+    searched = {extremum.quantity for extremum in page.extrema(names)}
+    left_out = [name for name in names if name not in searched]
+    assert 'driving_torque' in left_out and 'forces.gas' in page.why_not_searched(names)
+    assert page.why_not_searched(names).startswith(f'no extrema of {", ".join(left_out)}: ')
+    assert not page.why_not_searched([name for name in names if name in searched])

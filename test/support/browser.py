@@ -157,6 +157,10 @@ class Tab:
         """Return the line that says what is wrong."""
         return self.driver.find_element('css selector', '[role=alert]').text
 
+    def warnings(self):
+        """Return the lines that say what is probably not meant."""
+        return self.driver.find_element('css selector', '.fb-warnings').text
+
     def select(self, label):
         """Put the keyboard's focus on a field and select its text; return it."""
         from selenium.webdriver.common.keys import Keys
