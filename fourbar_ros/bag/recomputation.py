@@ -22,7 +22,9 @@ from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of, stamps_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK
+from fourbar_ros.pipeline import joints
+from fourbar_ros.pipeline.joints import SceneJoints
+from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, joints_of, OK
 from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
@@ -129,12 +131,17 @@ class Recomputation:
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about)
+        self._joints: SceneJoints | None = None
+        self._is_wrapped = origin.in_order and joints.KEY not in bag.about
+        self._joints_have_begun = False
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
+        last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
-        self._steppers = InModes(scene, self._acting)
+        self._joints = joints_of(scene, last, self._is_wrapped)
+        self._steppers = InModes(scene, self._acting, self._joints)
         self._acts.clear()
         # what acts, but the bag does not tell yet
         self._untold = {name for name in scene.acting
@@ -150,6 +157,8 @@ class Recomputation:
         """Take the next message of the bag."""
         name = self._names[raw.topic]
         if name in self._topics:
+            if name == 'joint_states' and self._joints and not self._joints_have_begun:
+                self._begin_joints(self._joints, self._bag.decode(raw))
             self._outputs[name].append((self._inputs, raw.time, raw.data))
         elif name == DRIVEN.name:
             message = self._bag.decode(raw)
@@ -237,6 +246,12 @@ class Recomputation:
         if part:
             newest = part[-1][0]
             self._changes = [time for time in self._changes if time > newest - UNSETTLED]
+
+    def _begin_joints(self, scene_joints: SceneJoints, message: Any) -> None:
+        """Begin in the turns of the first joint states: they go on from before the bag."""
+        if message.name == self._scene.names_shown and np.isfinite(message.position).all():
+            scene_joints.follow(dict(zip(self._scene.joints_shown, message.position)))
+            self._joints_have_begun = True
 
     def _near_a_change(self, time: int) -> str:
         """Return NEAR_A_CHANGE if it is not sure what was in force at a log time, else ''."""

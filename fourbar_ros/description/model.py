@@ -21,6 +21,7 @@ from fourbar_ros.mechanics.bodies import Body, field_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
+from fourbar_ros.pipeline.joints import start_of
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -166,16 +167,6 @@ def frame_of(scene: Scene, link: str) -> str:
 def point_frame(scene: Scene, point: str) -> str:
     """Return the name of the frame of a point."""
     return f'{scene.joint_states.prefix}{point}'
-
-
-def start_of(scene: Scene) -> float:
-    """Return ``drive.start`` if the linkage closes there, else the middle of its first range."""
-    try:
-        scene.linkage.motion(scene.drive.start, 0.0, 0.0)
-        return float(scene.drive.start)
-    except FourBarError:
-        low, high = scene.linkage.input_ranges[0]
-        return 0.5 * (low + high)
 
 
 def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:

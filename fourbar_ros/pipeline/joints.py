@@ -3,20 +3,27 @@
 """
 The joints of a JointState: joint = ratio * coordinate + offset, in and out.
 
+A mechanism has its angles within half a turn of zero. A joint does not jump where they come round:
+ratio and offset act on the angle that goes on.
+
 Rates and accelerations scale likewise, joint' = ratio * coordinate'. Power is the same on both
 sides, so the effort of the joint is the effort of the coordinate divided by the ratio.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import isnan, nan
+from collections.abc import Mapping, Sequence
+from math import inf, isnan, nan, pi, tau
+from operator import itemgetter
 from typing import NamedTuple, TypeVar
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.message_fields import FieldMap
-from fourbar_ros.scene.scene import Group
+from fourbar_ros.scene.scene import Scene
+import numpy as np
 
 FloatOrArray = TypeVar('FloatOrArray', float, Array)
+KEY, CONTINUOUS = 'joints', 'continuous'     # in a bag whose joints are
+SAMPLES = 721          # over the range of the input, to follow each joint from the start
 
 
 class Scale(NamedTuple):
@@ -36,19 +43,31 @@ class SceneJoints:
     """
     The joints of a scene as a JointState shows them, one sample after the other.
 
-    ``layout`` places angles, rates and drive among the values; ``shown`` has ratios, offsets, and
-    whether the last known positions are held.
+    Pins are continuous: where the mechanism's angle, within half a turn of zero, comes round, they
+    go on. ``angles`` are the last known positions of all joints [rad or m]; by default they begin
+    as :func:`first_angles` says. The driven joint is as its input came, unless that wraps.
+    ``is_wrapped``: none is continuous, as in bags recorded before they were.
     """
 
-    def __init__(self, layout: FieldMap, shown: Group) -> None:
+    def __init__(self, scene: Scene, angles: Sequence[float] | None = None,
+                 is_wrapped: bool = False) -> None:
         """Look up once where among the values of a sample each joint has its own."""
+        layout, shown = scene.layout, scene.joint_states
         place, joints = layout.place, layout.joints
+        self.angles = list(first_angles(scene) if angles is None else angles)
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
-        self._positions = [place[joint.position] for joint, _ in joints]
-        self._rates = [place[joint.rate] for joint, _ in joints]
-        self._efforts = [None if effort is None else place.get(effort) for _, effort in joints]
+        self._is_scaled = set(self._scales) != {Scale(1.0, 0.0)}
+        self._positions = itemgetter(*[place[joint.position] for joint, _ in joints])
+        self._rates = itemgetter(*[place[joint.rate] for joint, _ in joints])
+        # (number of the joint, place of its effort) of the driven one; others have none
+        self._efforts = [(number, place[effort]) for number, (_, effort) in enumerate(joints)
+                         if effort in place]
         self._holds = shown.when_unknown == 'hold'
-        self._last = (nan,) * len(joints)       # positions [rad, m] of the last known pose
+        self._last = [nan] * len(joints)        # positions [rad, m] of the last known pose
+        counts_turns = isnan(scene.drive.top_speed)
+        self._turning = [] if is_wrapped else [
+            number for number, (joint, _) in enumerate(joints) if joint.unit == 'rad'
+            and not (counts_turns and joint == scene.linkage.input_coordinate)]
 
     def of(self, values: Sequence[float]) -> tuple[float, ...]:
         """
@@ -57,13 +76,71 @@ class SceneJoints:
         They are in the order of joint_values(). Where a position is unknown, the last known
         positions stand in if they are to be held.
         """
-        scales = self._scales
-        positions = tuple(s.ratio * values[i] + s.offset for s, i in zip(scales, self._positions))
+        positions, rates, last = list(self._positions(values)), self._rates(values), self.angles
+        efforts = [0.0] * len(positions)
+        is_known = True
+        for joint in self._turning:
+            if not -pi <= positions[joint] - last[joint] <= pi:      # seldom: no call otherwise
+                is_known = is_known and not isnan(positions[joint])
+                positions[joint] = continued(last[joint], positions[joint])
+        self.angles = positions if is_known else [
+            before if isnan(angle) else angle for before, angle in zip(last, positions)]
+        for joint, place in self._efforts:
+            efforts[joint] = values[place] / self._scales[joint].ratio
+        if self._is_scaled:
+            positions = [ratio * x + offset for (ratio, offset), x in zip(self._scales, positions)]
+            rates = [ratio * x for (ratio, _), x in zip(self._scales, rates)]
         if self._holds:
             if any(map(isnan, positions)):
                 positions = self._last
             else:
                 self._last = positions
-        return (*positions, *(s.ratio * values[i] for s, i in zip(scales, self._rates)),
-                *(0.0 if i is None else values[i] / s.ratio
-                  for s, i in zip(scales, self._efforts)))
+        return (*positions, *rates, *efforts)
+
+    def follow(self, positions: Mapping[int, float]) -> None:
+        """Go on from positions in a JointState, {number of a joint: position}."""
+        for joint, position in positions.items():
+            scale = self._scales[joint]
+            self.angles[joint] = (position - scale.offset) / scale.ratio
+
+
+def continued(last: float, angle: float) -> float:
+    """Return an angle [rad] in the turn where it is nearest to the last one."""
+    away = last - angle
+    return angle + tau * round(away / tau) if pi < abs(away) < inf else angle
+
+
+def start_of(scene: Scene) -> float:
+    """Return ``drive.start`` if the linkage closes there, else the middle of its first range."""
+    try:
+        scene.linkage.motion(scene.drive.start, 0.0, 0.0)
+        return float(scene.drive.start)
+    except FourBarError:
+        low, high = scene.linkage.input_ranges[0]
+        return 0.5 * (low + high)
+
+
+def first_angles(scene: Scene) -> list[float]:
+    """
+    Return the position near which each joint of a scene begins [rad or m].
+
+    A pin is in the turn in which its angle at the start of the scene is within half a turn of
+    zero. If it only swings, it begins near the middle of its swing, so that every input has one
+    position of it; else near its angle at the start.
+    """
+    mechanism, start = scene.linkage, start_of(scene)
+    names = [joint.coordinate.position for joint in mechanism.JOINTS]
+    at_start = mechanism.motion(start, 0.0, 0.0)
+    angles = [float(getattr(at_start, name)) for name in names]
+    low, high = start - pi, start + pi
+    if not mechanism.turns_fully:
+        low, high = min(mechanism.input_ranges,
+                        key=lambda ends: max(ends[0] - start, start - ends[1]))
+    inputs = np.linspace(low, high, SAMPLES)
+    for number, positions in enumerate(mechanism.motion(inputs, fields=tuple(names))):
+        path = np.unwrap(positions[np.isfinite(positions)])
+        turns_round = mechanism.turns_fully and abs(path[-1] - path[0]) > pi
+        if mechanism.JOINTS[number].coordinate.unit == 'rad' and not turns_round:
+            near = path[np.argmin(abs(inputs[np.isfinite(positions)] - start))]
+            angles[number] += 0.5 * float(path.min() + path.max()) - float(near)
+    return angles

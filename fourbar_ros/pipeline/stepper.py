@@ -7,7 +7,7 @@ Steppers evaluate those of a scene, by its policy out of range and in its assemb
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
@@ -23,6 +23,7 @@ from fourbar_ros.scene.scene import Scene
 import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
+    from fourbar_ros.pipeline.joints import SceneJoints
     from fourbar_ros.pipeline.wrenches import ActingInput
 
 # The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
@@ -107,10 +108,11 @@ class Stepper:
     status says OUT_OF_RANGE in any case.
 
     ``acting``: a wrench for each link that a topic loads, and the base if it has one, by default
-    the scene's before a first message.
+    the scene's before a first message. ``joints``: those of joint_states, by default at the start.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None) -> None:
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
+                 joints: SceneJoints | None = None) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
         self._scene = scene
         self.linkage, self._policy = scene.bare_linkage, scene.drive.out_of_range
@@ -129,10 +131,7 @@ class Stepper:
         # for the policy hold: the last values within range; for clamp: inputs at the limits
         self._good: tuple[float, ...] | None = None
         self._limits: list[float] | None = None
-        self._joints = self._drive_wrench = None
-        if not scene.shows_plain_joints:
-            from fourbar_ros.pipeline.joints import SceneJoints
-            self._joints = SceneJoints(scene.layout, scene.joint_states)
+        self._drive_wrench, self.joints = None, joints or joints_of(scene)
         # outputs of the linkage with what acts on it: (name, function of it, its motion and loads,
         # values where nothing is known)
         self._of_linkage: list[tuple[
@@ -150,7 +149,7 @@ class Stepper:
             self._of_linkage.append((
                 'inertia', lambda linkage, motion, _: inertia.held_rigid(linkage, motion),
                 (nan,) * len(RIGID)))
-        own_joints = joint_values(len(scene.layout.joints)) if self._joints else ()
+        own_joints = joint_values(len(scene.layout.joints)) if self.joints else ()
         # the values of a sample where nothing is known, without those of its joints
         self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
         if 'drive_wrench' in scene.outputs:
@@ -213,13 +212,13 @@ class Stepper:
 
     def silence(self) -> tuple[float, ...]:
         """Return the values during a timeout: NaN, except for held joint positions."""
-        return self._nothing + self._joints.of(self._nothing) if self._joints else self._nothing
+        return self._nothing + self.joints.of(self._nothing) if self.joints else self._nothing
 
     def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
         """Append the drive wrench and the joints, where the scene has them."""
         if self._drive_wrench:
             values += self._drive_wrench(values)
-        return values + self._joints.of(values) if self._joints else values
+        return values + self.joints.of(values) if self.joints else values
 
     def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
         """Return the motion of all points and links, NaN for any that is not wanted."""
@@ -275,16 +274,27 @@ def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:
     return end
 
 
+def joints_of(scene: Scene, angles: Sequence[float] | None = None, is_wrapped: bool = False
+              ) -> SceneJoints | None:
+    """Return the SceneJoints of a scene, None for one without the output joint_states."""
+    if 'joint_states' not in scene.outputs:
+        return None
+    from fourbar_ros.pipeline.joints import SceneJoints  # other scenes do without
+    return SceneJoints(scene, angles, is_wrapped)
+
+
 class InModes:
     """
     A :class:`Stepper` for each assembly mode, made when it is needed; arguments as of a stepper.
 
-    A drive that passes a toggle goes on in another mode than the scene's.
+    A drive that passes a toggle goes on in another mode than the scene's; its joints go on too.
     """
 
-    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None) -> None:
+    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
+                 joints: SceneJoints | None = None) -> None:
         self._scene, self.own_mode = scene, mode_number(scene.linkage.mode)
-        self._own = Stepper(scene, acting)
+        self.joints = joints or joints_of(scene)
+        self._own = Stepper(scene, acting, self.joints)
         self._all = {self.own_mode: self._own}
 
     @property
@@ -301,7 +311,7 @@ class InModes:
         """Make the steppers of modes that may come, so that no step has to wait for one."""
         for mode in modes:
             if mode not in self._all:
-                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting)
+                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting, self.joints)
 
     def step(self, mode: int, position: float, rate: float, acceleration: float,
              with_loads: bool, with_parts: Wanted) -> Sample:

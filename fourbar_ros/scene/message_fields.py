@@ -72,12 +72,12 @@ class FieldMap(NamedTuple):
 
 
 def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str],
-           with_effort: bool, own_joints: bool, shown: Sequence[int]) -> FieldMap:
+           with_effort: bool, shown: Sequence[int]) -> FieldMap:
     """
     Return the :class:`FieldMap` of a mechanism with named points, for some outputs.
 
-    ``with_effort``: joint_states have it; ``own_joints``: they show scaled values of
-    :mod:`fourbar_ros.pipeline.joints`, not the motion itself; ``shown``: of which joints.
+    ``with_effort``: joint_states have it; ``shown``: of which joints. They show values of
+    :mod:`fourbar_ros.pipeline.joints`, not the motion itself.
     """
     known = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
@@ -118,17 +118,14 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
                                 [f'rigid {name}' for name in RIGID])))
     if 'drive_wrench' in outputs:
         add('drive_wrench', dict(zip(WRENCH, DRIVE_WRENCH)))
-    sources: list[tuple[str | None, ...]] = [
-        tuple(joint.position for joint, _ in joints), tuple(joint.rate for joint, _ in joints),
-        tuple(effort for _, effort in joints)]
-    if own_joints:
+    if 'joint_states' in outputs:
         scaled, count = joint_values(len(joints)), len(joints)
         names += scaled
         sources = [scaled[i:i + count] for i in (0, count, 2 * count)]
-    fields['joint_states'] = {
-        field: tuple(of_joints[place] for place in shown)
-        for field, of_joints in zip(OF_JOINTS, sources)
-        if field != 'effort' or with_effort}         # else empty in the message: not known
+        fields['joint_states'] = {
+            field: tuple(of_joints[place] for place in shown)
+            for field, of_joints in zip(OF_JOINTS, sources)
+            if field != 'effort' or with_effort}     # else empty in the message: not known
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints)
 
 

@@ -312,15 +312,7 @@ class Scene:
     @cached_property
     def layout(self) -> FieldMap:
         """Return the map from the values of a sample to the fields of messages."""
-        return layout(self.linkage, self.points, self.outputs, self.needs_loads,
-                      not self.shows_plain_joints, self.joints_shown)
-
-    @property
-    def shows_plain_joints(self) -> bool:
-        """Return whether joint_states has the motion itself: neither scaled nor held."""
-        shown = self.joint_states
-        return (set(shown.ratios) == {1.0} and set(shown.offsets) == {0.0}
-                and shown.when_unknown != 'hold')
+        return layout(self.linkage, self.points, self.outputs, self.needs_loads, self.joints_shown)
 
     @cached_property
     def joints_shown(self) -> tuple[int, ...]:

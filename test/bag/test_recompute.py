@@ -180,6 +180,16 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
     assert found.is_cut and not found.problems()
 
 
+def test_joints_of_bags_from_before_they_were_continuous_and_a_jump_of_those_that_are(tmp_path):
+    turns = [(0.5 * k, 1.0, 0.0) for k in range(100)]
+    for is_wrapped in (True, False):
+        path = bags.run(tmp_path, f'run_{is_wrapped}', FULL, turns, is_wrapped=is_wrapped)
+        assert recompute(path).largest == 0.0
+    old, about = content(tmp_path / 'run_True'), Bag(path).about
+    jumping = recompute(rewritten(path, tmp_path, old, 'jumping', about))
+    assert jumping.largest > 6.0
+
+
 # --- bags of rosbag2 -----------------------------------------------------------------------------
 
 def as_recorded_by_rosbag2(bag, directory, jitter=0, late_scene=0, keep=lambda topic: True):

@@ -3,10 +3,12 @@
 """Ratio, offset and sense of joints; positions that are not known."""
 import math
 
+from fourbar_ros.description.model import model_of
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
+import numpy as np
 import pytest
 from support.power import power
 from support.scenes import PAPER, ROCKER, RODS
@@ -97,3 +99,59 @@ def test_a_prefix_stands_before_every_name():
     assert scene.joint_names == ('left_crank', 'left_coupler', 'left_coupler_output',
                                  'left_output')
     assert scenes.from_values(scene.values).joint_names == scene.joint_names
+
+
+# --- turns ---------------------------------------------------------------------------------------
+
+SHIPPED = ['jansen', 'slides_7_6', 'quick_return', 'watt', 'v_engine', 'bucket', 'paper']
+# its output turns fully
+ROUND = {'linkage.a1': 0.5, 'linkage.a2': 0.45, 'linkage.a3': 0.5, 'linkage.a4': 0.2,
+         'drive.source': 'motion', 'outputs': ['joint_states'],
+         'joint_states.ratios': [1.0, 1.0, 1.0, 1.5], 'joint_states.offsets': [0, 0, 0, 0.25]}
+
+
+def positions(scene, inputs):
+    """Return the positions of all joints over inputs [rad or m], one after the other."""
+    return np.array([fields['position'] for _, fields in
+                     joint_states(scene, *[(float(x), 1.0, 0.0) for x in inputs])])
+
+
+@pytest.mark.parametrize('name', SHIPPED)
+def test_a_joint_that_swings_has_one_position_at_each_input_wherever_it_begins(name):
+    """It begins in the turn of its angle at drive.start, which is that of the description."""
+    values = scenes.load(name).values
+    scene = scenes.from_values({**values, 'outputs': ['joint_states']})
+    (low, high), count = scene.linkage.input_ranges[0], 1500
+    inputs = np.linspace(low, high, count)[1:-1]
+    found = positions(scene, np.r_[inputs, inputs[::-1]])
+    driven = [joint.coordinate for joint in scene.linkage.JOINTS].index(
+        scene.linkage.input_coordinate)
+    found, back = np.delete(found[:len(inputs)], driven, 1), np.delete(
+        found[len(inputs):][::-1], driven, 1)
+    assert np.abs(np.diff(found, axis=0)).max() < 0.1
+    swings = np.abs(found[-1] - found[0]) < 6.0
+    assert (found == back)[:, swings].all() and np.count_nonzero(swings) >= 2
+    for x in inputs[::97]:
+        alone = np.delete(positions(scene, [x])[0], driven)
+        assert (alone == found[inputs == x][0])[swings].all()
+    start = [(joint.name, joint.start) for joint in model_of(scene).joints]
+    shown = dict(zip(scene.joint_names, positions(scene, [model_of(scene).position])[0]))
+    assert start == [(joint, shown[joint]) for joint, _ in start]
+
+
+def test_ratio_and_offset_act_on_the_angle_that_goes_on():
+    """With ratio 1.5 a wrapped angle made the pose half a turn wrong."""
+    scene, inputs = scenes.from_values(ROUND), np.linspace(0.0, 6.0 * np.pi, 2000)
+    theta4 = np.unwrap(scene.linkage.motion(inputs).theta4)
+    assert abs(theta4[-1] - theta4[0]) > 18.0
+    assert np.abs(positions(scene, inputs)[:, 3] - (1.5 * theta4 + 0.25)).max() < 1e-13
+
+
+def test_a_driven_joint_counts_turns_where_its_input_wraps():
+    inputs = np.linspace(0.0, 15.0, 800)
+    wrapped = (inputs + np.pi) % (2.0 * np.pi) - np.pi
+    scene = scenes.from_values({**ROUND, 'drive.top_speed': 30.0})
+    assert np.abs(positions(scene, wrapped) - positions(scene, inputs)).max() < 1e-13
+    as_it_came = positions(scenes.from_values(ROUND), wrapped)
+    assert (as_it_came[:, 0] == wrapped).all()
+    assert all(map(math.isfinite, positions(scene, [1e308, -1e308]).ravel()))

@@ -10,6 +10,7 @@ from fourbar_ros import load_scene
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
 from fourbar_ros.pipeline import stepper as codes
+from fourbar_ros.pipeline.joints import SceneJoints
 from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
@@ -24,7 +25,7 @@ DRIVEN = {**PAPER, **RODS, 'drive.source': 'motion', 'outputs': ALL_OUTPUTS, 'fr
 def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, lockstep):
     run_node(DRIVEN)
     ask, rng, its = lockstep(*ALL_OUTPUTS), random.Random(1), scene.from_values(DRIVEN)
-    linkage, layout = its.linkage, its.layout
+    linkage, layout, joints = its.linkage, its.layout, SceneJoints(its)
     for k in range(1, 61):
         position, rate, acceleration = (rng.uniform(-size, size) for size in (20, 50, 900))
         answer = ask(k, position, rate, acceleration)
@@ -32,6 +33,7 @@ def test_every_topic_carries_the_values_of_the_core_to_the_last_bit(run_node, lo
         torque = loads.driving_torque
         values = (*motion, *loads, *input_equation(linkage, position, rate), torque,
                   *held_rigid(linkage, motion), 0.0, 0.0, -torque)
+        values += joints.of(values)
         for name, message in vars(answer).items():
             # NaN is NaN here
             assert repr(fields_of(layout, name, message)) == repr(layout.expected(name, values))

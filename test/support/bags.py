@@ -7,7 +7,8 @@ from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.mechanisms.parts import mode_number
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline import joints
+from fourbar_ros.pipeline.stepper import joints_of, Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
@@ -124,32 +125,36 @@ def with_old_memory(data, texts, rng):
 
 
 def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False, loads=(),
-        **kwargs):
+        is_wrapped=False, **kwargs):
     """
     Record a run as the node does and return the closed bag's path.
 
     ``cranks``: (theta1, omega1, alpha1) of every step; ``changes``: {step: parameters} set before
     it; ``loads``: {step: {link: (force_x, force_y, couple)}} received before it. Stamps begin at
     step_ns: 0 stands for an unstamped message. ``paced``: log times step_ns apart, whatever the
-    clock says.
+    clock says. ``is_wrapped``: as the node did before joints were continuous.
     """
     scene = scenes.from_values(values)
     topics = [DRIVEN, SCENE, *scene.acting_topics, *scene.topics.values()]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
+    if not is_wrapped:
+        about[joints.KEY] = joints.CONTINUOUS
     channels = [channel(resolved[t.name], t.type, latched=t is SCENE) for t in topics]
     writer = BagWriter(directory, name, channels, about, **kwargs)
     number = {topic.name: i for i, topic in enumerate(topics)}
 
     def say_scene():
         writer.write(number['scene'], encode('std_msgs/msg/String', data=json.dumps(scene.values)))
-        return Stepper(scene)
+        return Stepper(scene, joints=joints_of(scene, last, is_wrapped))
+    last = None                              # angles of the joints, which go on
     stepper, changes, begun = say_scene(), dict(changes), writer.clock()
     for k, crank in enumerate(cranks):
         if paced:
             writer.clock = lambda k=k: begun + k * step_ns
         if k in changes:
             scene = scenes.from_values({**scene.values, **changes[k]})
+            last = stepper.joints and stepper.joints.angles
             stepper = say_scene()
         for link, given in dict(loads).get(k, {}).items():
             stepper.act(link, Wrench(*given))

@@ -160,10 +160,10 @@ class Recording:
 
 def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:
     """Return the metadata of a bag: scene, node, versions; ``topics``: {short name: full name}."""
-    from fourbar_ros.pipeline import rate_estimator  # only bags and topics as inputs need it
+    from fourbar_ros.pipeline import joints, rate_estimator  # only bags need both
     return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
             'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
-            rate_estimator.KEY: str(rate_estimator.VERSION)}
+            rate_estimator.KEY: str(rate_estimator.VERSION), joints.KEY: joints.CONTINUOUS}
 
 
 def directory_of(scene: Scene) -> Path:

@@ -17,7 +17,14 @@ from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.parts import mode_number
-from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, OK, OUT_OF_RANGE, STATUS_NAMES
+from fourbar_ros.pipeline.stepper import (
+    InModes,
+    INPUT_TIMEOUT,
+    joints_of,
+    OK,
+    OUT_OF_RANGE,
+    STATUS_NAMES,
+)
 from fourbar_ros.ros.messages import (
     Message,
     Pack,
@@ -106,6 +113,8 @@ class Stream:
             for name, what in self.run.stepper.acting.items():
                 if what is not run.stepper.acting[name]:     # it came while the run was made
                     run.act(name, what)
+            if self.run.stepper.joints and run.stepper.joints:   # they moved meanwhile
+                run.stepper.joints.angles = self.run.stepper.joints.angles
             self.run, self._values, self._markers_at = run, run.unknown, None
             self._update()
             for name, data in run.latched.items():
@@ -151,7 +160,7 @@ class Stream:
             run = self.run
             if run.topics == before.topics:
                 path = self._recording.attach(bag)
-                run.renew(run.stepper.acting)      # a held value could not be recomputed
+                run.renew(run.stepper.acting, run)     # a held value could not be recomputed
                 for topic, data in self._latched.items():
                     self.record(topic, data)
                 return path
@@ -422,11 +431,14 @@ class RunningScene:
             from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
             self.conversion = Conversion(scene)
         pause()
-        self.renew(acting)
+        self.renew(acting, before)
 
-    def renew(self, acting: Mapping[str, ActingInput] | None = None) -> None:
-        """Evaluate the scene from now on without values held from before."""
-        self.stepper = InModes(self.scene, acting)
+    def renew(self, acting: Mapping[str, ActingInput] | None = None,
+              before: RunningScene | None = None) -> None:
+        """Evaluate the scene from now on without values held from before; its joints go on."""
+        joints = before.stepper.joints if before else None
+        self.stepper: InModes = InModes(self.scene, acting, joints_of(
+            self.scene, joints.angles if joints else None))
         if self.mover:
             self.stepper.prepare(self.mover.modes)
             for name, what in self.stepper.acting.items():
