@@ -1,20 +1,27 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Compare two bags message by message: the same stamp on the same topic is the same message."""
+"""
+Compare two bags message by message: the same stamp on the same topic is the same message.
+
+Of joint states with one stamp, as a robot and a relay send them, those of the same joints are.
+"""
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections import Counter, defaultdict, deque
+from collections.abc import Iterable, Sequence
+from itertools import repeat
 import json
 from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.bag.reader import Bag, Columns, Progress
-from fourbar_ros.bag.recomputation import largest_difference
+from fourbar_ros.bag.recomputation import largest_difference, names_in
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
+
+Place = tuple[int, int]     # of a message: number of its columns, row there
 
 
 class TopicDiff(NamedTuple):
@@ -43,7 +50,8 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     """
     Return a :class:`TopicDiff` for every topic in either bag, or only for ``topics``.
 
-    Messages are matched by the stamp of their header, those of equal stamp in their order.
+    Messages are matched by the stamp of their header, those of equal stamp by their joints, if
+    they have any, and then in their order.
     Messages without a stamp, or with stamp 0, are matched by their place in the topic.
     ``progress`` is called with the bytes read of the first bag, once more for every topic.
     """
@@ -63,37 +71,46 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
 
 def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
     of_first, of_second = _places(first), _places(second)
-    common = of_first.keys() & of_second.keys()
+    pairs = [(of_first.pop(key), of_second.pop(key)) for key in of_first.keys() & of_second.keys()]
+    waiting: defaultdict[int, deque[Place]] = defaultdict(deque)
+    for (stamp, _, _), place in of_second.items():      # joints have other names in the first bag
+        waiting[stamp].append(place)
+    pairs += [(place, waiting[stamp].popleft()) for (stamp, _, _), place in of_first.items()
+              if waiting[stamp]]
     # numpy compares all rows that are in the same columns on both sides at once
     rows: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-    for key in common:
-        (i, row), (j, other) = of_first[key], of_second[key]
+    for (i, row), (j, other) in pairs:
         rows[i, j].append((row, other))
     largest: dict[str, float] = {}
-    for (i, j), pairs in rows.items():
-        one, two = np.array(pairs).T
+    for (i, j), rows_of_both in rows.items():
+        one, two = np.array(rows_of_both).T
         for field, apart in _differences(first[i].records[one], second[j].records[two]).items():
             largest[field] = max(largest.get(field, 0.0), apart)
-    return TopicDiff(topic, len(common), len(of_first) - len(common),
-                     len(of_second) - len(common), largest)
+    only_first, only_second = (sum(len(part.times) for part in parts) - len(pairs)
+                               for parts in (first, second))
+    return TopicDiff(topic, len(pairs), only_first, only_second, largest)
 
 
-def _places(parts: Sequence[Columns]) -> dict[tuple[int, int], tuple[int, int]]:
+def _places(parts: Sequence[Columns]) -> dict[tuple[int, bytes, int], Place]:
     """
-    Return {which message: where it is}, the number of its columns and its row there.
+    Return {which message: where it is}.
 
-    Messages of two bags are the same if they have one stamp [ns], or none (0), and as many before
-    them had it.
+    Messages of two bags are the same if they have one stamp [ns], or none (0), the same names of
+    joints, if any, and as many before them had both.
     """
-    places: dict[tuple[int, int], tuple[int, int]] = {}
-    times_met: Counter[int] = Counter()
+    places: dict[tuple[int, bytes, int], Place] = {}
+    times_met: Counter[tuple[int, bytes]] = Counter()
     for number, columns in enumerate(parts):
         stamps = columns.stamps
         if stamps is None:
             stamps = np.zeros(len(columns.times), np.int64)
-        for row, stamp in enumerate(stamps.tolist()):
-            places[stamp, times_met[stamp]] = number, row
-            times_met[stamp] += 1
+        fields = names_in(columns.records)
+        names: Iterable[bytes] = repeat(b'')
+        if fields:
+            names = [b'\0'.join(row) for row in columns.records[fields].tolist()]
+        for row, (stamp, name) in enumerate(zip(stamps.tolist(), names)):
+            places[stamp, name, times_met[stamp, name]] = number, row
+            times_met[stamp, name] += 1
     return places
 
 

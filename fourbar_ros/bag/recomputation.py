@@ -5,7 +5,8 @@ Compute every recorded output again, from the driven motion and the scene, and c
 
 Both are in the bag: the motion as messages, the scene as its first message and again after every
 change. A motion and its outputs have one stamp. In a bag of the node an output follows its motion;
-in a bag of ``ros2 bag record`` it may also come first, so messages wait until both are there.
+in a bag of ``ros2 bag record`` it may also come first, so messages wait until both are there; and
+its joint states may be of a robot or of other nodes: those with other names are no outputs.
 """
 from __future__ import annotations
 
@@ -40,6 +41,8 @@ import numpy as np
 
 BLOCK = 5000                # motions that are compared together
 UNSETTLED = 200_000_000     # [ns] around a change, in which a bag of rosbag2 has no sure order
+# the topic that a robot and other nodes share, where a bag of rosbag2 has the messages of all
+JOINT_STATES = 'joint_states'
 # fields of standard messages that a planar linkage leaves 0
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
 STOPPED, NEAR_A_CHANGE, BEFORE_THE_FILE, UNTOLD = (
@@ -267,6 +270,11 @@ class Recomputation:
         counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
         parts = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
         for rows, records in parts:
+            if name == JOINT_STATES and not self._origin.in_order:
+                are_ours = _are_of(records, self._scene.names_shown)
+                rows, records = rows[are_ours], records[are_ours]
+                if not len(rows):
+                    continue
             outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
             if stamps is None:
                 raise BagError(f'{self._bag.path}: {topic} has no header')
@@ -411,6 +419,21 @@ def _rows(value: Any, count: int) -> Array:
     return np.broadcast_to(value.encode() if isinstance(value, str) else value, count)
 
 
+def names_in(records: Array) -> list[str]:
+    """Return the fields of JointStates that hold the names of the joints; [] of other types."""
+    return [field for field in records.dtype.names or () if field.startswith('name[')]
+
+
+def _are_of(records: Array, names: Sequence[str]) -> Array:
+    """Return which JointStates are of joints with these names, in this order."""
+    fields, are_ours = names_in(records), np.ones(len(records), bool)
+    if len(fields) != len(names):
+        return ~are_ours
+    for field, name in zip(fields, names):
+        are_ours &= records[field] == name.encode()
+    return are_ours
+
+
 def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
     """
     Return whether the node sent an output because its input had stopped.
@@ -420,7 +443,7 @@ def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
     """
     if 'status' in (record.dtype.names or ()):
         return bool(record['status'][0] == INPUT_TIMEOUT)
-    fields = ('velocity',) if name == 'joint_states' else scene.layout.fields[name]
+    fields = ('velocity',) if name == JOINT_STATES else scene.layout.fields[name]
     return all(np.isnan(record[field]).all() for field in fields)
 
 

@@ -268,6 +268,43 @@ def test_a_remapped_topic_of_joint_states_is_found_and_two_nodes_are_kept_apart(
         recompute(path, node='/nobody')
 
 
+RELAY = {**PAPER, **RODS, 'outputs': ['state', 'joint_states', 'loads'],
+         'drive.source': 'joint_state', 'drive.joint': 'motor', 'joint_states.only_passive': True}
+
+
+@pytest.mark.parametrize('robot', [['wheel', 'motor'], ['a', 'b', 'motor'], []], ids=len)
+def test_joint_states_of_a_robot_on_the_topic_of_a_relay_are_not_its_outputs(
+        tmp_path, capsys, robot):
+    """``ros2 bag record`` keeps both; a robot may have as many joints as the relay adds."""
+    kind = 'sensor_msgs/msg/JointState'
+
+    def with_robot(name, before):
+        path = bags.run(tmp_path, f'run_{name}', RELAY, TURNS, paced=True)
+        raws = []
+        for topic, data, time in content(path):
+            theirs = '/joint_states', bags.encode(
+                kind, header=bags.STORE.types['std_msgs/msg/Header'](
+                    bags.STORE.deserialize_cdr(data, kind).header.stamp, ''), name=robot,
+                position=np.arange(len(robot)) + 0.5, velocity=np.ones(len(robot)),
+                effort=np.zeros(0)) if topic == '/joint_states' else b'', time
+            raws += [theirs] * (before and topic == '/joint_states') + [(topic, data, time)]
+            raws += [theirs] * (not before and topic == '/joint_states')
+        return rewritten(path, tmp_path, raws, name, about={})
+
+    first, second = with_robot('first', True), with_robot('second', False)
+    for path in (first, second):
+        found = recompute(path)
+        assert (found.inputs, found.compared, found.problems()) == (STEPS, 3 * STEPS, [])
+    assert main(['bag', 'diff', str(first), str(second)]) == 0
+    # the last velocity, before three efforts, of an answer
+    moved = bags.copy(first, tmp_path, 'moved', lambda raw: raw.data[:-40] + bytes(8)
+                      + raw.data[-32:] if raw.topic == '/joint_states' and raw.sequence == 9
+                      else raw.data)
+    assert main(['bag', 'recompute', str(moved)]) == 3 and main(
+        ['bag', 'diff', str(first), str(moved)]) == 3
+    capsys.readouterr()
+
+
 # --- wrenches ------------------------------------------------------------------------------------
 
 PUSHED = {**PAPER, **RODS, 'outputs': ['state', 'loads'], 'drive.source': 'motion',

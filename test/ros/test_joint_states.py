@@ -1,17 +1,21 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Joints of a robot: a relay adds the passive ones on their topic; gears, prefix, what is held."""
+from collections import Counter
+from functools import partial
 import math
 
 from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
-from support import contract
-from support.harness import ALL_OUTPUTS, recomputed, recording_in, set_parameters
+from support import bags, contract
+from support.harness import ALL_OUTPUTS, LATCHED, recomputed, recording_in, set_parameters
 from support.samples import some
 from support.scenes import PAPER, ROCKER, RODS, values_of
 
@@ -40,13 +44,22 @@ class Robot:
         if 'wheel' not in message.name:
             self.answers.append(message)
 
+    def has_listeners(self, count):
+        """Return whether so many hear it."""
+        self.client.executor.spin_once(timeout_sec=0.2)
+        return self._publisher.get_subscription_count() >= count
+
+    def say(self, joint, position, velocity, stamp):
+        """Publish a joint among others once."""
+        self._publisher.publish(joint_state({'wheel': 7.0, joint: position}, (1.0, velocity),
+                                            stamp))
+
     def move(self, joint, position, velocity):
         """Publish a joint among others until the answer with its stamp has come; return that."""
         self.stamp += 1
 
         def answered():
-            self._publisher.publish(joint_state({'wheel': 7.0, joint: position},
-                                                (1.0, velocity), self.stamp))
+            self.say(joint, position, velocity, self.stamp)
             self.client.executor.spin_once(timeout_sec=0.2)
             return self.answers and self.answers[-1].header.stamp.sec == self.stamp
         self.client.until(answered, f'an answer of {joint}')
@@ -79,6 +92,34 @@ def test_the_answers_are_the_passive_joints_of_the_core(run_node, client, tmp_pa
     assert node.stop() == 0 and 'without' not in node.said
     found = recomputed(tmp_path / 'run')
     assert {d.topic for d in found.differences} >= {'/joint_states', '/fourbar/loads'}
+
+
+@pytest.mark.slow
+def test_a_bag_of_all_that_is_said_on_the_topic_of_a_relay_recomputes(run_node, client, tmp_path):
+    """As ``ros2 bag record`` does, it has the robot's joint states beside the node's answers."""
+    topics = {'/joint_states': 'sensor_msgs/msg/JointState', '/fourbar/scene':
+              'std_msgs/msg/String', '/fourbar/driven': 'fourbar_msgs/msg/Motion',
+              '/fourbar/loads': 'fourbar_msgs/msg/LinkageLoads'}
+    writer, heard = BagWriter(tmp_path, 'all', [
+        bags.channel(*topic) for topic in topics.items()], {}), Counter()
+
+    def hear(number, topic, data):
+        writer.write(number, data)
+        heard[topic] += 1
+    for number, (topic, kind) in enumerate(topics.items()):
+        client.node.create_subscription(
+            resolve(kind), topic, partial(hear, number, topic),
+            LATCHED if topic.endswith('scene') else 100, raw=True)
+    run_node({**PAPER, **RODS, **RELAY, 'joint_names': ['motor', 'a', 'b', 'c']},
+             remaps=SAME_TOPIC)
+    robot = Robot(client)
+    client.until(lambda: heard['/fourbar/scene'] and robot.has_listeners(3), 'the node')
+    for k in range(1, 31):
+        robot.say('motor', 0.05 * k, 1.0, k)
+        client.until(lambda k=k: heard['/joint_states'] == 2 * k and heard['/fourbar/loads'] == k
+                     and heard['/fourbar/driven'] == k, f'answer {k}')
+    found = recompute(writer.close())
+    assert (found.inputs, found.compared, found.problems()) == (30, 60, []), found
 
 
 # --- what comes back -----------------------------------------------------------------------------

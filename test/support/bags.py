@@ -81,7 +81,7 @@ def output_message(name, when, status, values, scene):
     if name == 'state':
         message.change_point_margin = float(scene.linkage.change_point_margin)
     if name == 'joint_states':
-        message.name = list(scene.joint_names)
+        message.name = scene.names_shown
     for field, value in scene.layout.expected(name, values).items():
         *path, last = field.split('.')
         place = message
