@@ -105,5 +105,9 @@ class MissingBodies(FourBarError, ValueError):
                          'one with base.topic bare_linkage')
 
 
+class SceneWarning(UserWarning):
+    """A scene has a value that is allowed but probably not meant, as a crank of 50 m."""
+
+
 class BagError(FourBarError):
     """A bag cannot be written or read; the message says which and why."""

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, PICTURE_HELP, Verbs
-from fourbar_ros.scene.arguments import not_negative, positive_integer
+from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.scene.units import of
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.balancing import Balance, Loads, Places
@@ -44,8 +45,8 @@ def add(verbs: Verbs) -> None:
     verb.add_argument('--minimize', nargs='+', metavar='LOAD',
                       help='force, moment, torque or a joint reaction, as f21; if several, each '
                            'counts relative to its value before balancing')
-    verb.add_argument('--mass', type=not_negative, metavar='KG',
-                      help='with --minimize, which needs it: largest mass to be added')
+    verb.add_argument('--mass', type=of('kg', least=0.0), metavar='KG',
+                      help='with --minimize, which needs it: largest mass to be added [kg]')
     verb.add_argument('--peak', action='store_true',
                       help='with --minimize of one load: its largest magnitude instead of its '
                            'root mean square')
@@ -66,11 +67,8 @@ def add(verbs: Verbs) -> None:
 
 def _radius(text: str) -> tuple[str, float]:
     """Return (link, radius [m]) of LINK=METRES; the link is '' for METRES, which is for all."""
-    link, _, number = text.rpartition('=')
-    try:
-        return link, float(number)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'{text!r}: must be LINK=METRES or METRES') from None
+    link, _, radius = text.rpartition('=')
+    return link, of('m', above=0.0)(radius)
 
 
 def _run(arguments: argparse.Namespace) -> None:

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Mapping
-from math import pi
 from pathlib import Path
 import re
 
-from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs, warn
+from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.scene.units import measured, of
+from fourbar_ros.scene.units import of, UNITS
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
@@ -25,11 +24,11 @@ SCENE = """\
     linkage:
       kind: {kind}
 {lengths}
-      mode: {mode}              # 1 crossed, 2 open
+      mode: {mode}  # 1 crossed, 2 open
 {bodies}    drive:
       source: timer
-      speed: {speed:<14}# [rad/s], {rpm:.6g} rpm
-      rate: 200.0          # [Hz] of the samples
+      speed: {speed!r}  # [rad/s], {rpm:.6g} rpm
+      rate: 200.0  # [Hz] of the samples
     outputs: [state, output, joint_states{loads}]
 """
 BODIES = """\
@@ -64,12 +63,12 @@ def add(verbs: Verbs) -> None:
     for name in NAMES:
         texts = dict.fromkeys(length.text for kind in FACTS.values() for length in kind.lengths
                               if length.name == name)
-        new.add_argument(f'--{name}', type=of('length'), metavar='LENGTH',
+        new.add_argument(f'--{name}', type=of('m'), metavar='LENGTH',
                          help=f'{"; ".join(texts)} [m], or with a unit: 50mm')
     new.add_argument('--mode', type=assembly_mode, default=2, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
-    new.add_argument('--speed', type=of('angular speed'), metavar='SPEED',
-                     default=measured('60rpm', 'angular speed'),
+    new.add_argument('--speed', type=of('rad/s'), metavar='SPEED',
+                     default='60rpm',
                      help='of the crank [rad/s], or 300rpm (default 60rpm)')
     section = new.add_mutually_exclusive_group()
     section.add_argument('--bar', type=_bar, metavar='WIDTHxTHICKNESS',
@@ -85,24 +84,26 @@ def _bar(text: str) -> str:
     match = BAR.fullmatch(text)
     if not match:
         raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
-    width, thickness = (measured(size + match[3], 'length') for size in match.groups()[:2])
-    return f'width: {_text(width)}, thickness: {_text(thickness)}'
+    width, thickness = (of('m')(size + match[3]) for size in match.groups()[:2])
+    return f'width: {width!r}, thickness: {thickness!r}'
 
 
 def _rod(text: str) -> str:
     """Return the YAML of rods of a diameter."""
-    return f'radius: {_text(0.5 * measured(text, "length"))}'
+    return f'radius: {0.5 * of("m")(text)!r}'
 
 
 def _density(text: str) -> float:
     """Return the density [kg/m^3] for the name of a material or a number with a unit."""
-    return MATERIALS[text] if text in MATERIALS else measured(text, 'density')
+    if text[:1].isalpha() and text not in MATERIALS:
+        raise ArgumentTypeError(f'{text!r} must be {", ".join(MATERIALS)}, or a density')
+    return MATERIALS[text] if text in MATERIALS else of('kg/m^3', above=0.0)(text)
 
 
 def _new(arguments: Namespace) -> None:
     """Write the scene file, unless there is one or it would not load, as with wrong lengths."""
     from fourbar_ros.scene.files import flatten, parse
-    from fourbar_ros.scene.scene import from_values
+    from fourbar_ros.scene.scene import from_values, give_warnings
     path = Path(arguments.file)
     if not path.suffix:
         path = path.with_suffix('.yaml')
@@ -116,7 +117,7 @@ def _new(arguments: Namespace) -> None:
         file.write(text)
     print(f'{path}: {scene.linkage.description}')
     print(f'next:  fourbar show {path}')
-    warn(scene)
+    give_warnings(scene, path)
 
 
 def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float, section: str,
@@ -132,15 +133,9 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
               f'# {link.text}: give its own\n' for link in FACTS[kind].links if not link.length]
     return SCENE.format(
         title=kind.replace('_', '-'), kind=kind, mode=mode,
-        lengths='\n'.join(f'{f"      {name}: {_text(value)}":<27}# {texts.get(name, "")} [m]'
+        lengths='\n'.join(f'      {name}: {value!r}  # {texts.get(name, "")} [m]'
                           for name, value in lengths.items()),
-        bodies=BODIES.format(density=_text(density), section=section, slides=''.join(slides))
+        bodies=BODIES.format(density=density, section=section, slides=''.join(slides))
         if section else '',
-        speed=_text(speed), rpm=speed * 30.0 / pi,
+        speed=speed, rpm=speed / float(UNITS['rad/s']['rpm']),
         loads=', loads, shaking_wrench' if section else '')
-
-
-def _text(value: float) -> str:
-    """Return a number for YAML, with a point or an exponent: ROS takes 3 for an integer."""
-    text = f'{value:.10g}'
-    return text if '.' in text or 'e' in text else text + '.0'

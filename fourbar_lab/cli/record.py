@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from fourbar_ros.cli.common import add_verb, Verbs
-from fourbar_ros.scene.arguments import positive
+from fourbar_ros.scene.units import of
 
 EPILOG = """\
 examples:
@@ -27,7 +27,7 @@ def add(verbs: Verbs) -> None:
     record.add_argument('name', metavar='NAME', nargs='?', default='',
                         help='name of the new bag; default: a new name from the clock')
     record.add_argument('--node', default='/fourbar', help='name of the node (default /fourbar)')
-    record.add_argument('--wait', type=positive, default=10.0, metavar='S',
+    record.add_argument('--wait', type=of('s', above=0.0), default=10.0, metavar='S',
                         help='how long to wait for the node, and then for its answer [s] '
                              '(default 10)')
     record.set_defaults(run=_record)

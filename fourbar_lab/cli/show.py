@@ -8,9 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs, warn
+from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.scene.arguments import positive
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -41,15 +40,15 @@ def add(verbs: Verbs) -> None:
                     'the state at one input.', EPILOG)
     add_scene(show)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
-    show.add_argument('--from', dest='low', type=of('angle', 'length'), metavar='INPUT',
+    show.add_argument('--from', dest='low', type=of('rad', 'm'), metavar='INPUT',
                       help='with --to: extrema between these inputs alone [degrees or m], whose '
                            'values at both count too')
-    show.add_argument('--to', dest='high', type=of('angle', 'length'), metavar='INPUT',
+    show.add_argument('--to', dest='high', type=of('rad', 'm'), metavar='INPUT',
                       help='see --from; an angle at most 360 degrees beyond it')
     show.add_argument('--certify', action='store_true',
                       help='also prove that no extremum inside the input range is missing, and '
                            'say of what that could not be proved')
-    show.add_argument('--seconds', type=positive, default=SECONDS, metavar='SECONDS',
+    show.add_argument('--seconds', type=of('s', above=0.0), default=SECONDS, metavar='SECONDS',
                       help='with --certify: processor time for each quantity, after which it is '
                            f'not proved (default {SECONDS:g})')
     show.add_argument('--json', action='store_true',
@@ -93,7 +92,6 @@ def _show(arguments: Namespace) -> None:
             tables.proofs_in_words(extrema) or None,
             _effort_in_words(linkage, effort) if effort else why_no_loads,
             *(_pose_tables(linkage, pose, scene) if pose else ())])
-    warn(scene)
 
 
 def _print(tables: Sequence[Table | str | None]) -> None:
@@ -121,9 +119,9 @@ def _within(linkage: Mechanism, low: float | None,
         if low is not high:
             raise InvalidParameter('--from, --to', None, 'one needs the other')
         return None
-    dimension = 'length' if linkage.is_driven_by_slide else 'angle'
-    require('--from', low, dimension)
-    require('--to', high, dimension)
+    unit = linkage.input_coordinate.unit
+    require('--from', low, unit)
+    require('--to', high, unit)
     return position_of(linkage, low), position_of(linkage, high)
 
 

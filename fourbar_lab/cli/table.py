@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)
     _add_arguments(table, 'table to write: .csv', 'default all')
-    table.add_argument('--speeds', nargs=2, type=of('angular speed', 'speed'),
+    table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
                             'mean square and peak of its torque, peak of its power')
@@ -70,8 +70,7 @@ def _table(arguments: Namespace) -> None:
         if arguments.names:
             raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
         for each in arguments.speeds:
-            require('--speeds', each,
-                    'speed' if linkage.is_driven_by_slide else 'angular speed')
+            require('--speeds', each, f'{linkage.input_coordinate.unit}/s')
         curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration)
     else:
         curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,

@@ -21,10 +21,11 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import known_quantities, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, to_stamp
-from fourbar_ros.scene.arguments import Parser, positive
+from fourbar_ros.scene.arguments import Parser
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import INPUTS
+from fourbar_ros.scene.units import of
 from fourbar_ros.terminal import make_console, make_table
 from rclpy.node import Node
 from rich.console import Console
@@ -182,7 +183,7 @@ def main(args: Sequence[str] | None = None) -> int:
     parser = Parser(prog='fourbar_demo', description=__doc__)
     parser.add_argument('scene',
                         help='parameter file (YAML) or name of a shipped scene, e.g. paper')
-    parser.add_argument('--seconds', type=positive, default=5.0, metavar='S',
+    parser.add_argument('--seconds', type=of('s', above=0.0), default=5.0, metavar='S',
                         help='duration of the stream [s] (default 5)')
     parser.add_argument('--directory', default='bags', metavar='DIR',
                         help='directory for the bag (default bags)')

@@ -50,13 +50,11 @@ def position_of(linkage: Mechanism, at: float) -> float:
 
 def require_units(linkage: Mechanism, at: float | None, speed: float | None,
                   acceleration: float) -> None:
-    """Raise WrongUnit if a number of a command line has the unit of another kind of input."""
-    turns = '' if linkage.is_driven_by_slide else 'angular '
-    for name, value, dimension in (
-            ('--at', at, 'angle' if turns else 'length'), ('--speed', speed, f'{turns}speed'),
-            ('--acceleration', acceleration, f'{turns}acceleration')):
+    """Raise WrongQuantity if a number of a command line has the unit of another kind of input."""
+    for name, value, unit in zip(('--at', '--speed', '--acceleration'),
+                                 (at, speed, acceleration), linkage.input_coordinate.units):
         if value is not None:
-            require(name, value, dimension)
+            require(name, value, unit)
 
 
 def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> DrawnPose:

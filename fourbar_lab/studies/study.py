@@ -26,8 +26,9 @@ from fourbar_lab.studies.variation import (
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
-from fourbar_ros.scene.files import document_of, find, read_values
-from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.files import document_of, find, PlainYaml
+from fourbar_ros.scene.parameters import as_number
+from fourbar_ros.scene.scene import from_values, load, Scene
 from fourbar_ros.scene.settings import ParameterValues
 
 KEYS = ('scene', 'vary', 'method', 'rows', 'seed', 'acceleration', 'quantities', 'constraints',
@@ -96,7 +97,7 @@ def read(path: str | Path) -> Study:
     """Return the :class:`Study` of a YAML file; a FourBarError if it is wrong."""
     path = Path(path)
     try:
-        return from_document(document_of(path)[1], path.parent)
+        return from_document(document_of(path, PlainYaml)[1], path.parent)
     except InvalidParameter as error:
         raise StudyError(f'{path}: {error}') from None
 
@@ -137,7 +138,9 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         values=dict(scene.values), vary=vary, method=method,
         rows=_rows(document.get('rows'), method, vary),
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
-        acceleration=number('acceleration', document.get('acceleration', 0.0)),
+        acceleration=number('acceleration', as_number(
+            'acceleration', document.get('acceleration', 0.0),
+            scene.linkage.input_coordinate.units[2])),
         measures=columns, bounds=bounds, objectives=objectives,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
@@ -168,7 +171,7 @@ def _scene(value: Yaml, folder: Path) -> Scene:
         raise InvalidParameter('scene', value, 'must be a scene: a file or the name of one, as '
                                                'paper')
     beside = folder / value
-    return from_values(read_values(beside if beside.is_file() else find(value)))
+    return load(beside if beside.is_file() else find(value))
 
 
 def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
@@ -194,8 +197,10 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
                                                  '[crank-rocker]')
         return Bound(measure, -inf, inf, tuple(map(str, texts)))
     limits = mapping_of(entry, value, ('least', 'most'))
-    least, most = (number(f'{entry}.{side}', limits[side]) if side in limits else unbounded
-                   for side, unbounded in (('least', -inf), ('most', inf)))
+    limits = {f'{entry}.{side}': as_number(f'{entry}.{side}', limit, measure.unit)
+              for side, limit in limits.items()}
+    least, most = (number(name, limits[name]) if name in limits else unbounded
+                   for name, unbounded in ((f'{entry}.least', -inf), (f'{entry}.most', inf)))
     if least > most or not limits:
         raise InvalidParameter(entry, value, 'must be {least: VALUE, most: VALUE} or one of them, '
                                              'least not more than most')

@@ -34,7 +34,7 @@ import warnings
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.parameters import check_value, find_parameter
+from fourbar_ros.scene.parameters import as_number, check_value, find_parameter, unit_in
 from fourbar_ros.scene.settings import PARAMETERS, ParameterValues
 import numpy as np
 from scipy import stats
@@ -116,7 +116,12 @@ def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
     if kind not in KINDS or others or name in LISTED and kind != 'list':
         raise InvalidParameter(entry, given, 'must be {KIND: VALUES}, a list for '
                                f'{LISTED[0]}, else one of {", ".join(KINDS)}')
-    numbers = _numbers(f'{entry}.{kind}', kind, given[kind], values.get(name))
+    sizes, unit = given[kind], unit_in(parameter, values)
+    if isinstance(sizes, list) and parameter.type == 'double':
+        sizes = [as_number(f'{entry}.{kind}', size, unit) for size in sizes]
+    elif isinstance(sizes, str):
+        sizes = as_number(f'{entry}.{kind}', sizes, unit)
+    numbers = _numbers(f'{entry}.{kind}', kind, sizes, values.get(name))
     levels = given.get('levels', len(numbers) if kind == 'list' else LEVELS)
     if not isinstance(levels, int) or levels < 1 or kind == 'list' and 'levels' in given:
         raise InvalidParameter(f'{entry}.levels', levels, 'must be an integer, 1 or more; not '
@@ -124,7 +129,7 @@ def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
     result = Variation(name, parameter.unit, kind, numbers, levels)
     for value in result.bounds:
         try:
-            check_value(parameter, value)
+            check_value(parameter, value, values)
         except InvalidParameter as error:
             raise InvalidParameter(f'{entry}.{kind}', given[kind],
                                    f'reaches {value:.6g}, and it {error.allowed}') from None

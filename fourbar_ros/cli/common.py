@@ -12,15 +12,10 @@ from math import isfinite
 from pathlib import Path
 import sys
 from textwrap import fill
-from typing import Any, Protocol, TYPE_CHECKING
+from typing import Any, Protocol
 
-from fourbar_ros.scene.arguments import not_negative
 from fourbar_ros.scene.settings import MODES
 from fourbar_ros.scene.units import of
-
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.scene.scene import Scene
-
 
 Json = dict[str, Any]      # values that --json prints: text, numbers, lists and records
 
@@ -70,17 +65,17 @@ def _scenes(prefix: str, **_: object) -> list[str]:
 
 def add_pose(parser: argparse.ArgumentParser, help_of_at: str) -> None:
     """Add the arguments for input, speed, acceleration and assembly mode."""
-    parser.add_argument('--at', type=of('angle', 'length'), metavar='INPUT',
+    parser.add_argument('--at', type=of('rad', 'm'), metavar='INPUT',
                         help=help_of_at + '; or with a unit: 60deg, 1.2rad, 50mm')
     add_rates(parser)
 
 
 def add_rates(parser: argparse.ArgumentParser) -> None:
     """Add the arguments for speed, acceleration and assembly mode."""
-    parser.add_argument('--speed', type=of('angular speed', 'speed'), metavar='SPEED',
+    parser.add_argument('--speed', type=of('rad/s', 'm/s'), metavar='SPEED',
                         help='input speed [rad/s], for a slide [m/s], or with a unit: 300rpm; '
                              'default: drive.speed of the scene')
-    parser.add_argument('--acceleration', type=of('angular acceleration', 'acceleration'),
+    parser.add_argument('--acceleration', type=of('rad/s^2', 'm/s^2'),
                         default=0.0, metavar='ACCELERATION',
                         help='input acceleration [rad/s^2], for a slide [m/s^2]; default 0')
     parser.add_argument('--mode', type=assembly_mode, metavar='MODE',
@@ -111,21 +106,13 @@ def add_node(parser: argparse.ArgumentParser) -> None:
 
 def add_tolerance(parser: argparse.ArgumentParser) -> None:
     """Add ``--tolerance``."""
-    parser.add_argument('--tolerance', type=not_negative, default=0.0, metavar='X',
+    parser.add_argument('--tolerance', type=of(least=0.0), default=0.0, metavar='X',
                         help='largest absolute difference that counts as equal (default 0)')
 
 
 def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
     """Add ``--topics``."""
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
-
-
-def warn(scene: Scene) -> None:
-    """Print the warnings of a scene on stderr, a line each, after all other output."""
-    from fourbar_ros.scene.linkage import warnings_of
-    sys.stdout.flush()
-    for warning in warnings_of(scene):
-        print(f'fourbar: warning: {warning}', file=sys.stderr)
 
 
 def json_line(record: Json) -> str:

@@ -17,11 +17,12 @@ import signal
 import sys
 import threading
 from typing import NoReturn
+import warnings
 
 from fourbar_ros import __version__
 from fourbar_ros.cli import bag, describe, replay, scene, simulate
 from fourbar_ros.cli.common import HelpFormatter
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, SceneWarning
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
@@ -92,7 +93,7 @@ def main(args: Sequence[str] | None = None) -> int:
             autocomplete(command)
     arguments = command.parse_args(args)
     try:
-        with _terminable():
+        with _terminable(), _warnings_at_the_end():
             return arguments.run(arguments) or 0
     except FourBarError as error:
         print(f'fourbar: {error}', file=sys.stderr)
@@ -111,6 +112,21 @@ def main(args: Sequence[str] | None = None) -> int:
               file=sys.stderr)
         return 1
     return 0
+
+
+@contextlib.contextmanager
+def _warnings_at_the_end() -> Iterator[None]:
+    """Print warnings on stderr, those of scenes in a line each, after all other output."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter('always', SceneWarning)
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+            lines = [f'fourbar: warning: {each.message}\n' if each.category is SceneWarning else
+                     warnings.formatwarning(each.message, each.category, each.filename,
+                                            each.lineno, each.line) for each in caught]
+            sys.stderr.write(''.join(dict.fromkeys(lines)))
 
 
 # Windows has no SIGHUP

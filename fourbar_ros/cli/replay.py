@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 
 from fourbar_ros.cli.common import add_node, add_topics, add_verb, BAG_HELP, Verbs
-from fourbar_ros.scene.arguments import not_negative, positive
+from fourbar_ros.scene.units import of
 
 DESCRIPTION = """\
 Publish the messages of a bag again, with their original timing, topics and quality of service.
@@ -33,15 +33,15 @@ def add(verbs: Verbs) -> None:
     replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with '
                                        'it', DESCRIPTION, EPILOG)
     replay.add_argument('bag', metavar='BAG', help=BAG_HELP)
-    replay.add_argument('--rate', type=positive, default=1.0, metavar='X',
+    replay.add_argument('--rate', type=of(above=0.0), default=1.0, metavar='X',
                         help='play X times as fast (default 1)')
-    replay.add_argument('--start', type=not_negative, default=0.0, metavar='S',
+    replay.add_argument('--start', type=of('s', least=0.0), default=0.0, metavar='S',
                         help='skip the first S seconds')
     replay.add_argument('--loop', action='store_true', help='repeat until stopped')
-    replay.add_argument('--clock', nargs='?', type=positive, default=0.0, const=100.0,
+    replay.add_argument('--clock', nargs='?', type=of('Hz', above=0.0), default=0.0, const=100.0,
                         metavar='HZ', help='publish the time of the bag on /clock, HZ times a '
                                            'second (default 100)')
-    replay.add_argument('--delay', type=not_negative, default=1.0, metavar='S',
+    replay.add_argument('--delay', type=of('s', least=0.0), default=1.0, metavar='S',
                         help='give subscribers S seconds to find the topics (default 1)')
     add_topics(replay, 'publish only these topics')
     replay.add_argument('--inputs-only', action='store_true',

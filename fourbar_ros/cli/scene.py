@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from timeit import repeat
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_scene, Verbs, warn
-from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.cli.common import add_scene, Verbs
+from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import Group, load, Scene
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES, Topic
 from fourbar_ros.terminal import make_console, make_table
@@ -71,7 +71,6 @@ def _check(arguments: Namespace) -> None:
         console.print(part)
     if arguments.error:
         console.print(_error_in_words(scene))
-    warn(scene)
 
 
 def _without_mass(scene: Scene) -> list[str]:
@@ -107,8 +106,7 @@ def _changed_table(scene: Scene) -> Table:
     for name, value in scene.values.items():
         parameter = of_name(name)
         if value != parameter.default and value == value:
-            unit = parameter.unit.split(' or ')[-1 if scene.linkage.is_driven_by_slide else 0]
-            table.add_row(name, _shown(value), unit)     # of 'rad or m', that of the input
+            table.add_row(name, _shown(value), unit_in(parameter, scene.values))
     return table
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
-from fourbar_ros.scene.arguments import finite, positive
+from fourbar_ros.scene.units import of, require
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:
@@ -41,21 +41,21 @@ def add(verbs: Verbs) -> None:
                         'springs, faster than\nreal time, and show the extrema of speed, torque '
                         'and loads at its samples.', EPILOG)
     add_scene(simulate)
-    simulate.add_argument('--until', type=positive, required=True, metavar='T',
+    simulate.add_argument('--until', type=of('s', above=0.0), required=True, metavar='T',
                           help='end of the run [s]; samples are taken at drive.rate')
-    simulate.add_argument('--tolerance', type=positive, default=1e-8, metavar='X',
+    simulate.add_argument('--tolerance', type=of(above=0.0), default=1e-8, metavar='X',
                           help='largest error of the position [rad], for a slide relative to its '
                                'size, and of the energy, relative (default 1e-8)')
     simulate.add_argument('--method', choices=METHODS, default='auto',
                           help='integrator of scipy; auto: DOP853, or LSODA where a shaft or '
                                'a drive makes the system stiff')
-    simulate.add_argument('--evaluations', type=positive, default=MOST, metavar='N',
+    simulate.add_argument('--evaluations', type=of(above=0.0), default=MOST, metavar='N',
                           help='most evaluations of the equation of motion in all runs '
                                f'(default {MOST:g}); a run that needs more gives up')
-    simulate.add_argument('--seconds', type=positive, default=inf, metavar='T',
+    simulate.add_argument('--seconds', type=of('s', above=0.0), default=inf, metavar='T',
                           help='most time of this machine that the runs may take [s] '
                                '(default: any)')
-    simulate.add_argument('--torque', type=finite, default=nan, metavar='T',
+    simulate.add_argument('--torque', type=of('N m', 'N'), default=nan, metavar='T',
                           help='constant torque [N m], for a slide force [N], for a scene with '
                                'drive.source: torque; default: none')
     simulate.add_argument('-o', '--output', type=Path, metavar='BAG',
@@ -72,6 +72,7 @@ def _simulate(arguments: Namespace) -> int:
     scene, out = load(arguments.scene), arguments.output
     if out is not None and out.exists():         # refused before the work is done, not after
         raise BagError(f'{out}: exists already')
+    require('--torque', arguments.torque, 'N' if scene.linkage.is_driven_by_slide else 'N m')
     with bar('integrating', 1.0) as show:       # goes back when another run begins
         simulated = simulate_scene(scene, arguments.until, arguments.tolerance, arguments.method,
                                    arguments.torque, evaluations=arguments.evaluations,

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from math import isfinite
 import re
 import sys
 from typing import Any, NoReturn
@@ -54,34 +52,8 @@ class Parser(argparse.ArgumentParser):
                                                 if word.startswith('--') else '')
 
 
-def positive(text: str) -> float:
-    """Return a positive number; for ``type=`` of an argument."""
-    return _number(text, 'must be a positive number', lambda value: value > 0.0)
-
-
-def not_negative(text: str) -> float:
-    """Return a number that is not negative; for ``type=`` of an argument."""
-    return _number(text, 'must be a number that is not negative', lambda value: value >= 0.0)
-
-
 def positive_integer(text: str) -> int:
     """Return a positive integer; for ``type=`` of an argument."""
     if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r}: must be a positive integer')
     return int(text)
-
-
-def finite(text: str) -> float:
-    """Return a finite number; for ``type=`` of an argument."""
-    return _number(text, 'must be a finite number')
-
-
-def _number(text: str, must: str, is_allowed: Callable[[float], bool] = isfinite) -> float:
-    """Return a finite number that is allowed; ``must`` is the error of any other text."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = float('nan')
-    if not (isfinite(value) and is_allowed(value)):
-        raise argparse.ArgumentTypeError(f'{text!r} {must}')
-    return value

@@ -3,7 +3,7 @@
 """Find and read scene files, ROS 2 parameter files, without ROS."""
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 import re
 from typing import Any
@@ -13,6 +13,9 @@ from fourbar_ros.scene.settings import ParameterValues
 import yaml
 
 NODE = '/fourbar'
+# {root of an XML file: what it is}
+DESCRIPTIONS = {'robot': 'URDF', 'sdf': 'SDF', 'mujoco': 'MJCF'}
+ROOT = re.compile(r'\ufeff?\s*(?:<[?!][^>]*>\s*)*<(\w+)')
 TABLE = re.compile(r'forces\.\w+\.table')
 # PyYAML's problems as a user sees them
 IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
@@ -82,15 +85,48 @@ def read_values(path: str | Path) -> YamlTree:
             values |= flatten(tree, path)
     others = [key for key in trees if not is_for(key, node)]
     if len(others) == len(trees):
-        raise SceneError(f'{path}: contains nothing for the node {node or NODE}, only '
-                         f'{", ".join(trees)}; write "/**:" there'
-                         + (f', or name one: {path}:{next(iter(trees)).lstrip("/*")}'
-                            if node is None else ''))
+        raise nothing_for(node or NODE, path, trees, f', or name one: {path}:'
+                          f'{others[0].lstrip("/*")}' if node is None else '')
     if node is None and others and not any(name.startswith('linkage.') for name in values):
         raise SceneError(f'{path}: has the nodes {", ".join(others)}; name one: '
                          f'{path}:{others[0].lstrip("/*")}')
     files = {name: str(path.parent / values[name]) for name in table_files(values)}
     return {**values, **files}
+
+
+def nothing_for(node: str, path: str | Path, keys: Iterable[str], way_out: str = '') -> SceneError:
+    """Return the error of a file that has parameters for other nodes alone."""
+    return SceneError(f'{path}: contains nothing for the node {node}, only {", ".join(keys)}; '
+                      f'write "/**:" there{way_out}')
+
+
+def overrides(arguments: Sequence[str], node: str) -> YamlTree:
+    """
+    Return the flat dict of parameters that ROS arguments give a node by its full name.
+
+    The last of ``--params-file FILE`` and ``-p NAME:=VALUE`` counts, also where its type differs
+    from that of one before: rcl would keep both and take either. Raises SceneError for a file that
+    cannot be read, or if no file has anything for this node.
+    """
+    values: YamlTree = {}
+    keys: dict[str, list[str]] = {}         # {file: nodes for which it is}
+    has_file = False
+    for option, word in zip(arguments, arguments[1:]):
+        if option == '--params-file':
+            trees = sections(word)
+            of_node = [flatten(tree, word) for key, tree in trees.items() if is_for(key, node)]
+            has_file = has_file or bool(of_node)
+            keys[word] = [*trees]
+            for flat in of_node:
+                values |= flat
+        elif option in ('-p', '--param'):
+            name, _, text = word.partition(':=')
+            target, _, name = name.rpartition(':')
+            if target.strip('/') in ('', node.strip('/'), node.rpartition('/')[2]):
+                values[name] = parse(text)
+    if keys and not has_file:
+        raise nothing_for(node, *next(iter(keys.items())))
+    return values
 
 
 def table_files(values: ParameterValues) -> list[str]:
@@ -99,12 +135,13 @@ def table_files(values: ParameterValues) -> list[str]:
             if TABLE.fullmatch(name) and isinstance(value, str) and value]
 
 
-def document_of(path: str | Path) -> tuple[str, Any]:
-    """Return (text, what it is as YAML) of a file; SceneError if ROS would not read it."""
+def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, Any]:
+    """Return (text, what it is as YAML) of a file; SceneError if the loader refuses it."""
     text = ''
     try:
         text = Path(path).read_text(encoding='utf-8')
-        return text, yaml.load(text, _Loader)
+        refuse_robot(path, text)
+        return text, yaml.load(text, loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except UnicodeDecodeError:
@@ -119,7 +156,7 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
 
     Raises SceneError if the text is not a parameter file.
     """
-    text, document = document_of(path)
+    text, document = document_of(path, RosYaml)
     trees = dict(_sections(document)) if isinstance(document, dict) else {}
     if not trees:
         words = re.findall(r'\w*param\w*', text)         # ros_parameters, perhaps
@@ -127,6 +164,14 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
         raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it'
                          + hint)
     return trees
+
+
+def refuse_robot(path: str | Path, text: str) -> None:
+    """Raise SceneError for a robot description, which users take for a scene."""
+    root = ROOT.match(text)
+    if root and root[1] in DESCRIPTIONS:
+        raise SceneError(f'{path}: is no scene but a robot description, {DESCRIPTIONS[root[1]]}: '
+                         'fourbar describe writes these, reading them is not possible yet')
 
 
 def _why_no_yaml(text: str, error: Exception) -> str:
@@ -148,7 +193,7 @@ def _why_no_yaml(text: str, error: Exception) -> str:
 def parse(text: str) -> Any:
     """Return the value of a text, as of ``-p NAME:=text``, as rcl reads it; None if it refuses."""
     try:
-        return yaml.load(text, _Loader)
+        return yaml.load(text, RosYaml)
     except yaml.YAMLError:
         return None
 
@@ -214,7 +259,7 @@ def as_text(values: ParameterValues) -> str:
     return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
 
 
-class _Loader(yaml.SafeLoader):
+class PlainYaml(yaml.SafeLoader):
     """YAML with the numbers and truth values of rcl; a key that is given twice is an error."""
 
     yaml_implicit_resolvers = {}
@@ -237,4 +282,36 @@ for _tag, _pattern in (
         ('int', '[-+]?(0[xX][0-9a-fA-F]{1,16}|0[0-7]{0,21}|[1-9][0-9]{0,18})'),
         ('float', r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?'
                   r'|[-+]?(\.?(?i:inf|nan)|(?i:infinity))')):
-    _Loader.add_implicit_resolver(f'tag:yaml.org,2002:{_tag}', re.compile(f'({_pattern})$'), None)
+    PlainYaml.add_implicit_resolver(f'tag:yaml.org,2002:{_tag}', re.compile(f'({_pattern})$'),
+                                    None)
+
+
+class RosYaml(PlainYaml):
+    """The same for parameter files: ROS takes no empty value and no list of different types."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """Return a mapping without empty values, as those of {a1: 0,4} are, which is a1 and 4."""
+        whole = ''
+        for key, value in node.value:
+            is_plain = isinstance(value, yaml.ScalarNode) and not value.style
+            if is_plain and not value.value:
+                why = (f'a comma is no decimal point: write {whole}.{key.value}'
+                       if whole and key.value[:1].isdecimal() else f'{key.value} has no value')
+                raise yaml.MarkedYAMLError(problem=why, problem_mark=key.start_mark)
+            whole = value.value if is_plain else ''
+        return super().construct_mapping(node, deep)
+
+    def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
+        """Return a list whose items are of one type."""
+        items: list[Any] = super().construct_sequence(node, deep=True)
+        numbers = all(type(item) in (int, float) for item in items)
+        for item, place in zip(items, node.value):
+            if numbers and type(item) is int and float in map(type, items):
+                raise yaml.MarkedYAMLError(
+                    problem=f'a list must be of one type: write {float(item)} for {item}',
+                    problem_mark=place.start_mark)
+            if type(item) is not type(items[0]) or isinstance(item, list):
+                raise yaml.MarkedYAMLError(
+                    problem=f'a list must be of one type, and {item!r} is not of that of '
+                            f'{items[0]!r}', problem_mark=place.start_mark)
+        return items

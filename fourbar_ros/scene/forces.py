@@ -22,7 +22,8 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.files import SceneError, table_files
 from fourbar_ros.scene.parameters import names_in, point_in
-from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues, PRESSURES
+from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues
+from fourbar_ros.scene.units import UNITS
 
 FAMILY = 'forces'
 HEADER = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
@@ -152,18 +153,18 @@ def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
     if not values[f'{name}.places']:
         raise InvalidParameter(f'{name}.table', None, 'must be given, or places and values: what '
                                                       'acts where')
-    if (place_unit in ('rad', 'deg')) is not is_angle:
+    if (place_unit in UNITS['rad']) is not is_angle:
         raise InvalidParameter(f'{name}.place_unit', place_unit, 'must be a unit of '
                                f'{"an angle" if is_angle else "a length"}: over is '
                                f'{values[f"{name}.over"]}')
-    if value_unit in PRESSURES and (is_couple or values[f'{name}.factor'] == 1.0):
+    if value_unit in UNITS['Pa'] and (is_couple or values[f'{name}.factor'] == 1.0):
         raise InvalidParameter(f'{name}.factor', values[f'{name}.factor'], 'must be the area '
                                f'[m^2] on which the pressure [{value_unit}] acts, negative '
                                'against the direction')
-    if value_unit not in PRESSURES and is_couple is not value_unit.endswith('N m'):
+    if value_unit not in UNITS['Pa'] and is_couple is not (value_unit in UNITS['N m']):
         raise InvalidParameter(f'{name}.value_unit', value_unit, 'must be a unit of '
                                f'{"a couple" if is_couple else "a force or pressure"}')
-    by_place, by_value = OF_PLACES[place_unit], OF_VALUES[value_unit]
+    by_place, by_value = float(OF_PLACES[place_unit]), float(OF_VALUES[value_unit])
     return ([by_place * place for place in values[f'{name}.places']],
             [by_value * value for value in values[f'{name}.values']])
 

@@ -13,7 +13,7 @@ from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
-from fourbar_ros.scene.parameters import member_of, of_name
+from fourbar_ros.scene.parameters import member_of, of_name, unit_in
 from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ class BodiesOfLinks:
 
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------
 
-LONGEST = 10.0                      # [m]
+LONGEST = 20.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
 
@@ -245,20 +245,12 @@ def warnings_of(scene: Scene) -> list[str]:
 
 
 def _long(scene: Scene) -> Iterator[str]:
-    """
-    Yield one line for all lengths beyond LONGEST: the user probably meant millimetres.
-
-    Without masses, as in problems of textbooks, lengths may be in any unit.
-    """
-    if not scene.has_loads:
-        return
-    family = 'dyads' if scene.values['linkage.kind'] == MACHINE else 'linkage'
-    long = [(f'{family}.{name}', value)
-            for name, value in zip(scene.linkage.length_names, scene.linkage.lengths)
-            if abs(value) > LONGEST]
+    """Yield one line for all lengths beyond LONGEST: the user probably meant millimetres."""
+    long = [(name, value) for name, value in scene.values.items()
+            if isinstance(value, float) and abs(value) > LONGEST and not name.startswith(RODS)
+            and unit_in(of_name(name), scene.values) == 'm']
     if long:
         (name, value), *others = long
-        name = name if name in scene.values else name.removeprefix('dyads.')    # of a cylinder
         too = f' (and {len(others)} more)' if others else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
 

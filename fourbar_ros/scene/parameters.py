@@ -24,6 +24,7 @@ from fourbar_ros.scene.settings import (
     ParameterValues,
     REQUIRED,
 )
+from fourbar_ros.scene.units import quantity, WrongQuantity
 
 VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
           'doubles': list}
@@ -96,8 +97,14 @@ def check(values: ParameterValues) -> dict[str, Any]:
     for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-    return {name: check_value(parameter, values.get(name, parameter.default))
+    return {name: check_value(parameter, values.get(name, parameter.default), values)
             for name, parameter in every.items()}
+
+
+def unit_in(parameter: Parameter, values: ParameterValues) -> str:
+    """Return the unit of a parameter in a scene: of 'rad or m' that of the scene's input."""
+    slides = values.get('linkage.input') in ('slide', 'cylinder')
+    return parameter.unit.split(' or ')[-1 if slides else 0]
 
 
 def _is_of_member(name: str, is_machine: bool) -> bool:
@@ -174,12 +181,17 @@ def _names(value: Any) -> list[str]:
             if isinstance(value, (list, tuple)) else [])
 
 
-def check_value(parameter: Parameter, value: Any) -> Any:
-    """Return a value in the type of its parameter; InvalidParameter names the allowed values."""
+def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> Any:
+    """
+    Return a value in the type of its parameter, a text as '40mm' as the number in SI.
+
+    ``values``: of the scene, whose input decides between angles and lengths. InvalidParameter
+    names the allowed values.
+    """
     name, choices = parameter.name, parameter.choices
     kind: Any = VALUES[parameter.type]
     if kind is float:
-        value = _as_float(value)
+        value = as_number(name, value, unit_in(parameter, values))
     if kind is list and isinstance(value, (tuple, array)):      # rclpy gives array('d', ...)
         value = list(value)
     if isinstance(value, str) and value in parameter.words:
@@ -192,7 +204,9 @@ def check_value(parameter: Parameter, value: Any) -> Any:
                 raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
-        value = [_as_float(item) for item in value]
+        # joints turn or slide, each for itself: their numbers have no unit
+        unit = '' if ' or ' in parameter.unit else parameter.unit
+        value = [as_number(name, item, unit) for item in value]
         for item in value:
             if not isinstance(item, float) or not isfinite(item):
                 raise InvalidParameter(name, item, 'must hold finite numbers')
@@ -228,6 +242,11 @@ def _check_number(parameter: Parameter, value: float) -> None:
         raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 
 
-def _as_float(value: Any) -> Any:
-    """Return an integer as a float, anything else as it is."""
+def as_number(name: str, value: Any, unit: str) -> Any:
+    """Return an integer, or a text as '40mm', as a float in SI; anything else as it is."""
+    if isinstance(value, str):
+        try:
+            return float(quantity(value, *[unit] * bool(unit)))
+        except WrongQuantity as error:
+            raise InvalidParameter(name, value, str(error)) from None
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

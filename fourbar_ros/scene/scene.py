@@ -15,11 +15,12 @@ from math import isfinite, isnan, lcm
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast, NoReturn, TYPE_CHECKING
+import warnings
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange
+from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.scene.linkage import linkage_of
+from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in
 from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
@@ -108,7 +109,8 @@ class Scene:
         InvalidParameter as of :func:`from_values`. What does not change is not checked again: of a
         live change that would take half the time. ``pause()`` is called between its pieces.
         """
-        checked = {name: check_value(of_name(name), value) for name, value in changes.items()}
+        checked = {name: check_value(of_name(name), value, self.values)
+                   for name, value in changes.items()}
         pause()
         return _of_checked({**self.values, **checked}, pause)
 
@@ -417,10 +419,18 @@ def load(path: str | Path) -> Scene:
     Return the Scene of a ROS 2 parameter file, or of a shipped one by its name, as ``paper``.
 
     Raises SceneError if it is no parameter file of one node, InvalidParameter for a value that is
-    not allowed.
+    not allowed. A value that is allowed but probably not meant is warned of, as a SceneWarning.
     """
     from fourbar_ros.scene.files import read_values
-    return from_values(read_values(path))
+    scene = from_values(read_values(path))
+    give_warnings(scene, path)
+    return scene
+
+
+def give_warnings(scene: Scene, path: str | Path) -> None:
+    """Warn Python's way of what is probably not meant in a scene that was read from a file."""
+    for line in warnings_of(scene):
+        warnings.warn(f'{path}: {line}', SceneWarning, stacklevel=3)
 
 
 # --- checks of the scene as a whole --------------------------------------------------------------

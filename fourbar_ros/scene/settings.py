@@ -10,7 +10,7 @@ have any number: in ``points.NAME.link`` NAME is free.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import inf, isfinite, nan, pi
+from math import inf, isfinite, nan
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -34,6 +34,7 @@ from fourbar_ros.scene.topics import (
     TORQUE,
     wrench_topic,
 )
+from fourbar_ros.scene.units import UNITS
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 
@@ -42,10 +43,9 @@ REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
 TIMER, MESSAGES = 'timer', tuple(INPUTS)
 SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion follows from torque
-# units of a table of forces, in SI units
-OF_PLACES = {'rad': 1.0, 'deg': pi / 180.0, 'm': 1.0, 'mm': 1e-3}
-PRESSURES = {'Pa': 1.0, 'kPa': 1e3, 'MPa': 1e6, 'bar': 1e5}
-OF_VALUES = {'N': 1.0, 'kN': 1e3, 'N m': 1.0, 'kN m': 1e3, **PRESSURES}
+# of a table of forces: {unit: its size in SI}
+OF_PLACES = {**UNITS['rad'], **UNITS['m']}
+OF_VALUES = {**UNITS['N'], **UNITS['N m'], **UNITS['Pa']}
 
 
 class Parameter(NamedTuple):

@@ -1,81 +1,117 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Numbers with units on command lines: 50mm, 60deg, 300rpm.
+Numbers with units, as 50mm, 60deg, 300rpm: in scene files, on command lines, in ROS parameters.
 
->>> measured('300rpm', 'angular speed')
+>>> quantity('300rpm', 'rad/s')
 31.41592653589793
->>> measured('50mm', 'angle', 'length'), measured('50mm', 'angle', 'length').dimension
-(0.05, 'length')
+>>> quantity('50 mm', 'rad', 'm'), quantity('50 mm', 'rad', 'm').unit
+(0.05, 'm')
 
-A number without a unit keeps the meaning that the argument gives it.
+A number without a unit is in SI; on command lines, :func:`of`, an angle without one is in degrees.
 """
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
-from math import isfinite, pi
+from decimal import Decimal
+from math import inf, isfinite, pi
 import re
 
 from fourbar_ros.errors import FourBarError
 
 DEGREE = pi / 180.0
-# {dimension: {unit: its size}}; angles in degrees, as they are shown, all else in SI.
-UNITS = {
-    'angle': {'deg': 1.0, 'rad': 1.0 / DEGREE, 'turn': 360.0},
-    'length': {'m': 1.0, 'cm': 1e-2, 'mm': 1e-3, 'um': 1e-6, 'in': 0.0254},
-    'angular speed': {'rad/s': 1.0, 'deg/s': DEGREE, 'rpm': pi / 30.0, 'Hz': 2.0 * pi},
-    'speed': {'m/s': 1.0, 'cm/s': 1e-2, 'mm/s': 1e-3},
-    'angular acceleration': {'rad/s^2': 1.0, 'deg/s^2': DEGREE, 'rpm/s': pi / 30.0},
-    'acceleration': {'m/s^2': 1.0, 'mm/s^2': 1e-3},
-    'density': {'kg/m^3': 1.0, 'g/cm^3': 1e3},
-    'mass': {'kg': 1.0, 'g': 1e-3},
-    'time': {'s': 1.0, 'ms': 1e-3, 'min': 60.0, 'h': 3600.0},
+# {SI unit: {unit: its size in SI}}; decimal sizes are texts, as a number times one is rounded once
+UNITS: dict[str, dict[str, str | float]] = {
+    'rad': {'rad': '1', 'deg': DEGREE, 'turn': 2.0 * pi},
+    'm': {'m': '1', 'cm': '1e-2', 'mm': '1e-3', 'um': '1e-6', 'in': '0.0254'},
+    'rad/s': {'rad/s': '1', 'deg/s': DEGREE, 'rpm': pi / 30.0, 'Hz': 2.0 * pi},
+    'm/s': {'m/s': '1', 'cm/s': '1e-2', 'mm/s': '1e-3'},
+    'rad/s^2': {'rad/s^2': '1', 'deg/s^2': DEGREE, 'rpm/s': pi / 30.0},
+    'm/s^2': {'m/s^2': '1', 'mm/s^2': '1e-3'},
+    's': {'s': '1', 'ms': '1e-3', 'min': '60', 'h': '3600'},
+    'Hz': {'Hz': '1', 'kHz': '1e3'},
+    'kg': {'kg': '1', 'g': '1e-3', 't': '1e3'},
+    'kg m^2': {'kg m^2': '1', 'kg cm^2': '1e-4', 'kg mm^2': '1e-6', 'g mm^2': '1e-9'},
+    'kg/m^3': {'kg/m^3': '1', 'g/cm^3': '1e3'},
+    'N': {'N': '1', 'kN': '1e3'},
+    'N m': {'N m': '1', 'kN m': '1e3', 'N mm': '1e-3'},
+    'Pa': {'Pa': '1', 'kPa': '1e3', 'MPa': '1e6', 'bar': '1e5'},
+    'N/m': {'N/m': '1', 'N/mm': '1e3', 'kN/m': '1e3'},
 }
-NUMBER = re.compile(r'([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)')
+# kg/m3 and kg/m³ are kg/m^3, Nm is N m, 60° is 60deg
+SPELLINGS = str.maketrans({' ': '', '^': '', '*': '', '·': '', '²': '2', '³': '3', 'µ': 'u',
+                           '°': 'deg'})
+NUMBER = re.compile(r'([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(.*)')
+COMMA = re.compile(r'[-+]?[0-9]*,[0-9]+.*')
 
 
-class Measured(float):
-    """A number and its dimension, a key of UNITS; empty if it came without a unit."""
+class Quantity(float):
+    """A number in SI and the SI unit of its own unit, a key of UNITS; empty if it had none."""
 
-    dimension = ''
-
-
-class WrongUnit(FourBarError, ValueError):
-    """A number has the unit of another dimension; the message says which one fits."""
+    unit = ''
 
 
-def measured(text: str, *dimensions: str) -> Measured:
+class WrongQuantity(FourBarError, ValueError):
+    """A text is no number, or has the unit of something else; the message says what is allowed."""
+
+
+def units_of(unit: str) -> dict[str, str | float]:
+    """Return {unit: its size} of all units that measure the same as an SI unit, that included."""
+    return UNITS.get(unit, {unit: '1'})
+
+
+def quantity(text: str, *units: str, plain_angle: str = 'rad') -> Quantity:
     """
-    Return the number of a text such as ``50mm``, angles in degrees, all else in SI.
+    Return the number of a text such as ``50mm`` in SI, or an angle in ``plain_angle`` (rad, deg).
 
-    Raises ArgumentTypeError if it is no finite number or has a unit of none of the dimensions.
+    ``units``: SI units of what is allowed, 'm' for a length. Raises WrongQuantity if the text is
+    no finite number or has a unit of something else.
     """
-    units = {unit: (size, dimension) for dimension in dimensions
-             for unit, size in UNITS[dimension].items()}
-    match = NUMBER.fullmatch(text.strip())
-    if re.fullmatch(r'[-+\d]*,\d+.*', text.strip()):
-        raise ArgumentTypeError(f'{text!r} must be a number with a point: '
-                                f'{text.strip().replace(",", ".", 1)}')
-    if not match or match[2] and match[2] not in units:
-        raise ArgumentTypeError(f'{text!r} must be a number, with or without one of the units '
-                                + ', '.join(units))
-    size, dimension = units.get(match[2], (1.0, ''))
-    value = Measured(float(match[1]) * size)
+    sizes = {unit.translate(SPELLINGS): (size, si) for si in units
+             for unit, size in units_of(si).items()}
+    text = text.strip()
+    match = NUMBER.fullmatch(text)
+    if COMMA.fullmatch(text):
+        raise WrongQuantity(f'must be written {text.replace(",", ".", 1)}: a comma is no decimal '
+                            'point')
+    number, unit = match.groups() if match else ('nan', '')
+    size, si = sizes.get(unit.translate(SPELLINGS), ('1', '')) if unit else ('1', '')
+    if not match or unit and not si:
+        allowed = ', '.join(unit for si in units for unit in units_of(si))
+        raise WrongQuantity(f'must be a number in {" or ".join(units)}, or with one of the units '
+                            f'{allowed}' if units else 'must be a number without a unit')
+    if si == 'rad' and plain_angle == 'deg':
+        size = float(size) / DEGREE
+    value = Quantity(Decimal(repr(float(number))) * Decimal(size))
     if not isfinite(value):
-        raise ArgumentTypeError(f'{text!r} must be a finite number')
-    value.dimension = dimension
+        raise WrongQuantity('must be a finite number')
+    value.unit = si
     return value
 
 
-def of(*dimensions: str) -> Callable[[str], Measured]:
-    """Return the ``type=`` of an argument with one of these dimensions."""
-    return lambda text: measured(text, *dimensions)
+def of(*units: str, above: float = -inf, least: float = -inf) -> Callable[[str], Quantity]:
+    """
+    Return the ``type=`` of an argument: numbers in one of these SI units, angles in degrees.
+
+    They must be more than ``above`` and at least ``least``.
+    """
+    def read(text: str) -> Quantity:
+        try:
+            value = quantity(text, *units, plain_angle='deg')
+        except WrongQuantity as error:
+            raise ArgumentTypeError(f'{text!r} {error}') from None
+        if not value > above:
+            raise ArgumentTypeError(f'{text!r} must be a positive number')
+        if not value >= least:
+            raise ArgumentTypeError(f'{text!r} must be a number that is not negative')
+        return value
+    return read
 
 
-def require(name: str, value: float, dimension: str) -> None:
-    """Raise WrongUnit if a :class:`Measured` number has a unit of another dimension."""
-    own = getattr(value, 'dimension', '')
-    if own not in ('', dimension):
-        raise WrongUnit(f'{name} has a unit of {own}; this mechanism takes {dimension}, in '
-                        + ', '.join(UNITS[dimension]))
+def require(name: str, value: float, unit: str) -> None:
+    """Raise WrongQuantity if a :class:`Quantity` has a unit that does not measure the same."""
+    si = getattr(value, 'unit', '')
+    if si not in ('', unit):
+        raise WrongQuantity(f'{name} has a unit of the kind {si}; this mechanism takes '
+                            + ', '.join(units_of(unit)))

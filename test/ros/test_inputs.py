@@ -140,7 +140,13 @@ def test_parameters_and_outputs_change_between_two_steps_or_are_refused_with_the
     state, = answers(client, send, [Motion(position=0.2)])
     assert (state.theta4
             == scene.from_values({**PAPER, 'linkage.a1': 0.5}).linkage.motion(0.2).theta4)
+    assert set_parameters(client, {'linkage.a1': '45cm'})[0].successful
+    state, = answers(client, send, [Motion(position=0.2)])
+    assert (state.theta4
+            == scene.from_values({**PAPER, 'linkage.a1': 0.45}).linkage.motion(0.2).theta4)
     for bad, reason in (({'linkage.a1': -1.0}, 'must be positive'),
+                        ({'linkage.a1': '0,4'}, 'must be written 0.4'),
+                        ({'linkage.a1': '3kg'}, 'must be a number in m, or with one of'),
                         ({'linkage.a4': 9.0}, 'cannot close'),
                         ({'outputs': ['loads']}, 'bodies.crank.mass'), ({'linkage.mode': 3}, ''),
                         ({'drive.source': 'timer'}, 'read-only')):

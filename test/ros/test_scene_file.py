@@ -1,6 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Scene files are read as rcl itself reads them: usual scalars, sections, wildcards."""
+from math import pi
+
+from fourbar_ros.ros.node.node import scene_of
+from fourbar_ros.scene import load
 from fourbar_ros.scene.files import read_values, SceneError
 import pytest
 import rclpy
@@ -36,6 +40,31 @@ def test_scalars(tmp_path):
     ros, ours = asked(file), read_values(file)
     for i, text in enumerate(SCALARS):
         assert repr(ros[f'x{i}']) == repr(ours[f'x{i}']), text
+
+
+def test_units_and_an_override_of_another_type_reach_the_node(tmp_path):
+    """Of a double in the file and a string of -p the rcl layer takes the double."""
+    file = tmp_path / 'scene.yaml'
+    file.write_text('/**:\n  ros__parameters:\n'
+                    '    linkage: {a1: 40cm, a2: 1.2, a3: 0.8 m, a4: 1.0}\n'
+                    '    drive: {speed: 3.0, start: 90deg, rate: 200}\n')
+    arguments = ['--ros-args', '--params-file', str(file), '-p', 'drive.speed:=300rpm',
+                 '-p', 'linkage.a2:=1300mm', '-p', 'other:linkage.a4:=9.0',
+                 '-p', 'drive.rate:=9.5']
+    rclpy.init(args=arguments)
+    try:
+        node = Node('fourbar', automatically_declare_parameters_from_overrides=True,
+                    start_parameter_services=False)
+        values = scene_of(node, arguments).values
+        declared = {name: node.get_parameter(name).value for name in values}
+        node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+    wanted = {'linkage.a1': 0.4, 'linkage.a2': 1.3, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
+              'drive.speed': 10.0 * pi, 'drive.start': 0.5 * pi, 'drive.rate': 9.5}
+    assert {name: values[name] for name in wanted} == wanted
+    assert {name: declared[name] for name in wanted} == wanted
+    assert load(file).values['drive.start'] == 0.5 * pi
 
 
 @pytest.mark.parametrize('key', ['/**', '/*', 'fourbar', '/fourbar', 'other', '/**/fourbar',

@@ -37,7 +37,9 @@ def paper(tmp_path):
 QOS = 'qos_overrides./fourbar/'
 REFUSED = [
     ('use_sim_time:=maybe', "use_sim_time = 'maybe': must be a bool"),
-    ('drive.torque_limit:=abc', "drive.torque_limit = 'abc': must be a number in N m or N"),
+    ('drive.torque_limit:=abc', "drive.torque_limit = 'abc': must be a number in N m, or"),
+    ('drive.speed:=300rpn', "drive.speed = '300rpn': must be a number in rad/s"),   # file: 25
+    ('linkage.a1:=0,4', "linkage.a1 = '0,4': must be written 0.4"),                 # file: 0.4
     (QOS + 'state.publisher.reliability:=maybe', 'QoS override for policy `reliability`: `maybe`'),
     (QOS + 'state.publisher.depth:=three', "{'publisher.depth': 'three'}"),
     (QOS + 'stat.publisher.depth:=3', 'qos_overrides./fourbar/stat.publisher.depth = 3: no such '
@@ -70,6 +72,13 @@ def test_bad_parameters_are_refused_in_one_line(tmp_path, paper, given, why):
 def test_arguments_that_nobody_understands_are_refused_in_one_line(tmp_path, arguments, why):
     code, line = start(tmp_path, *arguments)
     assert code == 2 and why in line
+
+
+def test_a_file_for_another_node_is_named(tmp_path, paper):
+    other = tmp_path / 'other.yaml'
+    other.write_text('/left/fourbar: {ros__parameters: {linkage.a1: 0.4}}')
+    code, line = start(tmp_path, '--ros-args', '--params-file', str(other))
+    assert code == 2 and 'other.yaml: contains nothing for the node /fourbar, only /left/' in line
 
 
 def test_a_log_that_cannot_be_written_is_one_line(tmp_path, paper, monkeypatch):
@@ -121,9 +130,9 @@ def test_names_in_namespaces_stay_distinct(client, tmp_path, arguments, where):
     assert process.returncode == 0, said
 
 
-def test_names_and_files_of_a_command_line():
+def test_names_of_a_command_line():
     rest = ['--ros-args', '-r', '__ns:=/cell', '--params-file', str(folder() / 'paper.yaml')]
-    assert asked(['left/boom', 'stick', *rest]) == (['left/boom', 'stick'], '/cell', rest[-1:])
+    assert asked(['left/boom', 'stick', *rest]) == (['left/boom', 'stick'], '/cell')
     with pytest.raises(FourBarError, match='two nodes of one name'):
         asked(['boom', 'boom', *rest])
 

@@ -14,7 +14,8 @@ LONG = {'linkage.a1': 50.0, 'linkage.a2': 150.0, 'linkage.a3': 100.0, 'linkage.a
 
 @pytest.mark.parametrize(('changes', 'said'), [
     ({**LONG, **RODS}, ['linkage.a1 = 50 m: did you mean 0.05?']),
-    (LONG, []),
+    (LONG, ['linkage.a1 = 50 m: did you mean 0.05? Lengths are in metres (and 3 more)']),
+    ({'points.p.along': -50.0}, ['points.p.along = -50 m']),
     ({'bodies.rods.density': 7.75, 'bodies.rods.radius': 0.01}, ['did you mean 7750?']),
     ({'bodies.rods.density': 7750e3, 'bodies.rods.radius': 0.01}, ['did you mean 7750?']),
     ({'bodies.rods.density': 99.9, 'bodies.rods.radius': 0.01}, ['99.9 kg/m^3']),
@@ -47,9 +48,9 @@ def test_the_start_of_a_slide_is_no_angle_and_links_of_machines_have_names():
     values = dict(load('cylinder').values)
     assert warnings_of(from_values({**values, 'drive.start': 7.0})) == []
     watt = dict(load('watt').values)
-    line, = warnings_of(from_values({**watt, 'dyads.two.length_1': 20.0,
+    line, = warnings_of(from_values({**watt, 'dyads.two.length_1': 20.4,
                                      'dyads.two.length_2': 20.5}))
-    assert line.startswith('dyads.two.length_1 = 20 m: did you mean 0.02?')
+    assert line.startswith('dyads.two.length_1 = 20.4 m: did you mean 0.0204?')
 
 
 def test_no_shipped_scene_warns_about_itself():
@@ -65,8 +66,8 @@ def test_verbs_warn_on_stderr_and_go_on(verb, tmp_path, capsys):
     assert main([*verb, str(file)]) == 0
     out, err = capsys.readouterr()
     assert out
-    assert err == ('fourbar: warning: drive.start = 90 rad is more than a turn: did you mean '
-                   '1.5708 (90 degrees)?\n')
+    assert err == (f'fourbar: warning: {file}: drive.start = 90 rad is more than a turn: '
+                   'did you mean 1.5708 (90 degrees)?\n')
 
 
 def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
@@ -74,7 +75,7 @@ def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
     assert main(['new', str(tmp_path / 'my.yaml'), *lengths, '--rod', '8',
                  '--material', '7.85']) == 0
     lines = capsys.readouterr().err.splitlines()
-    assert [line.split()[2] for line in lines] == ['linkage.a1', 'bodies.rods.density']
+    assert [line.split()[3] for line in lines] == ['linkage.a1', 'bodies.rods.density']
 
 
 # --- rods of rectangular section -----------------------------------------------------------------

@@ -33,7 +33,7 @@ def test_the_values_and_the_text_of_a_shipped_scene_are_the_same_scene(name, tmp
 def test_defaults_are_themselves_allowed():
     for parameter in PARAMETERS.values():
         if parameter.default is not REQUIRED:
-            value = check_value(parameter, parameter.default)
+            value = check_value(parameter, parameter.default, {})
             assert value == parameter.default or math.isnan(value)
 
 

@@ -1,53 +1,114 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Units beside their definitions, exact fractions of SI units and of turns."""
+"""Units beside their definitions, fractions of SI units and of turns; commas are no points."""
 from argparse import ArgumentTypeError
 from fractions import Fraction
+import json
+from math import pi, radians
+import re
 
-from fourbar_ros.scene.units import measured, require, UNITS, WrongUnit
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.scene import from_values
+from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.units import of, quantity, require, UNITS, WrongQuantity
 import mpmath
 import pytest
+from support.scenes import PAPER, RODS
 
-# {dimension: {unit: (its size, whether times 2 pi)}}; of angles the size in degrees
+# {SI unit: {unit: (its size, whether times 2 pi)}}; all other sizes are decimal
 SIZES = {
-    'angle': {'deg': (1, 0), 'turn': (360, 0)},
-    'length': {'m': (1, 0), 'cm': (Fraction(1, 100), 0), 'mm': (Fraction(1, 1000), 0),
-               'um': (Fraction(1, 10**6), 0), 'in': (Fraction(254, 10**4), 0)},
-    'angular speed': {'rad/s': (1, 0), 'deg/s': (Fraction(1, 360), 1),
-                      'rpm': (Fraction(1, 60), 1), 'Hz': (1, 1)},
-    'speed': {'m/s': (1, 0), 'cm/s': (Fraction(1, 100), 0), 'mm/s': (Fraction(1, 1000), 0)},
-    'angular acceleration': {'rad/s^2': (1, 0), 'deg/s^2': (Fraction(1, 360), 1),
-                             'rpm/s': (Fraction(1, 60), 1)},
-    'acceleration': {'m/s^2': (1, 0), 'mm/s^2': (Fraction(1, 1000), 0)},
-    'density': {'kg/m^3': (1, 0), 'g/cm^3': (1000, 0)},
-    'mass': {'kg': (1, 0), 'g': (Fraction(1, 1000), 0)},
-    'time': {'s': (1, 0), 'ms': (Fraction(1, 1000), 0), 'min': (60, 0), 'h': (3600, 0)},
+    'rad': {'deg': (Fraction(1, 360), 1), 'turn': (1, 1)},
+    'm': {'cm': (Fraction(1, 100), 0), 'mm': (Fraction(1, 1000), 0),
+          'um': (Fraction(1, 10**6), 0), 'in': (Fraction(254, 10**4), 0)},
+    'rad/s': {'deg/s': (Fraction(1, 360), 1), 'rpm': (Fraction(1, 60), 1), 'Hz': (1, 1)},
+    'm/s': {'cm/s': (Fraction(1, 100), 0), 'mm/s': (Fraction(1, 1000), 0)},
+    'rad/s^2': {'deg/s^2': (Fraction(1, 360), 1), 'rpm/s': (Fraction(1, 60), 1)},
+    'm/s^2': {'mm/s^2': (Fraction(1, 1000), 0)},
+    's': {'ms': (Fraction(1, 1000), 0), 'min': (60, 0), 'h': (3600, 0)},
+    'Hz': {'kHz': (1000, 0)},
+    'kg': {'g': (Fraction(1, 1000), 0), 't': (1000, 0)},
+    'kg m^2': {'kg cm^2': (Fraction(1, 10**4), 0), 'kg mm^2': (Fraction(1, 10**6), 0),
+               'g mm^2': (Fraction(1, 10**9), 0)},
+    'kg/m^3': {'g/cm^3': (1000, 0)},
+    'N': {'kN': (1000, 0)},
+    'N m': {'kN m': (1000, 0), 'N mm': (Fraction(1, 1000), 0)},
+    'Pa': {'kPa': (1000, 0), 'MPa': (10**6, 0), 'bar': (10**5, 0)},
+    'N/m': {'N/mm': (1000, 0), 'kN/m': (1000, 0)},
 }
-CASES = [(dimension, unit) for dimension, units in UNITS.items() for unit in units]
+CASES = [(si, unit) for si, units in UNITS.items() for unit in units]
 
 
-@pytest.mark.parametrize(('dimension', 'unit'), CASES)
-def test_a_unit_has_the_size_of_its_definition(dimension, unit):
-    if (dimension, unit) == ('angle', 'rad'):
-        expected = 180 / mpmath.pi
-    else:
-        size, times_turn = SIZES[dimension][unit]
-        with mpmath.workdps(30):
-            expected = mpmath.mpf(size.numerator) / size.denominator
-            expected = expected * 2 * mpmath.pi if times_turn else expected
-    value = measured(f'3{unit}', dimension)
-    # two roundings of the size, one of the product
-    assert value == pytest.approx(float(3 * expected), rel=3 * 2.0**-53, abs=0.0)
-    assert value.dimension == dimension
+@pytest.mark.parametrize(('si', 'unit'), CASES)
+def test_a_unit_has_the_size_of_its_definition(si, unit):
+    size, times_turn = SIZES[si].get(unit, (1, 0))
+    with mpmath.workdps(30):
+        expected = mpmath.mpf(3.7) * mpmath.mpf(size.numerator) / size.denominator
+        expected = expected * 2 * mpmath.pi if times_turn else expected
+    value = quantity(f'3.7{unit}', si)
+    # two roundings of pi and the size, one of the product, one of 3.7 here
+    assert value == pytest.approx(float(expected), rel=4 * 2.0**-53, abs=0.0)
+    assert value.unit == si
 
 
-@pytest.mark.parametrize('text', ['', 'mm', '3 N', '1,5mm', 'nan', '1e999', '3 mm mm'])
+def test_decimal_units_round_once_and_angles_of_command_lines_are_in_degrees():
+    for text in ('35.35533906', '-0.1', '1e-3', '29.9', '.7', '5.'):
+        assert quantity(f'{text}mm', 'm') == float(Fraction(text) / 1000)
+        assert quantity(text, 'm') == float(text)
+    assert [of('rad', 'm')(text) for text in ('60deg', '60', '0.5turn', '50mm')] == [
+        60.0, 60.0, 180.0, 0.05]
+    assert quantity('60deg', 'rad') == radians(60.0)
+
+
+@pytest.mark.parametrize('text', ['', 'mm', '3 N', '1,5mm', 'nan', 'inf', '1e999', '3 mm mm',
+                                  '1_0', '0x10', '\u0663', '-1e999mm'])
 def test_what_is_no_number_with_a_unit_is_refused(text):
-    with pytest.raises(ArgumentTypeError):
-        measured(text, 'length')
+    with pytest.raises(WrongQuantity):
+        quantity(text, 'm')
+    with pytest.raises(ArgumentTypeError, match='must be'):
+        of('m')(text)
 
 
-def test_a_unit_of_another_dimension_is_named():
-    require('rate', measured('3', 'speed', 'angular speed'), 'speed')
-    with pytest.raises(WrongUnit, match='rate has a unit of angular speed.*takes speed'):
-        require('rate', measured('3rpm', 'speed', 'angular speed'), 'speed')
+def test_an_exponent_without_end_is_zero_at_once():
+    assert quantity('1e-99999999999999999999mm', 'm') == 0.0
+
+
+def test_a_unit_of_another_kind_is_named():
+    require('rate', quantity('3', 'm/s', 'rad/s'), 'm/s')
+    with pytest.raises(WrongQuantity, match='rate has a unit of the kind rad/s.*takes m/s'):
+        require('rate', quantity('3rpm', 'm/s', 'rad/s'), 'm/s')
+
+
+# --- in scenes -----------------------------------------------------------------------------------
+
+SLIDE = {'linkage.kind': 'slider_crank', 'linkage.a1': '40mm', 'linkage.a2': '15 cm',
+         'linkage.input': 'slide'}
+
+
+@pytest.mark.parametrize(('values', 'name', 'expected'), [
+    (PAPER, 'linkage.a1', ('400mm', 0.4)), (PAPER, 'linkage.a1', ('0.4', 0.4)),
+    (PAPER, 'drive.speed', ('300rpm', 10.0 * pi)), (PAPER, 'drive.start', ('90°', 0.5 * pi)),
+    (SLIDE, 'drive.speed', ('30 mm/s', 0.03)), (PAPER, 'drive.timeout', ('200ms', 0.2)),
+    (SLIDE, 'linkage.range', (['12cm', '150mm'], [0.12, 0.15])),
+    ({**PAPER, **RODS}, 'bodies.rods.density', ('7.85 g/cm3', 7850.0))])
+def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
+    text, number = expected
+    before = from_values(values)
+    scenes = [from_values({**before.values, name: text})]
+    if of_name(name).live:
+        scenes.append(before.with_values({name: text}))
+    for scene in scenes:
+        assert scene.values[name] == json.loads(scene.as_json)[name] == number
+        assert type(scene.values[name]) is type(number)
+
+
+@pytest.mark.parametrize(('values', 'name', 'text', 'why'), [
+    (PAPER, 'linkage.a1', '0,4', 'must be written 0.4: a comma is no decimal point'),
+    (PAPER, 'linkage.a1', '4kg', 'units m, cm, mm'),
+    (PAPER, 'bodies.crank.mass', '40mm', 'units kg, g, t'),
+    (PAPER, 'drive.speed', '30mm/s', 'units rad/s'), (SLIDE, 'drive.speed', '60rpm', 'units m/s'),
+    (PAPER, 'drive.joint_ratio', '3mm', 'without a unit'),
+    (PAPER, 'joint_states.offsets', ['1deg', '2deg', '3deg', '4deg'], 'without a unit'),
+    (PAPER, 'linkage.mode', '2', 'must be one of'), (PAPER, 'frame_id', 3, 'must be a text')])
+def test_a_scene_refuses_units_of_other_kinds(values, name, text, why):
+    with pytest.raises(InvalidParameter, match=re.escape(why)):
+        from_values({**values, name: text})

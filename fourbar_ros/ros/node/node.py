@@ -25,9 +25,9 @@ from fourbar_ros.ros.node.entities import (
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
-from fourbar_ros.scene.parameters import find_parameter, of_name
+from fourbar_ros.scene.parameters import check_value, find_parameter, of_name
 from fourbar_ros.scene.scene import check_for_node, from_values, Scene
-from fourbar_ros.scene.settings import Parameter, SOURCES
+from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import SERVICES
 from rcl_interfaces.msg import (
     IntegerRange,
@@ -57,11 +57,11 @@ class FourBarNode(Node):
     """
     The node of a scene; see docs/node.md for its topics, services and parameters.
 
-    ``name`` may begin with a namespace of its own, below ``namespace``; ``files`` are the
-    parameter files of the command line. It survives requests that an rclpy node does not.
+    ``name`` may begin with a namespace of its own, below ``namespace``; ``arguments`` are those of
+    the command line. It survives requests that an rclpy node does not.
     """
 
-    def __init__(self, name: str = 'fourbar', namespace: str = '', files: Sequence[str] = (),
+    def __init__(self, name: str = 'fourbar', namespace: str = '', arguments: Sequence[str] = (),
                  **kwargs: Any) -> None:
         """Read and check the scene, make all parts of the node, begin to record and to drive."""
         own, _, name = name.rpartition('/')
@@ -69,7 +69,7 @@ class FourBarNode(Node):
             full = '/'.join(filter(None, (namespace.strip('/'), own)))
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:=/{full}']
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
-        scene = scene_of(self, files)
+        scene = scene_of(self, arguments)
         self._check(scene)
         check_overrides(self, scene)
         for warning in warnings_of(scene):
@@ -138,7 +138,11 @@ class FourBarNode(Node):
             self.stream.swap(run)
             if self.acting:
                 self.acting.renew()
+        before = warnings_of(self.stream.scene)
         self._between_callbacks(swap)
+        for warning in warnings_of(scene):
+            if warning not in before:
+                self.get_logger().warning(warning)
 
     def close(self, why: str = 'the node ended') -> None:
         """Abandon searches, stop the stream, close the bag with ``why`` as reason, destroy all."""
@@ -170,12 +174,16 @@ class FourBarNode(Node):
 
     def set_parameters_atomically(self, parameter_list: Sequence[RosParameter]
                                   ) -> SetParametersResult:
-        """Set parameters; take 3 for a double, and an empty list for one of any type."""
+        """Set parameters; take 3 and 40mm for a double, an empty list for one of any type."""
         for parameter in parameter_list:
             if not self.has_parameter(parameter.name):   # rclpy overlooks an empty name
                 raise ParameterNotDeclaredException(parameter.name)
-        return super().set_parameters_atomically(
-            list(map(as_declared, parameter_list)))
+        values = self.stream.scene.values
+        try:
+            converted = [as_declared(parameter, values) for parameter in parameter_list]
+        except InvalidParameter as error:
+            return SetParametersResult(reason=str(error))
+        return super().set_parameters_atomically(converted)
 
     def create_subscription(self, msg_type: type[Any], topic: str,
                             callback: Callable[..., object], *qos: Any, **options: Any) -> Any:
@@ -288,13 +296,14 @@ _ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType
               'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
 
 
-def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
+def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
     """
     Return the Scene of a node, from the parameters that files and command line gave it.
 
     rclpy has declared them as they came. They are read and declared again with type and text from
-    the table: so an unknown name is an error instead of being ignored, and ``3`` is good for a
-    double. ``files``: the parameter files, beside which the tables of forces stand.
+    the table: so an unknown name is an error instead of being ignored, and ``3`` and ``40mm`` are
+    good for a double. ``arguments``: of the command line, with the parameter files, beside which
+    the tables of forces stand.
 
     Raises
     ------
@@ -308,6 +317,11 @@ def scene_of(node: Node, files: Sequence[str] = ()) -> Scene:
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
     given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
+    if arguments:
+        from fourbar_ros.scene.files import overrides
+        last = overrides(arguments, node.get_fully_qualified_name())
+        given |= {name: last[name] for name in given if name in last}
+    files = [file for option, file in zip(arguments, arguments[1:]) if option == '--params-file']
     tables = {}
     if any(name.startswith('forces.') for name in given):
         from fourbar_ros.scene.files import table_files  # other scenes do without
@@ -377,20 +391,24 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
                                additional_constraints=parameter.allowed)
 
 
-def as_declared(parameter: RosParameter) -> RosParameter:
+def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParameter:
     """
     Return a parameter in the type that the table declares, if its value can be converted.
 
-    A client sends 3 as an integer, and an empty list as one of bytes; rclpy refuses both for a
-    parameter of doubles.
+    A client sends 3 as an integer, 40mm as a string, and an empty list as one of bytes; rclpy
+    refuses them for a parameter of doubles. ``values``: of the scene. InvalidParameter for a text
+    that is no number.
     """
     declared, types = find_parameter(parameter.name), RosParameter.Type
     kind = declared.type if declared else ''
     is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
-    if kind == 'double' and parameter.type_ == types.INTEGER:
-        return RosParameter(parameter.name, types.DOUBLE, float(parameter.value))
-    if kind == 'doubles' and (is_empty or parameter.type_ == types.INTEGER_ARRAY):
-        return RosParameter(parameter.name, types.DOUBLE_ARRAY, list(map(float, parameter.value)))
+    if declared and kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
+        return RosParameter(parameter.name, types.DOUBLE,
+                            check_value(declared, parameter.value, values))
+    if declared and kind == 'doubles' and (
+            is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
+        return RosParameter(parameter.name, types.DOUBLE_ARRAY,
+                            check_value(declared, list(parameter.value), values))
     if kind == 'strings' and is_empty:
         return RosParameter(parameter.name, types.STRING_ARRAY, [])
     return parameter

@@ -92,7 +92,7 @@ def run(given: Sequence[str], signals: Signals) -> int:
                   ParameterException)
     nodes: list[FourBarNode] = []
     try:
-        names, namespace, files = asked(given)
+        names, namespace = asked(given)
         try:
             rclpy.init(args=['fourbar_node', *given],
                        signal_handler_options=SignalHandlerOptions.NO)
@@ -101,7 +101,7 @@ def run(given: Sequence[str], signals: Signals) -> int:
         except RuntimeError as error:        # of rclpy's own, without a type
             raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
         for name in names:
-            nodes.append(FourBarNode(name, namespace, files))
+            nodes.append(FourBarNode(name, namespace, given))
     except (FourBarError, *ros_errors) as error:
         why = (wrong_in_file(given)
                or (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
@@ -122,9 +122,9 @@ def run(given: Sequence[str], signals: Signals) -> int:
     return 0
 
 
-def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
+def asked(given: Sequence[str]) -> tuple[list[str], str]:
     """
-    Return (names of the nodes, namespace of all, parameter files) of a command line.
+    Return (names of the nodes, namespace of all) of a command line.
 
     A name may begin with a namespace of its own, ``left/boom``. FourBarError for other words
     before ``--ros-args``, and for two nodes of one name.
@@ -133,7 +133,6 @@ def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
     from rclpy.utilities import remove_ros_args
 
     names = remove_ros_args(list(given))
-    files = [file for option, file in zip(given, given[1:]) if option == '--params-file']
     for word in names:
         if '--ros-args' not in given or not NODE_NAME.fullmatch(word):
             usage = USAGE.replace('SCENE', word) if word[:1] != '-' else USAGE
@@ -143,7 +142,7 @@ def asked(given: Sequence[str]) -> tuple[list[str], str, list[str]]:
     if len(set(names)) < len(names):
         raise FourBarError(f'{", ".join(names)}: two nodes of one name')
     namespaces = [word.partition(':=')[2] for word in given if word.startswith('__ns:=')]
-    return names or ['fourbar'], namespaces[-1] if namespaces else '', files
+    return names or ['fourbar'], namespaces[-1] if namespaces else ''
 
 
 def wrong_in_file(given: Sequence[str]) -> str:
