@@ -32,7 +32,7 @@ class Constants(NamedTuple):
     """
     The data of a mechanism that its formulas are made for, as floats.
 
-    :func:`~fourbar_ros.numerics.number_types.converted` puts other numbers in their places.
+    :func:`~fourbar_ros.numerics.number_types.converted` puts other kinds of numbers there.
     """
 
     lengths: Any
@@ -46,16 +46,16 @@ class Constants(NamedTuple):
 class Formula:
     """The formula of motion, or of motion and loads, of all mechanisms of a structure."""
 
-    structure: tuple[object, ...]       # all in which formulas differ besides numbers
+    structure: tuple[object, ...]       # all in which formulas differ besides their data
     with_loads: bool
     mechanism: Mechanism = field(compare=False, repr=False)      # any of the structure
 
-    def make(self, numbers: NumberType, data: Constants) -> Function:
+    def make(self, n: NumberType, data: Constants) -> Function:
         """Return (position, rate, acceleration) -> motion, or (motion, loads)."""
-        motion_of = self.mechanism.motion_formula(numbers, data)
+        motion_of = self.mechanism.motion_formula(n, data)
         if not self.with_loads:
             return motion_of
-        loads_of = self.mechanism.loads_formula(numbers, data)
+        loads_of = self.mechanism.loads_formula(n, data)
 
         def step(*inputs: Scalar) -> tuple[Any, Any]:
             motion = motion_of(*inputs)
@@ -79,10 +79,10 @@ def trace_of(formula: Formula) -> Trace:
 
 class Recorded(NamedTuple):
     """
-    The trace of a mechanism's formula with its own numbers.
+    The trace of a mechanism's formula with its constants.
 
-    ``constants``: at the place of each step of the trace its value, None if it needs the input;
-    ``zeros``: the places of constants that are zero and used together with inputs, so that a
+    ``constants``: by index in the trace its value, None if it needs the input; ``zeros``: the
+    indices of constants that are zero and used together with inputs, so that a
     program can leave out products with them.
     """
 
@@ -97,7 +97,7 @@ def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
     trace = trace_of(formula)
     constants = trace.constants(numbers_of(data))
     return Recorded(trace, constants, frozenset([
-        place for place in trace.used_constants if constants[place] == 0.0]))
+        i for i in trace.used_constants if constants[i] == 0.0]))
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)
@@ -116,10 +116,10 @@ def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
     At a flat position it gives the limits, out of reach it raises ValueError; no other checks.
     """
     formula, data = formula_of(mechanism, with_loads)
-    numbers = numbers_of(data)
-    zeros = frozenset([i for i, value in enumerate(numbers) if value == 0.0]
+    values = numbers_of(data)
+    zeros = frozenset([i for i, value in enumerate(values) if value == 0.0]
                       if mechanism.LEAVES_OUT_ZEROS else ())
-    line, reaches = _lines(formula, zeros)(numbers), mechanism.reaches
+    line, reaches = _lines(formula, zeros)(values), mechanism.reaches
     if mechanism.is_flat_at_zero:
         line = _with_limits(mechanism, line, with_loads)
     return line if reaches is None else _within(line, reaches)

@@ -22,7 +22,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
 from fourbar_ros.mechanisms.closed_forms import four_bar_ranges, singular_angles, turned_ranges
 from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.mechanisms.machine.structure import Numbers
+from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     BETA,
@@ -45,9 +45,9 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
 
 
-def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Numbers:
+def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     """Return the numbers of RRR: rods from p and q, along the driven link and the frame [m]."""
-    return Numbers((p, 0.0), (q, 0.0), (first, second), (), (p, q, 1.0, 0.0, 1.0, 0.0))
+    return DyadLengths((p, 0.0), (q, 0.0), (first, second), (), (p, q, 1.0, 0.0, 1.0, 0.0))
 
 
 def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: Sequence[Scalar],

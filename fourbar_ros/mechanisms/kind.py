@@ -25,7 +25,14 @@ from fourbar_ros.mechanisms.kinds import all_loads, DERIVED
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
-from fourbar_ros.mechanisms.machine.structure import Layout, Numbers, Pair, PLACES, SLIDES, Stage
+from fourbar_ros.mechanisms.machine.structure import (
+    DyadLengths,
+    JOINTS,
+    Layout,
+    Pair,
+    SLIDES,
+    Stage,
+)
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
@@ -72,7 +79,7 @@ class DrivenMachine(NamedTuple):
     dyad : str
         'RRR', 'RRP', 'RPR' or 'RPP'.
     numbers, ranges, singular : callable
-        lengths -> the :class:`.Numbers` of the dyad, ``closing_ranges``, ``singular_inputs``.
+        lengths -> the :class:`.DyadLengths` of the dyad, ``closing_ranges``, ``singular_inputs``.
     reactions : dict
         {'f41': (joint of the machine, sign of the force there), 'guide_force': ...}.
     sine : tuple of str and float
@@ -98,7 +105,7 @@ class DrivenMachine(NamedTuple):
 
     links: tuple[str, str, str, str]
     dyad: str
-    numbers: Callable[[Lengths], Numbers]
+    numbers: Callable[[Lengths], DyadLengths]
     ranges: Callable[..., Ranges]
     singular: Callable[..., list[complex]]
     reactions: Mapping[str, tuple[str, float]]
@@ -142,7 +149,7 @@ class DrivenMachine(NamedTuple):
             driven = Driven(LinkMotion(*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
         poses, directions = Poses(hangings(layout, numbers), driven), {}
         moves, = make_moves(n, layout, numbers, [sign if self.sign > 0.0 else -sign])
-        moved = moves(*poses.hang(0))
+        moved = moves(poses.hang(0))
         poses.add(0, moved)
         for coordinate in [each for each in coordinates if each in ANGLES]:
             c, s, turn, bend = poses.relation(*map(self.links.index, ANGLES[coordinate]))
@@ -152,7 +159,7 @@ class DrivenMachine(NamedTuple):
         return directions, {coordinate: moved.slides[3 * k:3 * k + 3]
                             for k, coordinate in enumerate(self.slides)}, moved
 
-    def forces(self, n: NumberType, numbers: Numbers, lengths: Mapping[str, Scalar],
+    def forces(self, n: NumberType, numbers: DyadLengths, lengths: Mapping[str, Scalar],
                links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
                slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
         """
@@ -177,8 +184,8 @@ class DrivenMachine(NamedTuple):
             n, layout, [numbers], [LinkMotion(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving],
             [slides], [sine], of_moving, drive)
         at_base = force_at_base(n, layout, of_moving[0], drive, frame)
-        fields = [f'{place}{what}' for place in PLACES for what in (
-            '_x', '_y', '', *(('_normal', '_couple') if place in SLIDES[self.dyad] else ()))]
+        fields = [f'{joint}{ending}' for joint in JOINTS for ending in (
+            '_x', '_y', '', *(('_normal', '_couple') if joint in SLIDES[self.dyad] else ()))]
         found = dict(zip(fields, forces))
         found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'), at_base))
         return {name: -found[of] if sign < 0.0 else found[of]
@@ -250,9 +257,9 @@ class Kind(Mechanism):
 
     # --- motion ---------------------------------------------------------------------------------
 
-    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        return partial(self._motion, numbers, constants)
+        return partial(self._motion, n, constants)
 
     def _motion(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
                 acceleration: Scalar) -> NamedFields:
@@ -330,9 +337,9 @@ class Kind(Mechanism):
 
     # --- loads ----------------------------------------------------------------------------------
 
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return partial(all_loads, self, constants, partial(self._loads, numbers, constants))
+        return partial(all_loads, self, constants, partial(self._loads, n, constants))
 
     def _loads(self, n: NumberType, constants: Constants, m: Any) -> tuple[Scalar, ...]:
         """Return needs of the links, then the drive by virtual power, then all reactions."""

@@ -132,11 +132,11 @@ class Mechanism(ABC):
     # --- each kind must give these --------------------------------------------------------------
 
     @abstractmethod
-    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
 
     @abstractmethod
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
 
     @property
@@ -450,7 +450,7 @@ class Mechanism(ABC):
     def _motion_line(self) -> Function:
         return line_of(self, with_loads=False)
 
-    def make_coefficients(self, numbers: NumberType) -> Coefficients:
+    def make_coefficients(self, n: NumberType) -> Coefficients:
         """
         Return position -> coefficients of all links for a number type: what dynamics is made of.
 
@@ -459,7 +459,7 @@ class Mechanism(ABC):
         LinkMotion at unit rate and zero acceleration, and exact. A stroke is no limit here; where
         the links cannot close it raises ValueError, or gives NaN in arrays.
         """
-        motion_of, as_motion = self.motion_formula(numbers, self.constants), self.MOTION
+        motion_of, as_motion = self.motion_formula(n, self.constants), self.MOTION
         link_motion, links = self.link_motion, [link.name for link in self.LINKS]
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
@@ -467,7 +467,7 @@ class Mechanism(ABC):
             return [link_motion(motion, link) for link in links]
         return coefficients
 
-    def read_coordinate(self, numbers: NumberType,
+    def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """
         Return the input and its two derivatives from coefficients of the links.
@@ -479,7 +479,7 @@ class Mechanism(ABC):
         if self.is_driven_by_slide:
             return curves[-1].x, curves[-1].v_x, curves[-1].a_x
         crank = curves[0]
-        return numbers.atan2(crank.sine, crank.cosine), crank.omega, crank.alpha
+        return n.atan2(crank.sine, crank.cosine), crank.omega, crank.alpha
 
     @cached_by_lengths
     def record_of_motion(self) -> Recorded:

@@ -116,14 +116,14 @@ class MovingJointFourBar(FourBarLinks):
         return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
                      for mode in FourBar.MODES)
 
-    def read_coordinate(self, numbers: NumberType, curves: Any) -> tuple[Any, Any, Any]:
+    def read_coordinate(self, n: NumberType, curves: Any) -> tuple[Any, Any, Any]:
         """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
         # angle of the second link to the first; theta3 counts from B A, half a turn on
         first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
         one, two = curves[first:first + 2]
         sine, cosine = (two.sine * one.cosine - two.cosine * one.sine,
                         two.cosine * one.cosine + two.sine * one.sine)
-        return (numbers.atan2(side * sine, side * cosine),
+        return (n.atan2(side * sine, side * cosine),
                 two.omega - one.omega, two.alpha - one.alpha)
 
 

@@ -34,7 +34,7 @@ from fourbar_ros.mechanisms.closed_forms import (
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.mechanisms.machine.structure import Numbers
+from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import (
     BETA,
     CRANK,
@@ -57,20 +57,20 @@ from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
 AT_O = (0.0, 0.0)      # as a place
 
 
-def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> Numbers:
+def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     """Return the numbers of RRR: rods from a driven slider at this height, from the frame [m]."""
-    return Numbers(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
+    return DyadLengths(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
 
 
-def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> Numbers:
+def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> DyadLengths:
     """Return the numbers of RRP: a rod a2 from a crank a1 to a line at this height [m]."""
-    return Numbers((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
+    return DyadLengths((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
                    (a1, height, 1.0, 0.0, 0.0, 0.0, 0.0))
 
 
-def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> Numbers:
+def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> DyadLengths:
     """Return the numbers of RPR: a block on a crank a1, on a bar from a4 on [m]."""
-    return Numbers((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, 1.0, 0.0, 1.0, 0.0))
+    return DyadLengths((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, 1.0, 0.0, 1.0, 0.0))
 
 
 class OffsetSlide(Kind):
@@ -291,11 +291,11 @@ class InvertedSlider(OffsetSlide):
                                                 atan2(sine, cosine)))
         return tuple(sorted(points))
 
-    def read_coordinate(self, numbers: NumberType,
+    def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """Return the input and its two derivatives; ``curves``: motions of the links by it."""
         if not self.is_driven_by_slide:
-            return super().read_coordinate(numbers, curves)
+            return super().read_coordinate(n, curves)
         # the slide is the part of O4-A along the bar; the block has its joint at A and turns
         # with the bar
         link = curves[1]
@@ -378,7 +378,7 @@ class ScotchYoke(Kind):
     DRIVES = {
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPP',
-            lambda lengths: Numbers((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
+            lambda lengths: DyadLengths((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
             lambda *_: ((-pi, pi),), lambda *_: [],
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},
@@ -386,7 +386,7 @@ class ScotchYoke(Kind):
             slides=(SLOT, TRAVEL)),
         SLIDE: DrivenMachine(
             (GROUND, 'output', 'crank', 'coupler'), 'RRP',
-            lambda lengths: Numbers(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
+            lambda lengths: DyadLengths(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
             lambda a1, _: ((-a1, a1),), lambda a1, _: [complex(-a1), complex(a1)],
             {'f41': ('first', 1.0), 'f21': ('inner', 1.0), 'f32': ('second', 1.0),
              'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),

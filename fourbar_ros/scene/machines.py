@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 from fourbar_ros.mechanisms.machine.joined import shaped
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Numbers
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, point_in
@@ -55,7 +55,7 @@ def machine_of(values: ParameterValues) -> Machine:
 
 
 def numbers_of(machine: Machine, values: ParameterValues,
-               numbers: NumberType) -> tuple[Numbers, ...]:
+               numbers: NumberType) -> tuple[DyadLengths, ...]:
     """
     Return the lengths, points and directions of all dyads of a machine, of any number type.
 
@@ -82,8 +82,8 @@ def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, flo
     assert isinstance(machine, Machine)
     links = machine.layout.links
     for stage, dyad in zip(machine.layout.stages, machine.stages):
-        for number, (carrier, point, along) in slides_of(stage, dyad.numbers):
-            yield links[number], Point(links[carrier], *point), along
+        for link, (carrier, point, along) in slides_of(stage, dyad.lengths):
+            yield links[link], Point(links[carrier], *point), along
 
 
 def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
@@ -92,7 +92,7 @@ def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
 
 
 def _numbers(dyad: Dyad, values: ParameterValues,
-             along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> Numbers:
+             along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> DyadLengths:
     """
     Return the numbers of a dyad, or of the cylinder: a dyad of rod and tube.
 
@@ -109,7 +109,7 @@ def _numbers(dyad: Dyad, values: ParameterValues,
         if value is None or isinstance(value, float) and isnan(value):
             value = getattr(dyad, name)      # an offset that is not given
         sizes += along(value) if name in ANGLES else (value,)
-    return Numbers(p, q, tuple(sizes))
+    return DyadLengths(p, q, tuple(sizes))
 
 
 def _dyad(name: str, values: ParameterValues) -> Dyad:

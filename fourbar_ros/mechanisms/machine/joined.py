@@ -12,9 +12,14 @@ from collections.abc import Sequence
 from math import atan2, fsum, hypot, pi, remainder
 from typing import Any
 
-from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, other_of, turned_by
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
+from fourbar_ros.mechanisms.machine.solve.dyads import Ends
+from fourbar_ros.mechanisms.machine.solve.pairs import (
+    half_angle,
+    KnownJoints,
+    moving_link,
+    turned_by,
+)
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
 
@@ -23,19 +28,20 @@ from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 CLOSE = 2.0**-6
 
 
-def _shape(stage: Stage, own: Numbers, joints: KnownJoints, length: Function
+def _shape(stage: Stage, lengths: DyadLengths, joints: KnownJoints, length: Function
            ) -> tuple[Scalar, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
-    frame, other = stage.pair.frame, other_of(stage)
-    (p_x, p_y), (q_x, q_y) = (own.p, own.q) if stage.turns_first else (own.q, own.p)
+    frame, moving = stage.pair.frame, moving_link(stage)
+    (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
+                                else (lengths.q, lengths.p))
     if stage.pair.slides:
-        (x, y), (c, s) = joints.slides[other, frame]
+        (x, y), (c, s) = joints.slides[moving, frame]
         return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
-    (o_x, o_y), (x, y) = joints.pin(other, frame)
+    (o_x, o_y), (x, y) = joints.pin(moving, frame)
     a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
     if stage.kind == 'RRP':
-        t_x, t_y = own.sizes[1:]
+        t_x, t_y = lengths.sizes[1:]
         a1 = length(a_x, a_y)
         return (a1, g_y * t_x - g_x * t_y, (a_x * t_x + a_y * t_y) / a1,
                 (a_y * t_x - a_x * t_y) / a1, g_x * t_x + g_y * t_y, x, y)
@@ -45,42 +51,45 @@ def _shape(stage: Stage, own: Numbers, joints: KnownJoints, length: Function
     return a1, a4, scalar / size, cross / size, g_x / a4, g_y / a4
 
 
-def shaped(layout: Layout, numbers: Sequence[Numbers], length: Function = hypot) -> list[Numbers]:
+def shaped(layout: Layout, dyad_lengths: Sequence[DyadLengths],
+           length: Function = hypot) -> list[DyadLengths]:
     """
-    Return the numbers of all dyads with what follows from them once and for all.
+    Return the lengths of all dyads with what follows from them once and for all.
 
     That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine from g to a,
-    of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, place of Q
-    along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
+    of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, distance
+    of Q along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
     """
-    joints, found = KnownJoints(layout.driver), []
-    for stage, own in zip(layout.stages, numbers):
-        shape = _shape(stage, own, joints, length) if stage.pair else ()
+    joints, with_shapes = KnownJoints(layout.driver), []
+    for stage, lengths in zip(layout.stages, dyad_lengths):
+        shape = _shape(stage, lengths, joints, length) if stage.pair else ()
         if stage.name == CYLINDER:
-            shape = length(*own.p), length(*own.q)
-        found.append(own._replace(reach=(length(*own.p), length(*own.q)), shape=shape))
-        joints.add(stage, own)
-    return found
+            shape = length(*lengths.p), length(*lengths.q)
+        with_shapes.append(lengths._replace(reach=(length(*lengths.p), length(*lengths.q)),
+                                            shape=shape))
+        joints.add(stage, lengths)
+    return with_shapes
 
 
-def with_pairs(layout: Layout, numbers: Sequence[Numbers]) -> Layout:
+def with_pairs(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> Layout:
     """Return a layout whose stages have a ``pair`` where the general formulas lose digits."""
     joints, stages = KnownJoints(layout.driver), []
-    for stage, own in zip(layout.stages, numbers):
+    for stage, lengths in zip(layout.stages, dyad_lengths):
         pair = None if stage.name == CYLINDER else joints.pair_of(stage)
-        stages.append(stage._replace(pair=pair and _if_close(pair, stage, own, joints)))
-        joints.add(stage, own)
+        if pair and not _is_close(stage._replace(pair=pair), lengths, joints):
+            pair = None
+        stages.append(stage._replace(pair=pair))
+        joints.add(stage, lengths)
     return layout._replace(stages=tuple(stages))
 
 
-def _if_close(pair: Pair, stage: Stage, own: Numbers, joints: KnownJoints) -> Pair | None:
-    """Return a pair if it is near a change point or its lengths are unlike, else None."""
-    stage = stage._replace(pair=pair)
+def _is_close(stage: Stage, lengths: DyadLengths, joints: KnownJoints) -> bool:
+    """Return whether a pair is near a change point or its lengths are unlike."""
     try:
-        own = own._replace(shape=_shape(stage, own, joints, hypot))
+        shape = _shape(stage, lengths, joints, hypot)
     except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
-        return None
-    return pair if PairRange(stage, own).evenness < CLOSE else None
+        return False
+    return PairRange(stage, lengths._replace(shape=shape)).evenness < CLOSE
 
 
 # (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an
@@ -98,9 +107,9 @@ class PairRange:
     x = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
     """
 
-    def __init__(self, stage: Stage, own: Numbers) -> None:
+    def __init__(self, stage: Stage, lengths: DyadLengths) -> None:
         """
-        Compute the factors once, from the dyad's ``own`` numbers with their ``shape``.
+        Compute the factors once, from the dyad's lengths with their ``shape``.
 
         That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma where
         the slide is zero, e, ...): see :func:`shaped`.
@@ -108,12 +117,12 @@ class PairRange:
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
         # sigma where the slide is zero, or the direction of the other link where the angle is
-        self._start: Any = own.shape[0] if self.slides else own.shape[2:4]
-        self._factors = _factors(stage, own)
-        self._arms: tuple[Scalar, ...] = own.shape[:2]
-        rods = own.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]]
+        self._start: Any = lengths.shape[0] if self.slides else lengths.shape[2:4]
+        self._factors = _factors(stage, lengths)
+        self._arms: tuple[Scalar, ...] = lengths.shape[:2]
+        rods = lengths.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]]
         if not self.slides:         # with the arms of the pin, a and g; RRP has no g
-            rods += own.shape[:1 if self.is_sine else 2]
+            rods += lengths.shape[:1 if self.is_sine else 2]
         self._rods = min(rods, default=1.0), max(rods, default=1.0)     # [m]
         self.is_impossible = any(max(factor) <= 0.0 for factor in self._factors)
         self.has_limits = any(plus * minus < 0.0 for plus, minus in self._factors)
@@ -136,7 +145,7 @@ class PairRange:
             return [0.0] if minus == 0.0 < plus else []
         return [sign for sign, value in ((1.0, plus), (-1.0, minus)) if value == 0.0]
 
-    def place(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+    def flatness(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
         """
         Return the distance from a flat position, and the side, at an angle or slide of a pair.
 
@@ -147,16 +156,15 @@ class PairRange:
         c, s = turned_by(relative[:2], self._start)
         return (c, s) if self.is_sine else (s, c)
 
-    def assembly_margin(self, n: NumberType, relative: Sequence[Scalar],
-                        *_curves: LinkMotion) -> Scalar:
+    def assembly_margin(self, n: NumberType, ends: Ends) -> Scalar:
         """
-        Return the product of the scaled factors that have toggles at an angle or slide of a pair.
+        Return the product of the scaled factors of a pair that have toggles.
 
         A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
         s, both from the flat position. It is positive where the pair closes, zero at its toggles.
         """
-        sine, cosine = self.place(relative)
-        of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: place() gives (s, 0)
+        sine, cosine = self.flatness(ends.relative)
+        of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
         if not self.slides:
             of_minus, of_plus, _ = half_angle(n, cosine, sine)
         for plus, minus in self._toggles:
@@ -164,18 +172,18 @@ class PairRange:
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
         return product
 
-    def square(self, n: NumberType, relative: Sequence[Scalar], *_curves: LinkMotion) -> Scalar:
+    def square(self, n: NumberType, ends: Ends) -> Scalar:
         """
-        Return |Q - P|^2 of RRR or RPR at an angle or slide; the motion has poles where it is zero.
+        Return |Q - P|^2 of RRR or RPR; the motion has poles where it is zero.
 
         With a pin it is divided by (|a| + |g|)^2.
         """
-        (one, other), (beside, ahead) = self._arms, self.place(relative)
+        (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
         if self.slides:
-            return beside * beside + other * other
+            return beside * beside + arm_2 * arm_2
         ss, cc, _ = half_angle(n, ahead, beside)
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
-        return (one - other)**2 / (one + other)**2 * cc + ss
+        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
 
     def input_at(self, flat: float, is_driven: bool) -> float:
         """
@@ -192,7 +200,7 @@ class PairRange:
         return pi if folded == -pi else folded + 0.0
 
 
-def _factors(stage: Stage, own: Numbers) -> list[Factor]:
+def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
     """
     Return the one or two factors of a pair's discriminant, positive where it closes.
 
@@ -203,11 +211,11 @@ def _factors(stage: Stage, own: Numbers) -> list[Factor]:
     change point.
     """
     assert stage.pair is not None
-    unit = power_of_two(*own.sizes[:1 + (stage.kind == 'RRR')],
-                        *own.shape[stage.pair.slides:2])
-    sizes = [size / unit for size in own.sizes]
+    unit = power_of_two(*lengths.sizes[:1 + (stage.kind == 'RRR')],
+                        *lengths.shape[stage.pair.slides:2])
+    sizes = [size / unit for size in lengths.sizes]
     # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
-    first, second = [length / unit for length in own.shape[:2]]
+    first, second = [arm / unit for arm in lengths.shape[:2]]
     if stage.pair.slides:
         if stage.kind == 'RPR':
             return [(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]

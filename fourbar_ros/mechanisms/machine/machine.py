@@ -38,7 +38,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
     DOUBLE,
     DyadRanges,
     find_ranges,
-    flat_place,
+    flat_input,
     Limit,
     Near,
     RangeEnds,
@@ -46,7 +46,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
 )
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, OF_ONE_MODE
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, CROSSED, GROUND, NamedFields, OPEN, SLIDE
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
@@ -123,7 +123,7 @@ class Machine(Mechanism):
         self._set(dyads=checked_dyads(self.dyads, self.input),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        layout = with_pairs(layout, [dyad.numbers for dyad in self.stages])
+        layout = with_pairs(layout, [dyad.lengths for dyad in self.stages])
         self._set(layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
@@ -138,18 +138,18 @@ class Machine(Mechanism):
         name = self._ranges.stopped
         if name:
             dyad = next(dyad for dyad in self.stages if dyad.name == name)
-            one, other = dyad.first.link, dyad.second.link
+            first, second = dyad.first.link, dyad.second.link
             rods = (f'; its rods are {dyad.length_1:g} and {dyad.length_2:g} m long'
                     if dyad.kind == 'RRR' else '')
-            why = (f': it hangs on {one} alone, so no input moves its ends' if one == other else
-                   '' if name == self.dyads[0].name else ' at which those before it do')
+            why = (f': it hangs on {first} alone, so no input moves its ends' if first == second
+                   else '' if name == self.dyads[0].name else ' at which those before it do')
             raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}{rods}')
 
     def with_loads(self, **loads: Any) -> Machine:
         """Return the same with other bodies, gravity and external loads, sharing geometry."""
-        other = self._copy(**self._geometry, **loads)
-        other.__post_init__()
-        return other
+        machine = self._copy(**self._geometry, **loads)
+        machine.__post_init__()
+        return machine
 
     def _set(self, **values: Any) -> None:      # past the frozen dataclass
         for name, value in values.items():
@@ -164,9 +164,9 @@ class Machine(Mechanism):
         return (Dyad(CYLINDER, 'RPR', pin, base, links, mode=mode), *self.dyads)
 
     @cached_by_lengths
-    def numbers(self) -> tuple[Numbers, ...]:
-        """Return the numbers that the formulas of each dyad take."""
-        return tuple(shaped(self.layout, [dyad.numbers for dyad in self.stages]))
+    def dyad_lengths(self) -> tuple[DyadLengths, ...]:
+        """Return what the formulas of each dyad take."""
+        return tuple(shaped(self.layout, [dyad.lengths for dyad in self.stages]))
 
     # --- lengths and modes ----------------------------------------------------------------------
 
@@ -177,21 +177,21 @@ class Machine(Mechanism):
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
         """Return the same machine with other :attr:`lengths`; it may close nowhere."""
-        given = dict(zip(self.length_names, lengths))
-        return self._with_stages([with_lengths(dyad, given) for dyad in self.stages])
+        by_name = dict(zip(self.length_names, lengths))
+        return self._with_stages([with_lengths(dyad, by_name) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
         """
-        Return a copy with other numbers in the dyads, which are not checked.
+        Return a copy with other dyads, which are not checked.
 
         ``stages``: as :attr:`stages`, the dyads and, if one drives, first the cylinder as a dyad.
         """
         # the lengths decide which dyads are solved as pairs, see solve.pairs
-        layout = with_pairs(self.layout, [dyad.numbers for dyad in stages])
+        layout = with_pairs(self.layout, [dyad.lengths for dyad in stages])
         if self.cylinder is None:
             return self._copy(stages=tuple(stages), dyads=tuple(stages), layout=layout)
-        own = stages[0]
-        cylinder = self.cylinder._replace(base=own.second, pin=own.first, mode=own.mode)
+        first = stages[0]
+        cylinder = self.cylinder._replace(base=first.second, pin=first.first, mode=first.mode)
         return self._copy(stages=tuple(stages), dyads=tuple(stages[1:]), layout=layout,
                           cylinder=cylinder)
 
@@ -203,16 +203,16 @@ class Machine(Mechanism):
         All '' where any dyad has the form of a pair, whose shape follows from several lengths.
         """
         if any(stage.pair for stage in self.layout.stages):
-            return ('',) * sum(len(part) for own in self.numbers for part in own)
-        found: list[str | tuple[int, int]] = []
-        for dyad in self.stages:            # in the order of Numbers: p, q, sizes, reach, shape
-            p, q = (len(found), len(found) + 1), (len(found) + 2, len(found) + 3)
-            found += [f'{dyad.name}.{place}.{name}' for place in ('first', 'second')
+            return ('',) * sum(len(part) for lengths in self.dyad_lengths for part in lengths)
+        names: list[str | tuple[int, int]] = []
+        for dyad in self.stages:        # in the order of DyadLengths: p, q, sizes, reach, shape
+            p, q = (len(names), len(names) + 1), (len(names) + 2, len(names) + 3)
+            names += [f'{dyad.name}.{end}.{name}' for end in ('first', 'second')
                       for name in ('along', 'across')]
             for name in DIMENSIONS[dyad.kind]:
-                found += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
-            found += (p, q, p, q) if dyad.name == CYLINDER else (p, q)
-        return tuple(found)
+                names += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
+            names += (p, q, p, q) if dyad.name == CYLINDER else (p, q)
+        return tuple(names)
 
     @property
     def signs(self) -> tuple[float, ...]:
@@ -231,8 +231,8 @@ class Machine(Mechanism):
         if mode == self.mode:
             return self
         modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
-        return self._with_stages([replace(dyad, mode=own)
-                                  for dyad, own in zip(self.stages, modes)])
+        return self._with_stages([replace(dyad, mode=its_mode)
+                                  for dyad, its_mode in zip(self.stages, modes)])
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
@@ -247,13 +247,14 @@ class Machine(Mechanism):
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
         far = 2.0 * max([size, *map(abs, stroke)])
-        found = find_ranges(self.layout, self.numbers, self.signs, (-far, far), self.input_unit)
+        ranges = find_ranges(self.layout, self.dyad_lengths, self.signs, (-far, far),
+                             self.input_unit)
         if self.input == SLIDE and self.stroke is None and any(
                 bound is not None and far in map(abs, (bound[0].x, bound[1].x))
-                for bound in found.limits):
+                for bound in ranges.limits):
             raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
                                                           'slide')
-        return found
+        return ranges
 
     @cached_by_lengths
     def singular_inputs(self) -> list[complex]:
@@ -283,11 +284,11 @@ class Machine(Mechanism):
         """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
         return tuple([end.x for end in self._ends if end.is_flat])
 
-    def flat_place(self, place: float) -> Decimal:
+    def flat_place(self, position: float) -> Decimal:
         """Return the input of a flat position [rad or m] in many digits."""
-        pairs = self._flat_pairs_at(place)
-        return flat_place(self.layout, self.numbers, self.signs,
-                          min(pairs) if pairs else self._stage_at(place), place)
+        pairs = self._flat_pairs_at(position)
+        return flat_input(self.layout, self.dyad_lengths, self.signs,
+                          min(pairs) if pairs else self._stage_at(position), position)
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
@@ -326,19 +327,19 @@ class Machine(Mechanism):
     def modes(self) -> dict[int, str]:
         """Return {mode: 'DYAD MODE, ...'}: its own, and those into which flat positions lead."""
         modes = dict.fromkeys([self.mode, *map(self.mode_beyond, self.flat_inputs)])
-        return {one.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in one.stages
-                                    if dyad.kind not in OF_ONE_MODE) or 'one'
-                for one in map(self.in_mode, modes)}
+        return {machine.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in machine.stages
+                                        if dyad.kind not in OF_ONE_MODE) or 'one'
+                for machine in map(self.in_mode, modes)}
 
     def mode_beyond(self, limit: float) -> int:
         """Return the mode in which a motion goes on smoothly beyond a limit or a flat position."""
         passed = self._flat_pairs_at(limit)
         if not passed:
-            number = self._stage_at(limit)
-            if self.stages[number].kind in OF_ONE_MODE:     # goes on in x, not in its root
+            dyad = self._stage_at(limit)
+            if self.stages[dyad].kind in OF_ONE_MODE:     # goes on in x, not in its root
                 return self.mode
-            passed = frozenset({number})
-        return 1 + ((self.mode - 1) ^ sum(1 << number for number in passed))
+            passed = frozenset({dyad})
+        return 1 + ((self.mode - 1) ^ sum(1 << dyad for dyad in passed))
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
@@ -349,31 +350,31 @@ class Machine(Mechanism):
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the machine driven at a link on the ground, if its dyad alone stops the crank."""
         names = {end.dyad for end in self._ends}
-        number = next((i for i, dyad in enumerate(self.stages) if {dyad.name} == names), None)
-        if self.input != CRANK or number is None:
+        index = next((i for i, dyad in enumerate(self.stages) if {dyad.name} == names), None)
+        if self.input != CRANK or index is None:
             return ()
-        dyad = self.stages[number]
+        dyad = self.stages[index]
         ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
         # RRR between crank and ground, away from O1: it can turn the crank
         if (dyad.kind != 'RRR' or set(ends) != {self.layout.driven, GROUND}
                 or not all(any(end[1:]) for end in ends.values())):
             return ()
         from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink  # torque alone
-        return tuple([SeenFromLink(self.layout, self.numbers, self.signs, number, mode)
+        return tuple([SeenFromLink(self.layout, self.dyad_lengths, self.signs, index, mode)
                       for mode in (CROSSED, OPEN)])
 
     @property
     def _ends(self) -> list[Limit]:
         return [end for bound in self.limits if bound for end in bound]
 
-    def _flat_pairs_at(self, place: float) -> frozenset[int]:
-        """Return the numbers of the pairs that lie flat at an input without stopping motion."""
+    def _flat_pairs_at(self, position: float) -> frozenset[int]:
+        """Return the indices of the pairs that lie flat at an input without stopping motion."""
         return next((pairs for flat, pairs in self._ranges.flats.items()
-                     if abs(self.distance(place, flat)) < SAME * self.input_unit), frozenset())
+                     if abs(self.distance(position, flat)) < SAME * self.input_unit), frozenset())
 
-    def _stage_at(self, place: float) -> int:
-        """Return the number of the dyad at the limit next to an input."""
-        end = min(self._ends, key=lambda end: abs(self.distance(place, end.x)))
+    def _stage_at(self, position: float) -> int:
+        """Return the index of the dyad at the limit next to an input."""
+        end = min(self._ends, key=lambda end: abs(self.distance(position, end.x)))
         return [dyad.name for dyad in self.stages].index(end.dyad)
 
     def _why_no_motion(self, position: float) -> FourBarError:
@@ -384,22 +385,22 @@ class Machine(Mechanism):
             pairs = self._ranges.flats.get(position)
             return Toggle(error.name, position, unit, self.stages[
                 min(pairs) if pairs else self._stage_at(position)].name)
-        place, turns = position, [0.0]
+        x, turns = position, [0.0]
         if not self.is_driven_by_slide:
-            place, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
+            x, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
         # within a range all dyads close, so that one of them is at a toggle
         if self.is_in_stroke(position) and any(
-                low <= place + turn <= high for low, high in self.closing_ranges
+                low <= x + turn <= high for low, high in self.closing_ranges
                 for turn in turns):
-            return Toggle(self.input_coordinate.position, position, unit, self._dyad_at(place))
+            return Toggle(self.input_coordinate.position, position, unit, self._dyad_at(x))
         return error
 
     def _dyad_at(self, position: float) -> str:
         """Return the name of the first dyad that cannot be solved at an input; one cannot."""
-        for number, dyad in enumerate(self.stages[:-1]):
+        for i, dyad in enumerate(self.stages[:-1]):
             try:       # solves all before the next one
-                make_along(REAL, self.layout, self.numbers, self.signs, number + 1,
-                           lambda *_: None)(position)
+                make_along(REAL, self.layout, self.dyad_lengths, self.signs, i + 1,
+                           lambda _: None)(position)
             except (ValueError, ZeroDivisionError):
                 return dyad.name
         return self.stages[-1].name         # all others can be solved
@@ -408,19 +409,19 @@ class Machine(Mechanism):
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """Return the cache key of traced formulas: equal if machines differ in numbers only."""
+        """Return the cache key of traced formulas: equal if machines differ in their data only."""
         return type(self), self.layout
 
     @cached_property
     def constants(self) -> Constants:
-        """Return the numbers of each stage in place of lengths, the modes in place of one."""
-        return Constants(self.numbers, self.signs, self.bodies, self.gravity, self.external)
+        """Return the lengths of each dyad for lengths, the modes of all for the mode."""
+        return Constants(self.dyad_lengths, self.signs, self.bodies, self.gravity, self.external)
 
     def constants_of(self, lengths: Sequence[Scalar], hypot: Function) -> Constants:
-        """Return its :attr:`constants` with other lengths, of any numbers."""
-        given = dict(zip(self.length_names, lengths))
-        numbers = [with_lengths(dyad, given).numbers for dyad in self.stages]
-        return self.constants._replace(lengths=tuple(shaped(self.layout, numbers, hypot)))
+        """Return its :attr:`constants` with other lengths, of any kind of numbers."""
+        by_name = dict(zip(self.length_names, lengths))
+        dyad_lengths = [with_lengths(dyad, by_name).lengths for dyad in self.stages]
+        return self.constants._replace(lengths=tuple(shaped(self.layout, dyad_lengths, hypot)))
 
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
@@ -433,14 +434,14 @@ class Machine(Mechanism):
         """Return whether the input is a length, not an angle."""
         return self.input != CRANK
 
-    def motion_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        return partial(motion_of, numbers, self.layout, constants.lengths, constants.sign)
+        return partial(motion_of, n, self.layout, constants.lengths, constants.sign)
 
-    def loads_formula(self, numbers: NumberType, constants: Constants) -> Function:
+    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
         return partial(all_loads, self, constants, partial(
-            loads_of, numbers, self.layout, constants.lengths, constants.bodies,
+            loads_of, n, self.layout, constants.lengths, constants.bodies,
             constants.gravity, constants.external))
 
     @property
@@ -463,7 +464,7 @@ class Machine(Mechanism):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Return how to unpickle it: made again from its fields, as its types are made with it."""
-        fields = {own.name: getattr(self, own.name) for own in fields_of(self)}
+        fields = {field.name: getattr(self, field.name) for field in fields_of(self)}
         for name in ('bodies', 'external'):
             fields[name] = fields[name] and fields[name]._asdict()
         return partial(Machine, **fields), ()

@@ -32,11 +32,11 @@ from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.margins import (
     has_toggles,
     make_assembly_margin,
-    make_place,
+    make_flatness,
     make_square,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import other_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers
+from fourbar_ros.mechanisms.machine.solve.pairs import moving_link
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.newton import halve
@@ -88,43 +88,43 @@ class DyadRanges(NamedTuple):
     limits: tuple[RangeEnds, ...]       # (low, high) of each range, None of a full turn
     near: tuple[Near, ...]          # searches for complex inputs at which a dyad is in line
     stopped: str = ''               # the first dyad that closes nowhere
-    # {input: numbers of the pairs that lie flat there}, where the motion goes on
+    # {input: indices of the pairs that lie flat there}, where the motion goes on
     flats: dict[float, frozenset[int]] = {}
     poles: tuple[Near, ...] = ()    # searches for complex inputs at which the ends of a dyad meet
 
 
-def find_ranges(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
                 bounds: tuple[float, float], unit: float) -> DyadRanges:
     """
     Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
-    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
+    ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
     search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
-    search = _Search(layout, numbers, signs, unit)
+    search = _Search(layout, dyad_lengths, signs, unit)
     if layout.driver == 'crank':
         limits: list[RangeEnds] = [None]
     else:
         low, high = bounds
         if layout.driver == CYLINDER:
-            rho, b = numbers[0].shape
+            rho, b = dyad_lengths[0].shape
             low, high = abs(rho - b), rho + b
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
     near: list[Near] = []
     flats: dict[float, frozenset[int]] = {}
-    for number, (stage, own) in enumerate(zip(layout.stages, numbers)):
-        pair_range = PairRange(stage, own) if stage.pair else None
+    for i, (stage, lengths) in enumerate(zip(layout.stages, dyad_lengths)):
+        pair_range = PairRange(stage, lengths) if stage.pair else None
         if pair_range and pair_range.is_impossible:
             return DyadRanges((), (), stage.name)
-        if has_toggles(stage, own):
-            found = [search.split(bound, number) for bound in limits]
-            limits = [part for parts, _ in found for part in parts]
-            near += [toggles for _, toggles in found]
+        if has_toggles(stage, lengths):
+            split = [search.split(bound, i) for bound in limits]
+            limits = [part for parts, _ in split for part in parts]
+            near += [toggles for _, toggles in split]
             if not limits:
                 return DyadRanges((), (), stage.name)
         if pair_range and pair_range.flats:
-            flats = search.with_flats(flats, pair_range, limits, number)
+            flats = search.with_flats(flats, pair_range, limits, i)
     return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
                       poles=tuple([partial(search.poles, bound) for bound in limits]))
 
@@ -157,43 +157,45 @@ class _Path(NamedTuple):
         return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
 
 
-def flat_place(layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float], number: int,
-               x: float) -> Decimal:
+def flat_input(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
+               dyad: int, x: float) -> Decimal:
     """
-    Return the input near x at which dyad ``number`` lies flat, in many digits by Newton's method.
+    Return the input near x at which a dyad lies flat, in many digits, by Newton's method.
 
-    A root of :func:`.make_place` of a pair; of other dyads the minimum of their margin, a double
-    root, of which floats know half the digits only.
+    A root of :func:`.make_flatness` of a pair; of other dyads the minimum of their margin, a
+    double root, of which floats know half the digits only. ``dyad``: its index.
     """
-    is_pair = layout.stages[number].pair is not None
+    is_pair = layout.stages[dyad].pair is not None
     with localcontext(MANY_DIGITS):
-        terms = _terms(make_place if is_pair else make_assembly_margin, layout, numbers, signs,
-                       number)
-        at = Decimal(x)
+        terms = _terms(make_flatness if is_pair else make_assembly_margin, layout, dyad_lengths,
+                       signs, dyad)
+        root = Decimal(x)
         for _ in range(NEWTON_STEPS):
-            c0, c1, c2 = terms(at)
+            c0, c1, c2 = terms(root)
             step = c0 / c1 if is_pair else c1 / (2 * c2)
-            at -= step
-            if abs(step) < NO_MARGIN * max(abs(at), Decimal(1)):
+            root -= step
+            if abs(step) < NO_MARGIN * max(abs(root), Decimal(1)):
                 break
-        return at
+        return root
 
 
-def _terms(make: Function, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
-           number: int) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
+def _terms(make: Function, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+           signs: Sequence[float], dyad: int
+           ) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
     """
-    Return input -> c0, c1, c2 there, as in (R4), of a margin or place in many digits.
+    Return input -> c0, c1, c2 there, as in (R4), of a margin or flatness in many digits.
 
-    ``make``: :func:`.make_assembly_margin` or :func:`.make_place`, for dyad ``number``. To be made
-    and called within the context of many digits.
+    ``make``: :func:`.make_assembly_margin` or :func:`.make_flatness`. To be made and called within
+    the context of many digits.
     """
-    data, h = tuple(numbers), STEP_OF_DECIMALS
-    trace = Trace(lambda n, given: make(n, layout, numbers, signs, number, given), 1, data)
+    data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
+    trace = Trace(lambda n, converted: make(n, layout, dyad_lengths, signs, dyad, converted), 1,
+                  data)
     value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
 
-    def terms(at: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+    def terms(x: Decimal) -> tuple[Decimal, Decimal, Decimal]:
         """Return the terms by central differences, whose error is h^2."""
-        (before,), (here,), (after,) = [value(at + k * h) for k in (-1, 0, 1)]
+        (before,), (here,), (after,) = [value(x + k * h) for k in (-1, 0, 1)]
         return here, (after - before) / (2 * h), (after - 2 * here + before) / (2 * h * h)
     return terms
 
@@ -208,59 +210,60 @@ def _near(margin: Function, path: _Path, phi: Array, value: Array,
 
 
 def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]:
-    """Return (phi, numbers of samples of doubtful sign) of minima below :data:`DOUBTFUL`."""
-    found: list[tuple[float, Array]] = []
+    """Return (phi, indices of samples of doubtful sign) of minima below :data:`DOUBTFUL`."""
+    minima: list[tuple[float, Array]] = []
     for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
         curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
-        at = phi[i] - slope[i] / curve
+        lowest = phi[i] - slope[i] / curve
         least = value[i] - 0.5 * slope[i] * slope[i] / curve
-        inner = np.flatnonzero(np.abs(phi - at) < np.sqrt(4.0 * (DOUBTFUL + abs(least)) / curve))
-        if abs(least) < DOUBTFUL and not any(np.isin(inner, other).any() for _, other in found):
-            found.append((at, inner))
-    return found
+        inner = np.flatnonzero(np.abs(phi - lowest)
+                               < np.sqrt(4.0 * (DOUBTFUL + abs(least)) / curve))
+        if abs(least) < DOUBTFUL and not any(np.isin(inner, known).any() for _, known in minima):
+            minima.append((lowest, inner))
+    return minima
 
 
 class _Search:
     """The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`."""
 
-    def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
+    def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
                  unit: float) -> None:
-        self._machine, self._unit = (layout, numbers, signs), unit
+        self._machine, self._unit = (layout, dyad_lengths, signs), unit
 
-    def split(self, bound: RangeEnds, number: int) -> tuple[list[RangeEnds], Near]:
-        """Return the parts of a range in which dyad ``number`` closes, and a search near them."""
-        stage = self._machine[0].stages[number]
-        in_complex, in_floats = [make_assembly_margin(n, *self._machine, number)
+    def split(self, bound: RangeEnds, dyad: int) -> tuple[list[RangeEnds], Near]:
+        """Return the parts of a range in which a dyad closes, and a search near them."""
+        stage = self._machine[0].stages[dyad]
+        in_complex, in_floats = [make_assembly_margin(n, *self._machine, dyad)
                                  for n in (ARRAY, REAL)]
         path = _Path.of(bound)
         phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
         is_open = value > 0.0
 
-        def limits() -> list[Limit]:
+        def changes() -> list[Limit]:
             """Return the inputs between samples where the dyad begins or ceases to close."""
-            found = []
+            limits = []
             for i in np.flatnonzero(is_open[1:] != is_open[:-1]):
                 low, high = path.to_input(phi[i:i + 2]).tolist()
-                found.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
-            return found
+                limits.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
+            return limits
 
         if stage.kind == 'PRP':     # it closes with a margin of either sign
-            return _parts_between(bound, limits()), partial(
+            return _parts_between(bound, changes()), partial(
                 _near, in_complex, path, phi, np.abs(value), np.where(is_open, slope, -slope))
-        flats = [] if stage.pair else self._minima(number, path, phi, value, slope)
-        if stage.pair and not PairRange(stage, self._machine[1][number]).has_limits:
+        flats = [] if stage.pair else self._minima(dyad, path, phi, value, slope)
+        if stage.pair and not PairRange(stage, self._machine[1][dyad]).has_limits:
             is_open[:] = True
         for inner, roots in flats:
             is_open[inner] = True           # their signs are noise; the roots are known
             if roots:
                 value[inner] = -1.0
-        ends = limits() + [Limit(x, stage.name, len(set(roots)) == 1)
+        ends = changes() + [Limit(x, stage.name, len(set(roots)) == 1)
                            for _, roots in flats for x in roots]
         ends.sort(key=lambda end: end.x)
         return (_open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])),
                 partial(_near, in_complex, path, phi, value, slope))
 
-    def _minima(self, number: int, path: _Path, phi: Array, value: Array,
+    def _minima(self, dyad: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
         """
         Return (samples of doubtful sign, limits) of each minimum of a margin that is nearly zero.
@@ -268,17 +271,17 @@ class _Search:
         The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
         whose roots are not in the range are left out: the signs of samples tell.
         """
-        found = []
-        for at, inner in _minima(phi, value, slope):
+        decided = []
+        for lowest, inner in _minima(phi, value, slope):
             try:
-                limits = self._decided(number, float(path.to_input(np.array([at]))[0]))
+                limits = self._decided(dyad, float(path.to_input(np.array([lowest]))[0]))
             except (ArithmeticError, ValueError):   # it led to where dyads before do not close
                 continue
             if path.is_closed or all(path.low <= x <= path.high for x in limits):
-                found.append((inner, limits))
-        return found
+                decided.append((inner, limits))
+        return decided
 
-    def _decided(self, number: int, x: float) -> tuple[float, ...]:
+    def _decided(self, dyad: int, x: float) -> tuple[float, ...]:
         """
         Return the limits of the input beside a minimum of a margin near x, by many digits, (R4).
 
@@ -286,17 +289,17 @@ class _Search:
         the side on which the dyad closes.
         """
         with localcontext(MANY_DIGITS):
-            terms = _terms(make_assembly_margin, *self._machine, number)
-            at = flat_place(*self._machine, number, x)
-            c0, c1, c2 = terms(at)
+            terms = _terms(make_assembly_margin, *self._machine, dyad)
+            lowest = flat_input(*self._machine, dyad, x)
+            c0, c1, c2 = terms(lowest)
             least = c0 - c1 * c1 / (4 * c2)
             if least > NO_MARGIN:
                 return ()
             if least > -NO_MARGIN:
-                return float(at), float(at)
+                return float(lowest), float(lowest)
             limits = []
             for half, side in ((-(-least / c2).sqrt(), -inf), ((-least / c2).sqrt(), inf)):
-                root = at + half
+                root = lowest + half
                 for _ in range(NEWTON_STEPS):
                     c0, c1, _ = terms(root)
                     root -= c0 / c1
@@ -310,73 +313,74 @@ class _Search:
 
     def poles(self, bound: RangeEnds) -> list[complex]:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
-        path, found = _Path.of(bound), list[complex]()
-        for number, stage in enumerate(self._machine[0].stages):
+        path, poles = _Path.of(bound), list[complex]()
+        for dyad, stage in enumerate(self._machine[0].stages):
             if stage.kind not in ('RRR', 'RPR') or stage.name == CYLINDER:
                 continue
-            square = make_square(ARRAY, *self._machine, number)
+            square = make_square(ARRAY, *self._machine, dyad)
             samples = _resolved(path.start(), _sampled(square, path), stage.name)
             # of a chain of equal loops one is enough
             with np.errstate(all='ignore'):
-                is_known = any(np.abs(square(np.array([z]))).min() < DOUBLE**2 for z in found)
+                is_known = any(np.abs(square(np.array([z]))).min() < DOUBLE**2 for z in poles)
             if not is_known:
-                found += _near(square, path, *samples)
-        return found
+                poles += _near(square, path, *samples)
+        return poles
 
     def with_flats(self, flats: dict[float, frozenset[int]], pair_range: PairRange,
-                   limits: Sequence[RangeEnds], number: int) -> dict[float, frozenset[int]]:
+                   limits: Sequence[RangeEnds], dyad: int) -> dict[float, frozenset[int]]:
         """
-        Return {input: pairs that lie flat there} with pair ``number``, where motion goes on.
+        Return {input: pairs that lie flat there} with the pair ``dyad``, where motion goes on.
 
         A pair between the frame (link 0) and the driven link (1) lies flat where the input itself
         says so, unless a cylinder drives; any other pair is searched for within the ``limits``.
         """
-        stage = self._machine[0].stages[number]
+        stage = self._machine[0].stages[dyad]
         assert stage.pair is not None
-        frame, driven, hosts = 0, 1, (stage.pair.frame, other_of(stage))
+        frame, driven, hosts = 0, 1, (stage.pair.frame, moving_link(stage))
         if set(hosts) == {frame, driven} and self._machine[0].driver != CYLINDER:
-            found = [pair_range.input_at(direction, hosts[1] == driven)
-                     for direction in pair_range.flats]
-            found = [x for x in found if any(
-                bound is None or bound[0].x < x + turn < bound[1].x for bound in limits
-                for turn in ((0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)))]
+            turns = (0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)
+            inputs = [pair_range.input_at(direction, hosts[1] == driven)
+                      for direction in pair_range.flats]
+            inputs = [x for x in inputs if any(
+                bound is None or bound[0].x < x + turn < bound[1].x
+                for bound in limits for turn in turns)]
         else:
-            found = [x for bound in limits for x in self._flats_between(
-                bound, pair_range.flats, number, flats)]
+            inputs = [x for bound in limits for x in self._flats_between(
+                bound, pair_range.flats, dyad, flats)]
         joined = dict(flats)
-        for x in found:
-            same = next((place for place in joined if self._distance(x, place) < SAME), x)
-            joined[same] = joined.get(same, frozenset()) | {number}
+        for x in inputs:
+            same = next((known for known in joined if self._distance(x, known) < SAME), x)
+            joined[same] = joined.get(same, frozenset()) | {dyad}
         return joined
 
-    def _distance(self, one: float, other: float) -> float:
+    def _distance(self, first: float, second: float) -> float:
         """Return the distance of two inputs [rad, or units of a slide], turns not counted."""
-        difference = one - other
+        difference = first - second
         if self._machine[0].driver == 'crank':
             return abs(difference - 2.0 * pi * round(difference / (2.0 * pi)))
         return abs(difference) / self._unit
 
     def _flats_between(self, bound: RangeEnds, signs: Sequence[float],
-                       number: int, known: dict[float, frozenset[int]]) -> list[float]:
+                       dyad: int, known: dict[float, frozenset[int]]) -> list[float]:
         """
         Return the inputs of a range at which a pair away from the crank lies flat, to one float.
 
         ``signs``: of :attr:`.PairRange.flats`; ``known``: flat inputs of pairs before, at which
         the motion has a kink, so that samples are taken between them.
         """
-        in_complex, in_floats = [make_place(n, *self._machine, number)
+        in_complex, in_floats = [make_flatness(n, *self._machine, dyad)
                                  for n in (ARRAY, REAL)]
         low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
         turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
         inner = sorted({x + turn for x in known for turn in turns if low < x + turn < high})
-        name = self._machine[0].stages[number].name
+        name = self._machine[0].stages[dyad].name
 
         def is_on_side(x: float) -> bool:
             """Return whether the pair lies flat in one of its directions, not the opposite one."""
             return any(sign * in_floats(x)[1] >= 0.0 for sign in signs)
 
         # where the motion has a kink it may lie flat without a change of sign
-        found = [x for x in inner if abs(in_floats(x)[0]) < SAME and is_on_side(x)]
+        flats = [x for x in inner if abs(in_floats(x)[0]) < SAME and is_on_side(x)]
         for begin, end in zip([low, *inner], [*inner, high]):
             path = _Path(begin, end, False)
             phi, value, _ = _resolved(path.start(), _sampled(
@@ -384,13 +388,13 @@ class _Search:
             if np.abs(value).max() < SAME:
                 continue
             for i in np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)):
-                one, other = path.to_input(phi[i:i + 2]).tolist()
-                x = _root(lambda x: in_floats(x)[0], one, other, bool(value[i] > 0.0))
+                low, high = path.to_input(phi[i:i + 2]).tolist()
+                x = _root(lambda x: in_floats(x)[0], low, high, bool(value[i] > 0.0))
                 if is_on_side(x):
-                    found.append(x)
+                    flats.append(x)
         if bound is None and in_floats(pi)[0] * in_floats(-pi)[0] < 0.0 and is_on_side(pi):
-            found.append(pi)
-        return found
+            flats.append(pi)
+        return flats
 
 
 def _parts_between(bound: RangeEnds, ends: list[Limit]) -> list[RangeEnds]:
@@ -515,8 +519,8 @@ def _complex_toggle(margin: Function, path: _Path, phi: Array, value: Array,
                     slope: Array) -> list[complex]:
     """Return the complex input near a minimum at which a margin is zero, [] if it is far away."""
     width = phi[1] - phi[0]
-    at = phi[0] - slope[0] * width / (slope[1] - slope[0])
-    z = np.array([at + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
+    lowest = phi[0] - slope[0] * width / (slope[1] - slope[0])
+    z = np.array([lowest + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
     h = 2.0**-26
     with np.errstate(all='ignore'):
         for _ in range(NEWTON_STEPS):

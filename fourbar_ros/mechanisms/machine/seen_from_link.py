@@ -19,11 +19,18 @@ from typing import NoReturn
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.curves import Coefficients, FIXED, LinkMotion, point_of
-from fourbar_ros.mechanisms.machine.solve.dyads import between, Driven, DyadMotion, ORIGIN, rrr
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    between,
+    Driven,
+    DyadMotion,
+    Ends,
+    ORIGIN,
+    rrr,
+)
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
-from fourbar_ros.mechanisms.machine.structure import Layout, Numbers
+from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
@@ -32,31 +39,31 @@ class SeenFromLink:
     """
     A machine driven at a link on the ground, whose angle is the coordinate p [rad].
 
-    ``layout``, ``numbers``, ``signs``: as for :func:`.motion.motion_of`; ``number``: of the dyad
-    that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, one turns left by
-    less than pi, 1: right. It never lies flat.
+    ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``dyad``: index of
+    the dyad that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, the turn
+    is to the left by less than pi, 1: to the right. It never lies flat.
     """
 
     change_point_margin, input_unit, is_driven_by_slide, turns_fully = 1.0, 1.0, False, False
     input_ranges: Ranges = ()
     flat_inputs: tuple[float, ...] = ()
 
-    def __init__(self, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[float],
-                 number: int, mode: int) -> None:
+    def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+                 signs: Sequence[float], dyad: int, mode: int) -> None:
         """Keep the structure, and which link of the dyad drives."""
-        self._layout, self._numbers, self._signs = layout, numbers, signs
-        self._number, self.mode = number, mode
-        stage = layout.stages[number]
+        self._layout, self._dyad_lengths, self._signs = layout, dyad_lengths, signs
+        self._dyad, self.mode = dyad, mode
+        stage = layout.stages[dyad]
         self._is_rod_first = stage.second == 0      # the dyad's second link is then on the ground
-        self._link = stage.number - 1 + int(self._is_rod_first)     # among the moving ones
+        self._link = stage.link - 1 + int(self._is_rod_first)     # among the moving ones
 
     def in_mode(self, mode: int) -> SeenFromLink:
         """Return the same in another assembly mode."""
-        return SeenFromLink(self._layout, self._numbers, self._signs, self._number, mode)
+        return SeenFromLink(self._layout, self._dyad_lengths, self._signs, self._dyad, mode)
 
-    def distance(self, one: float, other: float) -> float:
-        """Return one angle less another, the short way round [rad]."""
-        return remainder(one - other, 2.0 * pi)
+    def distance(self, first: float, second: float) -> float:
+        """Return the first angle less the second, the short way round [rad]."""
+        return remainder(first - second, 2.0 * pi)
 
     def mode_beyond(self, _limit: float) -> int:
         """Return the other mode."""
@@ -67,19 +74,18 @@ class SeenFromLink:
         link = self._layout.moving[self._link]
         raise FourBarError(f'theta_{link} = {position!r}: the links do not close')
 
-    def make_coefficients(self, numbers: NumberType) -> Coefficients:
+    def make_coefficients(self, n: NumberType) -> Coefficients:
         """Return p -> coefficients of all links, as those of a mechanism."""
-        inverse, number = self._make_inverse(numbers), self._number
-        hanging = hangings(self._layout, self._numbers)
-        work = make_moves(numbers, self._layout, self._numbers, self._signs)
+        inverse, hanging = self._make_inverse(n), hangings(self._layout, self._dyad_lengths)
+        moves = make_moves(n, self._layout, self._dyad_lengths, self._signs)
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
-            """Return the curves of all links: first crank and dyad, then the other dyads."""
-            crank, one, two = inverse(position)
+            """Return the curves of all links: crank, this dyad as it is driven, other dyads."""
+            crank, first, second = inverse(position)
             poses, curves = Poses(hanging, Driven(crank, EXACT)), [crank]
-            for i, moves in enumerate(work):
-                moved = (DyadMotion(one, two, (), 1.0, 0.0, {}) if i == number
-                         else moves(*poses.hang(i)))
+            for i, moves_dyad in enumerate(moves):
+                moved = (DyadMotion(first, second, (), 1.0, 0.0, {}) if i == self._dyad
+                         else moves_dyad(poses.hang(i)))
                 curves += poses.add(i, moved)
             return curves
         return coefficients
@@ -87,8 +93,8 @@ class SeenFromLink:
     def _make_inverse(self, n: NumberType
                       ) -> Callable[[Scalar], tuple[LinkMotion, LinkMotion, LinkMotion]]:
         """Return p -> curves of the crank and of both links of the dyad, (O1)."""
-        own, is_rod_first = self._numbers[self._number], self._is_rod_first
-        pin, at_q, (rod, output) = own.p, own.q, own.sizes
+        lengths, is_rod_first = self._dyad_lengths[self._dyad], self._is_rod_first
+        pin, at_q, (rod, output) = lengths.p, lengths.q, lengths.sizes
         if not is_rod_first:
             pin, at_q, rod, output = at_q, pin, output, rod
         length = hypot(*pin)
@@ -98,8 +104,8 @@ class SeenFromLink:
         def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
             driven = LinkMotion(*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
-            first, arm, *_ = rrr(n, sign, (rod, length), at_b, ORIGIN, between(at_b, ORIGIN),
-                                 FIXED, FIXED)
+            first, arm, *_ = rrr(n, sign, (rod, length), Ends(
+                at_b, ORIGIN, between(at_b, ORIGIN), None, FIXED, FIXED))
             crank = LinkMotion(*ORIGIN, arm.cosine * c0 + arm.sine * s0,
                                arm.sine * c0 - arm.cosine * s0, arm.omega, arm.alpha)
             coupler = LinkMotion(*point_of(crank, *pin), -first.cosine, -first.sine,
@@ -107,8 +113,8 @@ class SeenFromLink:
             return crank, *((coupler, driven) if is_rod_first else (driven, coupler))
         return inverse
 
-    def read_coordinate(self, numbers: NumberType,
+    def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         """Return p in (-pi, pi] and its two derivatives from coefficients of the links."""
         link = curves[self._link]
-        return numbers.atan2(link.sine, link.cosine), link.omega, link.alpha
+        return n.atan2(link.sine, link.cosine), link.omega, link.alpha

@@ -3,7 +3,7 @@
 """
 The structure of a machine: which dyad hangs on which links, and the names of joints and fields.
 
-How long the links are is in the :class:`Numbers` of each dyad.
+How long the links are is in the :class:`DyadLengths` of each dyad.
 """
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
 OF_ONE_MODE = ('RPP', 'PRP')
 
 
-class Numbers(NamedTuple):
-    """Arguments of the formulas of a dyad: lengths [m], and cosine and sine of each angle."""
+class DyadLengths(NamedTuple):
+    """What the formulas of a dyad take: lengths [m], and cosine and sine of each angle."""
 
     p: tuple[Scalar, Scalar]            # where it hangs on the link of ``first``: along, across
     q: tuple[Scalar, Scalar]            # ... of ``second``
@@ -30,7 +30,7 @@ class Numbers(NamedTuple):
     shape: tuple[Scalar, ...] = ()      # of links joined to each other, see :func:`.joined.shaped`
 
 
-PLACES = ('first', 'inner', 'second')
+JOINTS = ('first', 'inner', 'second')
 # {kind: {joint that slides: which link of the dyad slides there, 0 the first, 1 the second}}
 SLIDES = {'RRR': {}, 'RRP': {'second': 1}, 'RPR': {'inner': 0}, 'RPP': {'inner': 0, 'second': 1},
           'PRP': {'first': 0, 'second': 1}}
@@ -40,8 +40,8 @@ BASE = 'base'
 class Pair(NamedTuple):
     """That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`."""
 
-    frame: int          # number of the one of them from which the motion of the dyad is seen
-    slides: bool        # whether a slide joins them, else a pin
+    frame: int          # index of the carrier from which the motion of the dyad is seen
+    slides: bool        # whether a slide joins the carriers, else a pin
 
 
 class Stage(NamedTuple):
@@ -49,10 +49,10 @@ class Stage(NamedTuple):
 
     name: str
     kind: str
-    first: int                  # number of the link of its point ``first``
-    second: int                 # ... ``second``
+    first: int                  # index of the link that carries its end P
+    second: int                 # ... its end Q
     links: tuple[str, str]      # names of its own links
-    number: int                 # of the first of them; the second is the next
+    link: int                   # index of the first of them; the second is the next
     pair: Pair | None = None    # of a dyad between links that are joined to each other
 
     @property
@@ -65,19 +65,19 @@ class Stage(NamedTuple):
         return [self.links[i] for i in SLIDES[self.kind].values()]
 
     def joints(self) -> list[tuple[str, str]]:
-        """Return (place, name) of its three joints: ('first', 'd_first'), ... of dyad d."""
-        return [(place, f'{self.name}_{place}') for place in PLACES]
+        """Return its three joints: ('first', 'd_first'), ... of dyad d."""
+        return [(joint, f'{self.name}_{joint}') for joint in JOINTS]
 
-    def ends(self, place: str) -> tuple[int, int]:
-        """Return the numbers of the links that a joint connects, the one that hangs last."""
-        return {'first': (self.first, self.number), 'inner': (self.number, self.number + 1),
-                'second': (self.second, self.number + 1)}[place]
+    def ends(self, joint: str) -> tuple[int, int]:
+        """Return the indices of the two links of a joint, the carrier first."""
+        return {'first': (self.first, self.link), 'inner': (self.link, self.link + 1),
+                'second': (self.second, self.link + 1)}[joint]
 
     def pins(self) -> Iterator[tuple[str, int, int]]:
-        """Yield (name, number of the link on which it hangs, of the other) of its pins."""
-        for place, name in self.joints():
-            if place not in SLIDES[self.kind]:
-                yield name, *self.ends(place)
+        """Yield (name, index of the carrier, of the second link) of its pins."""
+        for joint, name in self.joints():
+            if joint not in SLIDES[self.kind]:
+                yield name, *self.ends(joint)
 
 
 class Layout(NamedTuple):
@@ -100,7 +100,7 @@ class Layout(NamedTuple):
 
     @property
     def ground(self) -> int:
-        """Return the number of the ground; 0: it is the frame."""
+        """Return the index of the ground; 0: it is the frame."""
         return self.links.index(GROUND)
 
     @property
@@ -112,9 +112,9 @@ class Layout(NamedTuple):
         """Return the names of the links that turn against the ground."""
         turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
         for stage in self.stages:
-            one, other, own = turns[stage.first], turns[stage.second], stage.number
-            turns += {'RRR': (own, own + 1), 'RRP': (own, other), 'RPR': (own, own),
-                      'RPP': (other, other), 'PRP': (one, other)}[stage.kind]
+            of_first, of_second, new = turns[stage.first], turns[stage.second], stage.link
+            turns += {'RRR': (new, new + 1), 'RRP': (new, of_second), 'RPR': (new, new),
+                      'RPP': (of_second, of_second), 'PRP': (of_first, of_second)}[stage.kind]
         return {name for name, turn in zip(self.links, turns) if turn != turns[self.ground]}
 
     def slides(self) -> list[str]:
@@ -123,15 +123,15 @@ class Layout(NamedTuple):
         return driven + [link for stage in self.stages for link in stage.slides()]
 
     def pins(self) -> list[tuple[str, int, int]]:
-        """Return (name, numbers of both links) of the pins between moving links."""
+        """Return (name, indices of both links) of the pins between moving links."""
         every = [(BASE, 0, 1)] + [pin for stage in self.stages for pin in stage.pins()]
         return [pin for pin in every if self.ground not in pin[1:]]
 
     def joints(self) -> list[tuple[str, bool]]:
         """Return (name, whether it slides) of all joints, the one of the driven link first."""
         return [(BASE, self.driven == SLIDER_LINK)] + [
-            (name, place in SLIDES[stage.kind]) for stage in self.stages
-            for place, name in stage.joints()]
+            (name, joint in SLIDES[stage.kind]) for stage in self.stages
+            for joint, name in stage.joints()]
 
 
 def coordinate(name: str) -> Coordinate:
@@ -150,28 +150,28 @@ COEFFICIENTS = ('x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend
 @cache
 def motion_fields(layout: Layout) -> tuple[str, ...]:
     """Return the names of the fields of a motion, see :func:`.motion.motion_of`."""
-    found: list[str] = []
+    fields: list[str] = []
     for link in layout.moving:
-        found += coordinate(link)
+        fields += coordinate(link)
     for link in layout.slides():
-        found += (*travel(link), f'slide_{link}_ratio')
+        fields += (*travel(link), f'slide_{link}_ratio')
     for pin, _, _ in layout.pins():
-        found += coordinate(pin)
-    found += (f'transmission_angle_{stage.name}' for stage in layout.stages)
-    found += ('transmission_angle', 'condition', 'rate', 'acceleration')
+        fields += coordinate(pin)
+    fields += (f'transmission_angle_{stage.name}' for stage in layout.stages)
+    fields += ('transmission_angle', 'condition', 'rate', 'acceleration')
     for link in layout.moving:
-        found += (f'{name}_{link}' for name in COEFFICIENTS)
-    found += (f'sine_{stage.name}' for stage in layout.stages)
-    return tuple(found)
+        fields += (f'{name}_{link}' for name in COEFFICIENTS)
+    fields += (f'sine_{stage.name}' for stage in layout.stages)
+    return tuple(fields)
 
 
 @cache
 def load_fields(layout: Layout) -> tuple[str, ...]:
     """Return the names of the fields of loads, see :func:`.loads.make_loads`."""
-    found: list[str] = []
+    fields: list[str] = []
     for name, is_slide in layout.joints():
-        found += (f'{name}_x', f'{name}_y', name)
+        fields += (f'{name}_x', f'{name}_y', name)
         if is_slide:
-            found += (f'{name}_normal', f'{name}_couple')
-    return (*found, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
+            fields += (f'{name}_normal', f'{name}_couple')
+    return (*fields, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
             'shaking_force', 'shaking_moment', *(row.name for row in DERIVED))

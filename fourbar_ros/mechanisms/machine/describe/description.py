@@ -23,7 +23,7 @@ from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
     CYLINDER,
-    Numbers,
+    DyadLengths,
     OF_ONE_MODE,
 )
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
@@ -147,13 +147,13 @@ class Dyad:
         return tuple([getattr(self, name) for name in DIMENSIONS[self.kind]])
 
     @property
-    def numbers(self) -> Numbers:
+    def lengths(self) -> DyadLengths:
         """Return places and dimensions as its formulas take them, angles as cosine and sine."""
         found: list[float] = []
         for name in DIMENSIONS[self.kind]:
             value = getattr(self, name)
             found += direction(value) if name in ANGLES else (value,)
-        return Numbers(self.first[1:], self.second[1:], tuple(found))
+        return DyadLengths(self.first[1:], self.second[1:], tuple(found))
 
     @property
     def sign(self) -> float:

@@ -77,8 +77,18 @@ class DyadMotion(NamedTuple):
     relations: dict[tuple[int, int], Direction]
 
 
-# P, Q, D and the curves of the links that P and Q are of -> the motion of a dyad.
-MovesDyad = Callable[[Node, Node, Any, LinkMotion, LinkMotion], DyadMotion]
+class Ends(NamedTuple):
+    """The ends P and Q of a dyad and the links that carry them, as its frame sees them."""
+
+    p: Node
+    q: Node
+    apart: Any                  # D = Q - P, a Node; None of a pair and of a cylinder
+    relative: Any               # of a pair angle or slide of its carriers; of a cylinder its drive
+    first: LinkMotion           # carrier of P
+    second: LinkMotion          # carrier of Q
+
+
+MovesDyad = Callable[[Ends], DyadMotion]
 
 
 class Driven(NamedTuple):
@@ -92,7 +102,7 @@ class Driven(NamedTuple):
 
 
 def between(at_p: Node, at_q: Node) -> Node:
-    """Return the coefficients of D = Q - P."""
+    """Return D = Q - P."""
     return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
             at_q[4] - at_p[4], at_q[5] - at_p[5])
 
@@ -100,14 +110,13 @@ def between(at_p: Node, at_q: Node) -> Node:
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RRR moves, rods r1 from P and r2 from Q, pinned at B, by (D1) to (D3)."""
     sqrt, (r1, r2) = n.sqrt, sizes
     difference, outer = (r1 - r2) * (r1 + r2), (r1 + r2) * (r1 + r2)
     inner = (r1 - r2) * (r1 - r2)
     per_r1, per_r2, half_sine = 1.0 / r1, 1.0 / r2, 0.5 / r1 / r2
-    x, y, dx, dy, ddx, ddy = apart
+    x, y, dx, dy, ddx, ddy = ends.apart
     q = x * x + y * y
     root = sign * sqrt(outer - q) * sqrt(q - inner)                                     # (D1)
     half = 0.5 / q
@@ -121,8 +130,8 @@ def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
     gx = ddx + pull1 * c1 - pull2 * c2
     gy = ddy + pull1 * s1 - pull2 * s2
     bend1, bend2 = (gx * c2 + gy * s2) * per_1, (gx * c1 + gy * s1) * per_2             # (D3)
-    return DyadMotion(LinkMotion(*at_p, c1, s1, turn1, bend1),
-                      LinkMotion(*at_q, c2, s2, turn2, bend2), (), sine, c1 * c2 + s1 * s2, {})
+    return DyadMotion(LinkMotion(*ends.p, c1, s1, turn1, bend1),
+                      LinkMotion(*ends.q, c2, s2, turn2, bend2), (), sine, c1 * c2 + s1 * s2, {})
 
 
 def turned(curve: LinkMotion, cosine: Scalar, sine: Scalar) -> Direction:
@@ -131,14 +140,13 @@ def turned(curve: LinkMotion, cosine: Scalar, sine: Scalar) -> Direction:
     return c * cosine - s * sine, s * cosine + c * sine, curve.omega, curve.alpha
 
 
-def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: LinkMotion, second: LinkMotion) -> DyadMotion:
+def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RRP moves, a rod r1 from P, its end on a line through Q, by (D4) to (D6)."""
     r1, cos_t, sin_t = sizes
     sqrt, per_r1 = n.sqrt, 1.0 / r1
-    qx, qy, qdx, qdy, qddx, qddy = at_q
-    x, y, dx, dy, ddx, ddy = apart
-    tx, ty, turn, bend = turned(second, cos_t, sin_t)
+    qx, qy, qdx, qdy, qddx, qddy = ends.q
+    x, y, dx, dy, ddx, ddy = ends.apart
+    tx, ty, turn, bend = turned(ends.second, cos_t, sin_t)
     h = y * tx - x * ty
     g = sign * sqrt((r1 - h) * (r1 + h))                                                # (D4)
     s = g - (x * tx + y * ty)
@@ -155,15 +163,14 @@ def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
                        qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
                        qddx + (along + dds) * tx - across * ty,
                        qddy + (along + dds) * ty + across * tx, tx, ty, turn, bend)
-    return DyadMotion(LinkMotion(*at_p, c1, s1, turn1, bend1), block, (s, ds, dds), g * per_r1,
+    return DyadMotion(LinkMotion(*ends.p, c1, s1, turn1, bend1), block, (s, ds, dds), g * per_r1,
                       h * per_r1, {})
 
 
-def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RPR moves, a block pinned at P on a bar pinned at Q, by (D7) to (D9)."""
     sqrt, (h,) = n.sqrt, sizes
-    x, y, dx, dy, ddx, ddy = [-part for part in apart]
+    x, y, dx, dy, ddx, ddy = [-part for part in ends.apart]
     distance = sqrt(x * x + y * y)
     s = sign * sqrt((distance - h) * (distance + h))                                    # (D7)
     per = 1.0 / distance
@@ -175,12 +182,11 @@ def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: 
     bend = (ddy * tx - ddx * ty + (turn * h - 2.0 * ds) * turn) * per_s                 # (D9)
     dds = ddx * tx + ddy * ty + bend * h + turn * turn * s
     bar: Direction = tx, ty, turn, bend
-    return DyadMotion(LinkMotion(*at_p, *bar), LinkMotion(*at_q, *bar), (s, ds, dds), s * per,
+    return DyadMotion(LinkMotion(*ends.p, *bar), LinkMotion(*ends.q, *bar), (s, ds, dds), s * per,
                       h * per, {})
 
 
-def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q: Node,
-        apart: Node, _first: LinkMotion, second: LinkMotion) -> DyadMotion:
+def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RPP moves, a block pinned at P in the slot of a yoke through Q, by (D10)."""
     cos_t, sin_t, cos_g, sin_g = sizes
     per_sine = 1.0 / sin_g
@@ -190,10 +196,10 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q
         across = (y * tx - x * ty) * per_sine                                          # (D10)
         return x * tx + y * ty - across * cos_g, across
 
-    qx, qy, qdx, qdy, qddx, qddy = at_q
-    tx, ty, turn, bend = turned(second, cos_t, sin_t)
+    qx, qy, qdx, qdy, qddx, qddy = ends.q
+    tx, ty, turn, bend = turned(ends.second, cos_t, sin_t)
     cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
-    x, y, dx, dy, ddx, ddy = [-part for part in apart]
+    x, y, dx, dy, ddx, ddy = [-part for part in ends.apart]
     s, d = split(x, y, tx, ty)
     ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
     square, twice = turn * turn, 2.0 * turn
@@ -206,18 +212,17 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, at_q
                       qdx - swing * ty + ds * tx, qdy + swing * tx + ds * ty,
                       qddx + along * tx - across * ty, qddy + along * ty + across * tx,
                       tx, ty, turn, bend)
-    return DyadMotion(LinkMotion(*at_p, cx, cy, turn, bend), yoke, (d, dd, ddd, s, ds, dds),
+    return DyadMotion(LinkMotion(*ends.p, cx, cy, turn, bend), yoke, (d, dd, ddd, s, ds, dds),
                       sin_g + (s - s), cos_g + (s - s), {})
 
 
-def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_q: Node,
-        apart: Node, first: LinkMotion, second: LinkMotion) -> DyadMotion:
+def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how PRP moves, two blocks, pinned, on lines through P and Q, by (D11)."""
     cos_1, sin_1, cos_2, sin_2 = sizes
-    px, py, pdx, pdy, pddx, pddy = at_p
-    x_0, y_0, dx, dy, ddx, ddy = apart
-    x1, y1, turn1, bend1 = turned(first, cos_1, sin_1)
-    x2, y2, turn2, bend2 = turned(second, cos_2, sin_2)
+    px, py, pdx, pdy, pddx, pddy = ends.p
+    x_0, y_0, dx, dy, ddx, ddy = ends.apart
+    x1, y1, turn1, bend1 = turned(ends.first, cos_1, sin_1)
+    x2, y2, turn2, bend2 = turned(ends.second, cos_2, sin_2)
     cross = x1 * y2 - y1 * x2
     per = 1.0 / cross
     x, y = x_0 * per, y_0 * per
@@ -241,6 +246,6 @@ def prp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], at_p: Node, _at_
                       (s1, ds1, dds1, s2, ds2, dds2), sine, x1 * x2 + y1 * y2, {})
 
 
-# (number type, sign, sizes, P, Q, D and the curves of the links that P and Q are of) -> motion
+# (number type, sign, sizes, ends) -> motion
 DYADS: dict[str, Callable[..., DyadMotion]] = {
     'RRR': rrr, 'RRP': rrp, 'RPR': rpr, 'RPP': rpp, 'PRP': prp}

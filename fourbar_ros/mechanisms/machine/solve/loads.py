@@ -61,9 +61,9 @@ from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
     CYLINDER,
+    DyadLengths,
+    JOINTS,
     Layout,
-    Numbers,
-    PLACES,
     SLIDES,
     Stage,
     travel,
@@ -75,8 +75,8 @@ from fourbar_ros.numerics.vectors import Vector
 AXIS = Vector(1.0, 0.0)
 
 
-def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: Iterable[Body],
-             gravity: Gravity, external: NamedTuple,
+def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+             bodies: Iterable[Body], gravity: Gravity, external: NamedTuple,
              motion: NamedFields) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.structure.load_fields` for a motion."""
     curves = [LinkMotion(*[getattr(motion, f'{name}_{link}') for name in COEFFICIENTS])
@@ -91,7 +91,7 @@ def loads_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], bodies: 
     if layout.ground:
         curves[layout.ground - 1] = FIXED
         needs[layout.ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])              # (L2)
-    forces = forces_of_dyads(n, layout, numbers, curves, slides, sines, needs, drive)
+    forces = forces_of_dyads(n, layout, dyad_lengths, curves, slides, sines, needs, drive)
     return (*force_at_base(n, layout, needs[0], drive), *forces,
             *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)), *shaking)
 
@@ -126,7 +126,7 @@ def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
     return force.x, force.y, n.hypot(force.x, force.y), normal, needs.moment
 
 
-def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+def forces_of_dyads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                     curves: Sequence[LinkMotion], slides: Sequence[Sequence[Scalar]],
                     sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
     """
@@ -137,18 +137,19 @@ def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     """
     directions = [Vector(link.cosine, link.sine) for link in curves]
     fields: list[Scalar] = []
-    for stage, own, its, sine in [*zip(layout.stages, numbers, slides, sines)][::-1]:
-        one = stage.number - 1
-        forces = SOLVERS[stage.kind](own.sizes, directions[one], directions[one + 1], its, sine,
-                                     needs[one], needs[one + 1])
+    for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
+                                                 sines)][::-1]:
+        i = stage.link - 1
+        forces = SOLVERS[stage.kind](lengths.sizes, directions[i], directions[i + 1], of_stage,
+                                     sine, needs[i], needs[i + 1])
         if stage.name == CYLINDER:
-            forces = with_drive_along(forces, directions[one] * drive)
+            forces = with_drive_along(forces, directions[i] * drive)
         fields = [*fields_of(n, stage, forces), *fields]
         for parent, force, couple, arm in (
                 (stage.first - 1, forces.first, forces.first_couple,
-                 arm_of(stage, own, 0, its)),
+                 arm_of(stage, lengths, 0, of_stage)),
                 (stage.second - 1, forces.second, forces.second_couple,
-                 arm_of(stage, own, 1, its))):
+                 arm_of(stage, lengths, 1, of_stage))):
             if parent >= 0:                 # not the frame
                 r, old = Vector(*arm).along(directions[parent]), needs[parent]
                 needs[parent] = Needs(old.force + force, old.moment + couple + r.x * force.y
@@ -156,7 +157,7 @@ def forces_of_dyads(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     return fields
 
 
-def arm_of(stage: Stage, own: Numbers, which: int, slides: Sequence[Scalar]
+def arm_of(stage: Stage, lengths: DyadLengths, which: int, slides: Sequence[Scalar]
            ) -> tuple[Scalar, Scalar]:
     """
     Return the arm of a force of a dyad: where a link of it begins on the link it hangs on.
@@ -164,10 +165,10 @@ def arm_of(stage: Stage, own: Numbers, which: int, slides: Sequence[Scalar]
     (along, across) from the first joint of that one. Differences of places on the ground would
     lose digits far from O1. ``which``: 0 the first of its links, 1 the second.
     """
-    for k, (link, (carrier, start, (c, s))) in enumerate(slides_of(stage, own)):
-        if (link, carrier) == (stage.number + which, (stage.first, stage.second)[which]):
+    for k, (link, (carrier, start, (c, s))) in enumerate(slides_of(stage, lengths)):
+        if (link, carrier) == (stage.link + which, (stage.first, stage.second)[which]):
             return start[0] + slides[k] * c, start[1] + slides[k] * s
-    return (own.p, own.q)[which]
+    return (lengths.p, lengths.q)[which]
 
 
 class DyadForces(NamedTuple):
@@ -191,13 +192,13 @@ def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:
 
 def fields_of(n: NumberType, stage: Stage, forces: DyadForces) -> list[Scalar]:
     """Return x, y and size at each joint, and normal force and couple of one that slides."""
-    found, slides = list[Scalar](), list(SLIDES[stage.kind])
-    for place in PLACES:
-        force: Vector = getattr(forces, place)
-        found += (force.x, force.y, n.hypot(force.x, force.y))
-        if place in slides:
-            found += (forces.normals[slides.index(place)], getattr(forces, f'{place}_couple'))
-    return found
+    fields, slides = list[Scalar](), list(SLIDES[stage.kind])
+    for joint in JOINTS:
+        force: Vector = getattr(forces, joint)
+        fields += (force.x, force.y, n.hypot(force.x, force.y))
+        if joint in slides:
+            fields += (forces.normals[slides.index(joint)], getattr(forces, f'{joint}_couple'))
+    return fields
 
 
 # (sizes of the dyad, directions of both links, slides, sine, needs of both) -> forces.

@@ -37,9 +37,9 @@ from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
     coordinate,
     CYLINDER,
+    DyadLengths,
     Layout,
     motion_fields,
-    Numbers,
     Stage,
     travel,
 )
@@ -52,40 +52,42 @@ Errors = tuple[Scalar, Scalar]
 EXACT: Errors = (0.0, 0.0)
 
 
-def driven_link(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                 signs: Sequence[Scalar], x: Scalar) -> Driven:
     """Return the driven link at an input: a crank, a slider on the x axis, or with a cylinder."""
     if layout.driver == CYLINDER:
-        return crank_with_cylinder(n, signs[0], numbers[0], x)
+        return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
     if layout.driver == 'slide':
         return Driven(LinkMotion(x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), EXACT,
                       (x, 1.0, 0.0))
     return Driven(LinkMotion(*ORIGIN, n.cos(x), n.sin(x), 1.0, 0.0), EXACT)
 
 
-def crank_with_cylinder(n: NumberType, sign: Scalar, own: Numbers, s: Scalar) -> Driven:
+def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
     """
     Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (C1).
 
-    ``sign``: of the sine of the angle from O1-base to O1-pin; ``own``: pin on the crank, base on
-    the frame, their distances from O1 for ``shape``.
+    ``sign``: of the sine of the angle from O1-base to O1-pin; ``lengths``: pin on the crank, base
+    on the frame, their distances from O1 for ``shape``.
     """
-    (along, across), (base_x, base_y), (rho, b) = own.p, own.q, own.shape
+    (along, across), (base_x, base_y), (rho, b) = lengths.p, lengths.q, lengths.shape
     per, per_rho, per_b = 1.0 / n.power_of_two(rho, b), 1.0 / rho, 1.0 / b
     of_pin = along * per_rho, -across * per_rho         # turned back from the crank
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
     root = n.sqrt(s)                                    # no length is below zero
-    at = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (C1)
-    directions = (turned_by(turned_by((at.cos_2, at.sin_2), of_base), of_pin),
-                  turned_by((at.cos_x, -at.sin_x), of_base))
-    error = (rho / b + b / rho + 2.0 * n.fabs(at.cos_2)) / n.fabs(at.sin_2)             # (C7)
+    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (C1)
+    directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
+                  turned_by((sides.cos_x, -sides.sin_x), of_base))
+    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / n.fabs(sides.sin_2)       # (C7)
     square = per * per
-    return Driven(LinkMotion(*ORIGIN, *directions[0], at.d_theta2 * per, at.dd_theta2 * square),
+    return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
+                             sides.dd_theta2 * square),
                   (0.0, error), None,
-                  (s, (*directions[1], -at.d_x * per, -at.dd_x * square), -at.sin_b, at.cos_b))
+                  (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
+                   sides.cos_b))
 
 
-def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: Errors,
+def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, second: Errors,
               moved: DyadMotion) -> tuple[Errors, Errors]:
     """
     Return (error of the first joint [m], of the angle [rad]) of both links of a dyad.
@@ -94,7 +96,7 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
     ``first``, ``second``: errors of the links it hangs on. First joints are P and Q of RRR and
     RPR, P and B of RRP and RPP, B of PRP.
     """
-    fabs, (reach_p, reach_q), sizes = n.fabs, own.reach, own.sizes
+    fabs, (reach_p, reach_q), sizes = n.fabs, lengths.reach, lengths.sizes
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / fabs(moved.sine)
@@ -116,71 +118,72 @@ def errors_of(n: NumberType, stage: Stage, own: Numbers, first: Errors, second: 
     return ((shift, turn_1) if stage.kind == 'PRP' else (at_p, turn_1)), (shift, second[1])
 
 
-def motion_of(n: NumberType, layout: Layout, numbers: Sequence[Numbers], signs: Sequence[Scalar],
-              position: Scalar, rate: Scalar, acceleration: Scalar) -> tuple[Scalar, ...]:
+def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+              signs: Sequence[Scalar], position: Scalar, rate: Scalar,
+              acceleration: Scalar) -> tuple[Scalar, ...]:
     """
     Return the fields of :func:`.structure.motion_fields`: links, slides, pins, angles, curves.
 
-    The driven link is solved, then each dyad from the links it hangs on. ``numbers``, ``signs``:
-    of each stage (:func:`.joined.shaped`), and its assembly mode as +-1.
+    The driven link is solved, then each dyad from the links it hangs on. ``dyad_lengths``:
+    of each dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
     """
-    driven = driven_link(n, layout, numbers, signs, position)
-    poses, errors = Poses(hangings(layout, numbers), driven), [EXACT, driven.errors]
+    driven = driven_link(n, layout, dyad_lengths, signs, position)
+    poses, errors = Poses(hangings(layout, dyad_lengths), driven), [EXACT, driven.errors]
     curves, dyads = [FIXED, driven.curve], list[DyadMotion]()
-    for number, moves in enumerate(make_moves(n, layout, numbers, signs)):
-        stage, moved = layout.stages[number], moves(*poses.hang(number))
-        curves += poses.add(number, moved)
+    for i, moves in enumerate(make_moves(n, layout, dyad_lengths, signs)):
+        stage, moved = layout.stages[i], moves(poses.hang(i))
+        curves += poses.add(i, moved)
         dyads.append(moved)
-        errors += errors_of(n, stage, numbers[number], errors[stage.first], errors[stage.second],
+        errors += errors_of(n, stage, dyad_lengths[i], errors[stage.first], errors[stage.second],
                             moved)
     if layout.ground:
         turning = layout.turning()
         curves = seen_from(curves, layout.ground, [
-            number for number, link in enumerate(layout.moving, 1) if link not in turning])
+            i for i, link in enumerate(layout.moving, 1) if link not in turning])
     condition = condition_of(n, layout, errors, curves)
-    found, square = dict[str, Scalar](), rate * rate
+    fields, square = dict[str, Scalar](), rate * rate
 
     def add(names: Coordinate, value: Scalar, slope: Scalar, bend: Scalar) -> None:
         """Add a coordinate, its rate and acceleration, from its derivatives by the input."""
-        found.update(zip(names, (value, slope * rate, slope * acceleration + bend * square)))
+        fields.update(zip(names, (value, slope * rate, slope * acceleration + bend * square)))
 
     for link, curve in zip(layout.moving, curves[1:]):
         add(coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega, curve.alpha)
-        found.update(zip([f'{name}_{link}' for name in COEFFICIENTS], curve))
+        fields.update(zip([f'{name}_{link}' for name in COEFFICIENTS], curve))
     for stage, moved in zip(layout.stages, dyads):
-        found[f'sine_{stage.name}'] = moved.sine
+        fields[f'sine_{stage.name}'] = moved.sine
         for k, link in enumerate(stage.slides()):
             slide, slope, bend = moved.slides[3 * k:3 * k + 3]
             add(travel(link), slide, slope, bend)
-            found[f'slide_{link}_ratio'] = slope
+            fields[f'slide_{link}_ratio'] = slope
     if layout.driver == 'crank':        # the input is not computed, it is as it is given
-        found[coordinate(layout.driven).position] = position
+        fields[coordinate(layout.driven).position] = position
     else:
         link = layout.stages[0].links[0] if layout.driver == CYLINDER else layout.driven
-        found.update(zip(travel(link), (position, rate, acceleration)))
-        found[f'slide_{link}_ratio'] = 1.0
+        fields.update(zip(travel(link), (position, rate, acceleration)))
+        fields[f'slide_{link}_ratio'] = 1.0
     of_pins = [(pin, poses.relation(j, i)) for pin, i, j in layout.pins()]
     for pin, (c, s, slope, bend) in of_pins:
         add(coordinate(pin), n.atan2(s, c), slope, bend)
     sines = [n.fabs(moved.sine) for moved in dyads]
     angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
-    found.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
-    worst, *others = zip(sines, angles)         # of the least |sine|
-    for pair in others:
+    fields.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
+    worst, *rest = zip(sines, angles)           # of the least |sine|
+    for pair in rest:
         worst = n.where(pair[0].real < worst[0].real, pair, worst)
-    found.update(transmission_angle=worst[1], condition=condition, rate=rate,
+    fields.update(transmission_angle=worst[1], condition=condition, rate=rate,
                  acceleration=acceleration)
-    return tuple([found[name] for name in motion_fields(layout)])
+    return tuple([fields[name] for name in motion_fields(layout)])
 
 
 def condition_of(n: NumberType, layout: Layout, errors: Sequence[Errors],
                  curves: Sequence[LinkMotion]) -> Scalar:
-    """Return the error of the output, of its angle if it turns [rad], else of its place [m]."""
+    """Return the error of the output: of its angle [rad], or without turning of its joint [m]."""
     output = layout.moving.index(layout.output) + 1
-    place, turn = errors[output]
+    shift, turn = errors[output]
     if layout.ground:       # errors of a link are those in the frame and those of the ground
-        (of_place, of_turn), at = errors[layout.ground], curves[output]
-        place, turn = (0.0, 0.0) if output == layout.ground else (place, turn)
-        place = of_place + place + (n.fabs(at.x) + n.fabs(at.y)) * of_turn
+        (of_shift, of_turn), curve = errors[layout.ground], curves[output]
+        shift, turn = (0.0, 0.0) if output == layout.ground else (shift, turn)
+        shift = of_shift + shift + (n.fabs(curve.x) + n.fabs(curve.y)) * of_turn
         turn = of_turn + turn
-    return turn if layout.output in layout.turning() else place
+    return turn if layout.output in layout.turning() else shift

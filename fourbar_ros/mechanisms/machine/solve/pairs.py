@@ -33,7 +33,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.loop import loop
@@ -41,72 +40,75 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     Direction,
     DyadMotion,
     DYADS,
+    Ends,
     MovesDyad,
-    Node,
 )
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, Layout, Numbers, Pair, Stage
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Pair, Stage
 from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
 
-Place = tuple[Scalar, Scalar]        # along and across, on a link
+OnLink = tuple[Scalar, Scalar]       # along and across [m], a point of a link
 # Of a link that slides: (its carrier, start and direction of the slide there).
-Slide = tuple[int, Place, Place]
-FIRST_JOINT = (0.0, 0.0)             # as a place
+Slide = tuple[int, OnLink, OnLink]
+FIRST_JOINT = (0.0, 0.0)             # a point of a link
 
 
-def slides_of(stage: Stage, own: Numbers) -> list[tuple[int, Slide]]:
-    """Return [(number of a link that slides, its :data:`Slide`)] in the order of the joints."""
-    one, two, sizes = stage.number, stage.number + 1, own.sizes
+def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
+    """Return [(index of a link that slides, its :data:`Slide`)] in the order of the joints."""
+    first, second, sizes = stage.link, stage.link + 1, lengths.sizes
     if stage.kind == 'RRP':
-        return [(two, (stage.second, own.q, (sizes[1], sizes[2])))]
+        return [(second, (stage.second, lengths.q, (sizes[1], sizes[2])))]
     if stage.kind == 'RPR':
-        return [(one, (two, (0.0, sizes[0]), (1.0, 0.0)))]
+        return [(first, (second, (0.0, sizes[0]), (1.0, 0.0)))]
     if stage.kind == 'RPP':
-        return [(one, (two, FIRST_JOINT, (sizes[2], sizes[3]))),
-                (two, (stage.second, own.q, (sizes[0], sizes[1])))]
+        return [(first, (second, FIRST_JOINT, (sizes[2], sizes[3]))),
+                (second, (stage.second, lengths.q, (sizes[0], sizes[1])))]
     if stage.kind == 'PRP':
-        return [(one, (stage.first, own.p, (sizes[0], sizes[1]))),
-                (two, (stage.second, own.q, (sizes[2], sizes[3])))]
+        return [(first, (stage.first, lengths.p, (sizes[0], sizes[1]))),
+                (second, (stage.second, lengths.q, (sizes[2], sizes[3])))]
     return []
 
 
-def anchors_of(stage: Stage, own: Numbers) -> dict[int, tuple[int, Place]]:
+def anchors_of(stage: Stage, lengths: DyadLengths) -> dict[int, tuple[int, OnLink]]:
     """Return {link of a dyad: (link to which its first joint is pinned, where)}."""
-    one, two = stage.number, stage.number + 1
+    first, second = stage.link, stage.link + 1
     if stage.kind == 'PRP':
-        return {two: (one, FIRST_JOINT)}
-    second = {'RRR': (stage.second, own.q), 'RPR': (stage.second, own.q),
-              'RRP': (one, (own.sizes[0], 0.0))}.get(stage.kind)
-    return {one: (stage.first, own.p), **({two: second} if second else {})}
+        return {second: (first, FIRST_JOINT)}
+    anchors = {first: (stage.first, lengths.p)}
+    if stage.kind in ('RRR', 'RPR'):
+        anchors[second] = stage.second, lengths.q
+    elif stage.kind == 'RRP':
+        anchors[second] = first, (lengths.sizes[0], 0.0)
+    return anchors
 
 
 class KnownJoints:
     """
     The joints of a machine between links that come before a dyad.
 
-    ``pins``: {(a link, the one it is pinned to): where on each}, ``slides``: {(a link, the one in
-    which it slides): start and direction there}.
+    ``pins``: {(a link, the link it is pinned to): points of both}, ``slides``: {(a link, its
+    carrier): start and direction of the slide on the carrier}.
     """
 
     def __init__(self, driver: str) -> None:
         self.pins = {} if driver == 'slide' else {(1, 0): (FIRST_JOINT, FIRST_JOINT)}
         self.slides = {(1, 0): (FIRST_JOINT, (1.0, 0.0))} if driver == 'slide' else {}
 
-    def add(self, stage: Stage, own: Numbers) -> None:
+    def add(self, stage: Stage, lengths: DyadLengths) -> None:
         """
         Add the three joints of a dyad, so that later dyads find them.
 
-        Two are on the links that it hangs on, one joins its own links: of RRR at the far ends of
-        both rods, which is no first joint.
+        Two are on the links that it hangs on, the third joins its two links: of RRR at the far
+        ends of both rods, which is no first joint.
         """
-        for link, (carrier, place) in anchors_of(stage, own).items():
-            self.pins[link, carrier] = FIRST_JOINT, place
+        for link, (carrier, point) in anchors_of(stage, lengths).items():
+            self.pins[link, carrier] = FIRST_JOINT, point
         if stage.kind == 'RRR':
-            r1, r2 = own.sizes
-            self.pins[stage.number + 1, stage.number] = (r2, 0.0), (r1, 0.0)
-        for link, (carrier, start, direction) in slides_of(stage, own):
+            r1, r2 = lengths.sizes
+            self.pins[stage.link + 1, stage.link] = (r2, 0.0), (r1, 0.0)
+        for link, (carrier, start, direction) in slides_of(stage, lengths):
             self.slides[link, carrier] = start, direction
 
-    def pin(self, link: int, frame: int) -> tuple[Place, Place]:
+    def pin(self, link: int, frame: int) -> tuple[OnLink, OnLink]:
         """Return where two links are pinned to each other, on the first and on the second."""
         return (self.pins[link, frame] if (link, frame) in self.pins
                 else self.pins[frame, link][::-1])
@@ -121,14 +123,14 @@ class KnownJoints:
         return None
 
 
-def other_of(stage: Stage) -> int:
-    """Return the number of the link of a pair that is not its frame."""
+def moving_link(stage: Stage) -> int:
+    """Return the index of the link of a pair that is not its frame."""
     return stage.first if stage.turns_first else stage.second
 
 
-# --- how one moves -------------------------------------------------------------------------------
+# --- how a pair moves ----------------------------------------------------------------------------
 
-# {(a link, another): :data:`Direction` of the first seen from the second}
+# {(a link, a second link): :data:`Direction` of the first seen from the second}
 Relations = dict[tuple[int, int], Direction]
 
 
@@ -141,9 +143,9 @@ def half_angle(n: NumberType, cos_x: Scalar,
     return ss, cc, 0.5 * sin_x
 
 
-def turned_by(one: Sequence[Scalar], other: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
     """Return (cosine, sine) of the sum of two angles, each given so."""
-    (c, s), (cosine, sine) = one, other
+    (c, s), (cosine, sine) = first, second
     return c * cosine - s * sine, s * cosine + c * sine
 
 
@@ -153,124 +155,132 @@ def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple
     return first * rate, second * rate * rate + first * change
 
 
-def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+             ends: Ends) -> DyadMotion:
     """
     Return how RRR moves as coupler and output link of a 4R linkage.
 
-    ``angle``: the angle from g to a, the arms of the pin that joins the links the dyad hangs on.
+    The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
     """
-    a1, a4, cos_0, sin_0, *of_g = own.shape
+    angle = ends.relative
+    a1, a4, cos_0, sin_0, *of_g = lengths.shape
     first = stage.turns_first
-    side, (a2, a3) = (1.0, own.sizes) if first else (-1.0, own.sizes[::-1])
+    side, (a2, a3) = (1.0, lengths.sizes) if first else (-1.0, lengths.sizes[::-1])
     beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3),
                                            (a1, a4, -a2, -a3))))
     of_a, (cos_x, sin_x) = turned_by((cos_0, sin_0), of_g), turned_by(angle[:2], (cos_0, sin_0))
-    one, two, other = stage.number, stage.number + 1, other_of(stage)
-    at = loop(n, (a1, a2, a3, a4), side * sign, *half_angle(n, cos_x, sin_x + beside_0))
-    coupler: Direction = *turned_by((at.cos_b, at.sin_b), of_g), *by_input(angle, at.d_b, at.dd_b)
-    output: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(angle, at.d_y, at.dd_y)
-    on_other: Direction = (*turned_by((at.cos_bx, at.sin_bx), of_a),
-                           *by_input(angle, at.d_bx, at.dd_b))
-    between: Direction = (at.cos_mu, side * at.sin_mu,
-                          *by_input(angle, side * at.d_mu, side * at.dd_mu))
+    rod_1, rod_2, moving = stage.link, stage.link + 1, moving_link(stage)
+    bars = loop(n, (a1, a2, a3, a4), side * sign, *half_angle(n, cos_x, sin_x + beside_0))
+    coupler: Direction = (*turned_by((bars.cos_b, bars.sin_b), of_g),
+                          *by_input(angle, bars.d_b, bars.dd_b))
+    output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
+                         *by_input(angle, bars.d_y, bars.dd_y))
+    on_moving: Direction = (*turned_by((bars.cos_bx, bars.sin_bx), of_a),
+                           *by_input(angle, bars.d_bx, bars.dd_b))
+    between: Direction = (bars.cos_mu, side * bars.sin_mu,
+                          *by_input(angle, side * bars.d_mu, side * bars.dd_mu))
     directions = (coupler, output) if first else (output, coupler)
-    return DyadMotion(LinkMotion(*at_p, *directions[0]), LinkMotion(*at_q, *directions[1]), (),
-                      side * at.sin_mu, at.cos_mu,
-                      {(one if first else two, other): on_other, (two, one): between})
+    return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
+                      side * bars.sin_mu, bars.cos_mu,
+                      {(rod_1 if first else rod_2, moving): on_moving, (rod_2, rod_1): between})
 
 
-def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, _at_q: Node,
-             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+             ends: Ends) -> DyadMotion:
     """
     Return how RRP moves as rod and block of a slider-crank.
 
-    The frame has the line of the block; the crank is a, from the pin O to P on the other link.
+    The frame has the line of the block; the crank is a, from the pin O to P on the moving link.
     """
+    angle = ends.relative
     from fourbar_ros.mechanisms.slides import rod_on_line  # of these alone
-    (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = own.shape, own.sizes
+    (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
     beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
                                            (a2, e, -a1))))
-    one, other = stage.number, stage.first
+    rod_link, moving = stage.link, stage.first
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
     cos_x, sin_x = turned_by(angle[:2], of_0)
-    at = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
-    s = unit * at.s
-    d_s, dd_s = by_input(angle, unit * at.d_s, unit * at.dd_s)
-    rod = LinkMotion(*at_p, *turned_by((at.cos_b, at.sin_b), line),
-                     *by_input(angle, at.d_b, at.dd_b))
+    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
+    s = unit * slider.s
+    d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
+    rod = LinkMotion(*ends.p, *turned_by((slider.cos_b, slider.sin_b), line),
+                     *by_input(angle, slider.d_b, slider.dd_b))
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
-    on_other: Direction = (*turned_by((at.cos_2, at.sin_2), of_a),
-                           *by_input(angle, at.d_theta2, at.dd_b))
-    return DyadMotion(rod, block, (s - start, d_s, dd_s), at.cos_b, at.sin_b,
-                      {(one, other): on_other})
+    on_moving: Direction = (*turned_by((slider.cos_2, slider.sin_2), of_a),
+                           *by_input(angle, slider.d_theta2, slider.dd_b))
+    return DyadMotion(rod, block, (s - start, d_s, dd_s), slider.cos_b, slider.sin_b,
+                      {(rod_link, moving): on_moving})
 
 
-def _bar(stage: Stage, at_p: Node, at_q: Node, direction: Direction, slide: tuple[Scalar, ...],
+def _bar(stage: Stage, ends: Ends, direction: Direction, slide: tuple[Scalar, ...],
          sine: Scalar, cosine: Scalar, relations: Relations) -> DyadMotion:
     """Return the motion of RPR by the direction of its bar, seen from the end on the frame."""
     c, s, turn, bend = direction
     if not stage.turns_first:
         c, s = -c, -s
-    return DyadMotion(LinkMotion(*at_p, c, s, turn, bend), LinkMotion(*at_q, c, s, turn, bend),
+    return DyadMotion(LinkMotion(*ends.p, c, s, turn, bend), LinkMotion(*ends.q, c, s, turn, bend),
                       slide, sine, cosine, relations)
 
 
-def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-             angle: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+             ends: Ends) -> DyadMotion:
     """Return how RPR moves as block and bar of an inverted slider-crank."""
+    angle = ends.relative
     from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
-    (a1, a4, cos_0, sin_0, *of_g), (h,) = own.shape, own.sizes
+    (a1, a4, cos_0, sin_0, *of_g), (h,) = lengths.shape, lengths.sizes
     unit = n.power_of_two(a1, a4, h)
     beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h),
                                            (a1, a4, -h))))
     h, of_a = h / unit, turned_by((cos_0, sin_0), of_g)
-    side, link = (1.0, stage.number) if stage.turns_first else (-1.0, stage.number + 1)
-    pinned = link, other_of(stage)
+    side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
+    pinned = link, moving_link(stage)
     cos_x, sin_x = turned_by(angle[:2], (cos_0, sin_0))
-    at = block_on_bar(n, a1 / unit, a4 / unit, h, sign, *half_angle(n, cos_x, sin_x + beside_0))
-    per = n.sqrt(at.per_q)
-    bar: Direction = *turned_by((at.cos_y, at.sin_y), of_g), *by_input(angle, at.d_y, at.dd_y)
-    on_other: Direction = (*turned_by((side * at.cos_2, side * at.sin_2), of_a),
-                           *by_input(angle, at.d_theta2, at.dd_y))
-    return _bar(stage, at_p, at_q, bar,
-                (unit * at.l, *by_input(angle, unit * at.d_l, unit * at.dd_l)),
-                at.l * per, h * per, {pinned: on_other})
+    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, *half_angle(n, cos_x, sin_x + beside_0))
+    per = n.sqrt(block.per_q)
+    bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
+                      *by_input(angle, block.d_y, block.dd_y))
+    on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
+                           *by_input(angle, block.d_theta2, block.dd_y))
+    return _bar(stage, ends, bar,
+                (unit * block.l, *by_input(angle, unit * block.d_l, unit * block.dd_l)),
+                block.l * per, h * per, {pinned: on_moving})
 
 
-def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              slide: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+              ends: Ends) -> DyadMotion:
     """
     Return how RRR moves as crank and coupler of a slider-crank.
 
-    Its slider drives: the one of both links the dyad hangs on that slides in the other.
+    Its slider drives: that link on which the dyad hangs that slides in the second one.
     """
+    slide = ends.relative
     from fourbar_ros.mechanisms.slides import triangle  # of these alone
-    (shift, e, *line), first = own.shape, stage.turns_first
-    on_other, on_frame = own.sizes if first else own.sizes[::-1]
-    unit, side = n.power_of_two(on_other, on_frame, e), 1.0 if first else -1.0
-    per, (one, two) = 1.0 / unit, (stage.number, stage.number + 1)
-    at = triangle(n, on_frame * per, on_other * per, e * per, side * sign,
+    (shift, e, *line), first = lengths.shape, stage.turns_first
+    on_moving, on_frame = lengths.sizes if first else lengths.sizes[::-1]
+    unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
+    per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
+    sides = triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
                   (slide[0] + shift) * per)
     scaled = slide[1] * per, slide[2] * per
-    frames: Direction = (*turned_by((at.cos_x, at.sin_x), line),
-                         *by_input(scaled, at.d_x, at.dd_x))
-    others: Direction = (*turned_by((-at.cos_b, -at.sin_b), line),
-                         *by_input(scaled, at.d_b, at.dd_b))
-    between: Direction = (-at.cos_2, side * at.sin_2,
-                          *by_input(scaled, -side * at.d_theta2, -side * at.dd_theta2))
-    directions = (others, frames) if first else (frames, others)
-    return DyadMotion(LinkMotion(*at_p, *directions[0]), LinkMotion(*at_q, *directions[1]), (),
-                      side * at.sin_2, -at.cos_2, {(two, one): between})
+    of_frame: Direction = (*turned_by((sides.cos_x, sides.sin_x), line),
+                         *by_input(scaled, sides.d_x, sides.dd_x))
+    of_moving: Direction = (*turned_by((-sides.cos_b, -sides.sin_b), line),
+                         *by_input(scaled, sides.d_b, sides.dd_b))
+    between: Direction = (-sides.cos_2, side * sides.sin_2,
+                          *by_input(scaled, -side * sides.d_theta2, -side * sides.dd_theta2))
+    directions = (of_moving, of_frame) if first else (of_frame, of_moving)
+    return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
+                      side * sides.sin_2, -sides.cos_2, {(rod_2, rod_1): between})
 
 
-def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Node, at_q: Node,
-              slide: Sequence[Scalar], _first: LinkMotion, _second: LinkMotion) -> DyadMotion:
+def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+              ends: Ends) -> DyadMotion:
     """Return how RPR moves whose block, or bar, hangs on a slider, (P3), (P4)."""
-    (shift, e, *line), (h,) = own.shape, own.sizes
+    slide = ends.relative
+    (shift, e, *line), (h,) = lengths.shape, lengths.sizes
     unit = n.power_of_two(e, h, shift)
     per, sqrt, where = 1.0 / unit, n.sqrt, n.where
     shift, e, h = shift * per, e * per, h * per
@@ -288,7 +298,7 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, own: Numbers, at_p: Nod
     bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
                       *by_input(scaled, d_y, dd_y))
     d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
-    return _bar(stage, at_p, at_q, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
+    return _bar(stage, ends, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
 
 
 # {(kind, whether a slide, not a pin, joins the links it hangs on): how it moves}
@@ -296,19 +306,14 @@ PAIRS = {('RRR', False): rrr_pair, ('RRP', False): rrp_pair, ('RPR', False): rpr
          ('RRR', True): rrr_slide, ('RPR', True): rpr_slide}
 
 
-def rod_of_cylinder(at_p: Node, at_q: Node, driven: Any, _first: LinkMotion,
-                    _second: LinkMotion) -> DyadMotion:
-    """
-    Return the motion of rod and tube of a cylinder, whose triangle the driver has solved.
-
-    ``driven``: length, direction of the rod, sine and cosine of the transmission angle.
-    """
-    slide, rod, sine, cosine = driven
-    return DyadMotion(LinkMotion(*at_p, *rod), LinkMotion(*at_q, *rod), (slide, 1.0, 0.0), sine,
-                      cosine, {})
+def rod_of_cylinder(ends: Ends) -> DyadMotion:
+    """Return the motion of rod and tube of a cylinder, whose triangle the driver has solved."""
+    length, rod, sine, cosine = ends.relative
+    return DyadMotion(LinkMotion(*ends.p, *rod), LinkMotion(*ends.q, *rod), (length, 1.0, 0.0),
+                      sine, cosine, {})
 
 
-def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
+def make_moves(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                signs: Sequence[Scalar]) -> list[MovesDyad]:
     """
     Return for each dyad the function that solves it for its links, a :data:`MovesDyad`.
@@ -318,14 +323,11 @@ def make_moves(n: NumberType, layout: Layout, numbers: Sequence[Numbers],
     as +-1.
     """
     moves: list[MovesDyad] = []
-    for stage, own, sign in zip(layout.stages, numbers, signs):
+    for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):
         if stage.name == CYLINDER:
             moves.append(rod_of_cylinder)
         elif stage.pair:
-            moves.append(partial(PAIRS[stage.kind, stage.pair.slides], n, sign, stage, own))
+            moves.append(partial(PAIRS[stage.kind, stage.pair.slides], n, sign, stage, lengths))
         else:
-            moves.append(partial(DYADS[stage.kind], n, sign, own.sizes))
+            moves.append(partial(DYADS[stage.kind], n, sign, lengths.sizes))
     return moves
-
-
-# --- where one closes ----------------------------------------------------------------------------
