@@ -378,7 +378,8 @@ class ScotchYoke(Kind):
     DRIVES = {
         CRANK: DrivenMachine(
             (GROUND, 'crank', 'coupler', 'output'), 'RPP',
-            lambda lengths: DyadLengths((lengths[0], 0.0), (0.0, lengths[1]), (1.0, 0.0, 0.0, 1.0)),
+            lambda lengths: DyadLengths((lengths[0], 0.0), (0.0, lengths[1]),
+                                        (1.0, 0.0, 0.0, 1.0)),
             lambda *_: ((-pi, pi),), lambda *_: [],
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},

@@ -262,8 +262,8 @@ def wide(seed):
         lengths = given * 10.0**rng.uniform(-2.0, 2.0, given.size)
         try:
             other = machine.with_lengths(lengths.tolist())
-            bodies = {name: type(body)(body.mass * 10.0**rng.uniform(-3, 3), body.cg_along,
-                                       body.cg_across, body.inertia * 10.0**rng.uniform(-3, 3))
+            bodies = {name: replace(body, mass=body.mass * 10.0**rng.uniform(-3, 3),
+                                    inertia=body.inertia * 10.0**rng.uniform(-3, 3))
                       for name, body in machine.bodies._asdict().items()}
             stroke = (-150.0, 150.0) if machine.input == 'slide' else None
             machine = Machine(other.dyads, machine.input, cylinder=other.cylinder, bodies=bodies,
