@@ -7,8 +7,8 @@ from math import inf, pi
 from statistics import median
 import time
 
-from fourbar_ros import Bodies, find_extrema, find_extrema_many, FourBar, round_rod
-from fourbar_ros.extrema.batch import RATES
+from fourbar_lab.studies.many import find_extrema_many, RATES
+from fourbar_ros import Bodies, find_extrema, FourBar, round_rod
 import mpmath
 import numpy as np
 from scipy.optimize import brentq

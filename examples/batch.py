@@ -7,7 +7,8 @@ You see the crank length of the lowest peak acceleration, and how fast they were
 """
 from time import perf_counter
 
-from fourbar_ros import find_extrema_many, FourBar
+from fourbar_lab.studies import find_extrema_many
+from fourbar_ros import FourBar
 import numpy as np
 
 crank = np.linspace(0.2, 0.55, 10_000)                      # [m]

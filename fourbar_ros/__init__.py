@@ -30,7 +30,6 @@ if TYPE_CHECKING:
         OutOfRange,
         Toggle,
     )
-    from fourbar_ros.extrema.batch import find_extrema_many
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanics.bodies import Applied, Base, Bodies, Body, External
     from fourbar_ros.mechanics.rods import flat_bar, round_rod
@@ -48,12 +47,11 @@ __all__ = [
     'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
     'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
     'MovingJointFourBar', 'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema',
-    'find_extrema_many', 'flat_bar', 'load_scene', 'point_motion', 'round_rod',
+    'flat_bar', 'load_scene', 'point_motion', 'round_rod',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.errors': 'FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle',
-    'fourbar_ros.extrema.batch': 'find_extrema_many',
     'fourbar_ros.extrema.find': 'find_extrema',
     'fourbar_ros.mechanics.bodies': 'Applied, Base, Bodies, Body, External',
     'fourbar_ros.mechanics.rods': 'flat_bar, round_rod',

@@ -15,7 +15,6 @@ sys.path.insert(0, sys.argv[1])
 from fourbar_ros import (  # noqa: E402, I100
     Bodies,
     find_extrema,
-    find_extrema_many,
     FourBar,
     InvertedSlider,
     load_scene,
@@ -23,6 +22,11 @@ from fourbar_ros import (  # noqa: E402, I100
     SliderCrank,
 )
 from fourbar_ros.pipeline.stepper import Stepper  # noqa: E402, I100
+
+try:
+    from fourbar_lab.studies import find_extrema_many
+except ImportError:     # an older version
+    from fourbar_ros import find_extrema_many
 import numpy as np  # noqa: E402
 
 CONFIG = Path(__file__).parents[2] / 'config'

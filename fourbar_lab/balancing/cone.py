@@ -23,9 +23,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from fourbar_lab.balancing.loads import BalanceError, Loads, NUMBERS, without_weight
-from fourbar_lab.quadrature import nodes
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import number
 import numpy as np

@@ -22,10 +22,10 @@ from dataclasses import replace
 from functools import cached_property
 from math import isfinite
 
-from fourbar_lab.quadrature import nodes
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import power_of_two
 import numpy as np

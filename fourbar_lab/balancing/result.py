@@ -10,7 +10,7 @@ from typing import NamedTuple
 from fourbar_lab.balancing.cone import Balance, peak
 from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
 from fourbar_lab.drawing.figure import make_panels, save
-from fourbar_lab.quadrature import nodes
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
 from fourbar_ros.scene.parameters import find_parameter

@@ -71,8 +71,8 @@ def _show(arguments: Namespace) -> None:
     extrema = _extrema(scene, linkage, speed, within, arguments)
     why_no_loads = (scene.why_no_loads if scene.has_loads else
                     'no masses given, so no loads: see bodies.* in docs/reference.md')
-    effort = (None if why_no_loads else
-              effort_of(scene, linkage, speed, acceleration, within))
+    effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
+              if scene.tells_loads else None)
     with_masses = scene.bare_linkage.in_mode(linkage.mode)      # for what it is
     if arguments.json:
         print(json_line({
@@ -90,7 +90,8 @@ def _show(arguments: Namespace) -> None:
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,
-            _effort_in_words(linkage, effort) if effort else why_no_loads,
+            why_no_loads or None,
+            _effort_in_words(linkage, effort) if effort else None,
             *(_pose_tables(linkage, pose, scene) if pose else ())])
 
 
@@ -129,7 +130,8 @@ def _effort_in_words(linkage: Mechanism, effort: Effort) -> str:
     """Return the line about the effort of the drive."""
     unit = 'N' if linkage.is_driven_by_slide else 'N m'
     return (f'{linkage.drive_load.replace("_", " ")}: root mean square '
-            f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} over the input')
+            f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} over the input'
+            f'{effort.how}')
 
 
 def _extrema(scene: Scene, linkage: Mechanism, speed: float, within: tuple[float, float] | None,

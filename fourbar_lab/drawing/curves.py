@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 import csv
 import io
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -17,7 +17,7 @@ from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
-from fourbar_ros.mechanisms.inertia import middles
+from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
@@ -33,6 +33,7 @@ AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceler
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
         'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
 SPEEDS = 25         # in a table over the speed
+SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
 OF_DRIVE = 'inertia', 'bias'        # by name alone
 
 
@@ -102,33 +103,57 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
 
 
 class Effort(NamedTuple):
-    """What a servo must give over the input [N m] and [W], of a driven slide [N] and [W]."""
+    """
+    What a servo must give over the input [N m] and [W], of a driven slide [N] and [W].
+
+    Infinite where it grows without bound at an end of the input.
+    """
 
     root_mean_square: float
     peak: float
     peak_power: float
+    samples: int | None = None      # of how many samples the figures are; None: they are exact
+
+    @property
+    def how(self) -> str:
+        """Return ' of 1440 samples' where the figures are sampled, '' where they are exact."""
+        return f' of {self.samples} samples' if self.samples else ''
 
 
 def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
-              within: tuple[float, float] | None = None) -> Effort:
+              within: tuple[float, float] | None = None,
+              extrema: Sequence[Extremum] | None = None) -> Effort:
     """
     Return the effort of the drive over a cycle of the forces, or ``within`` a range of the input.
 
+    ``extrema``: of the drive's load there, if they are known. Forces over a position and springs
+    forbid a search: then of :data:`SAMPLES` inputs in each turn or range.
     InvalidParameter if speed or acceleration are so large that it overflows.
     """
-    turns = scene.turns if linkage.turns_fully else 1
-    ranges = [within] if within else [(low, low + turns * (high - low))
-                                      for low, high in linkage.input_ranges]
-    inputs = np.concatenate([middles(*bounds) for bounds in ranges])
+    known = [one for one in extrema or () if one.quantity == linkage.drive_load]
+    load = OverInput(scene.bare_linkage.in_mode(linkage.mode), linkage.drive_load, speed,
+                     acceleration, within, known or None)
+    if scene.elements and load.peak < inf:      # else they cannot bound it
+        return _sampled_effort(scene, linkage, speed, acceleration, within)
+    return Effort(load.rms, load.peak, load.peak * abs(speed) if speed else 0.0)
+
+
+def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration: float,
+                    within: tuple[float, float] | None) -> Effort:
+    """Return the effort at inputs in the middles of equal parts of each turn or range."""
+    turns = scene.turns if linkage.turns_fully and not within else 1
+    ranges = [within] if within else linkage.input_ranges
+    shares = (np.arange(turns * SAMPLES) + 0.5) / SAMPLES
+    inputs = np.concatenate([low + (high - low) * shares for low, high in ranges])
     with np.errstate(all='ignore'):
         efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
                                  linkage.drive_load))
         peak = float(np.max(efforts))
-        effort = Effort(peak * float(np.sqrt(np.mean((efforts / (peak or 1.0))**2))), peak,
-                        peak * abs(speed))
-    if not np.isfinite(effort).all():
-        raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows')
-    return effort
+        rms = peak * float(np.sqrt(np.mean((efforts / (peak or 1.0))**2)))
+    if not np.isfinite(rms):
+        raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows, or '
+                                               'a force is not known there')
+    return Effort(rms, peak, peak * abs(speed), inputs.size)
 
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
@@ -136,9 +161,11 @@ def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
     """Return the effort of the drive over the speed of the input, from one speed to another."""
     unit = linkage.input_coordinate.unit
     force = 'N' if linkage.is_driven_by_slide else 'N m'
-    rows = [(speed, *effort_of(scene, linkage, speed, acceleration))
-            for speed in np.linspace(*speeds, SPEEDS).tolist()]
-    columns = 'speed', *Effort._fields
+    steps = np.linspace(*speeds, SPEEDS).tolist()
+    efforts = [effort_of(scene, linkage, speed, acceleration) for speed in steps]
+    columns = 'speed', *[f'{name}{efforts[0].how}'
+                         for name in ('root_mean_square', 'peak', 'peak_power')]
+    rows = [(speed, *effort[:3]) for speed, effort in zip(steps, efforts)]
     return Curves(f'drive of {linkage.description}', columns, (f'{unit}/s', force, force, 'W'),
                   np.array(rows).T, columns)
 

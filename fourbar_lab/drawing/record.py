@@ -5,23 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import isfinite, nan, pi, tau
+from math import inf, nan, pi, tau
 from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.extrema.over_input import output_ranges, OverInput
 from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.inertia import mean_rigid, middles
+from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
-import numpy as np
 
-SAMPLES = 721
-END = 1e-14                         # step inside from an end of the input, in its unit
 ANGLE = 'transmission_angle'
 
 LinkageRecord = dict[str, Any]             # text, numbers, lists and records
@@ -67,30 +65,6 @@ def counted(linkage: Mechanism, theta1: float) -> float:
         max(low - angle, angle - high) for low, high in linkage.input_ranges))
 
 
-def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None
-                  ) -> list[tuple[float, float]]:
-    """
-    Return the range [rad or m] of an output in the mode of a linkage, for each range of its input.
-
-    It is extreme at dead points, where it turns back, and at ends of the input; samples between
-    them tell whole turns. ``coordinate``: by default that of the first output.
-    """
-    coordinate = coordinate or linkage.outputs[0].coordinate
-    ranges = []
-    for low, high in linkage.input_ranges:
-        dead = [point[0] + turn for point in linkage.dead_points for turn in (-tau, 0.0, tau)]
-        inputs = np.sort([*np.linspace(low, high, SAMPLES), *(x for x in dead if low < x < high)])
-        # at an end in a toggle the motion itself may be NaN
-        inputs[0] += END * linkage.input_unit
-        inputs[-1] -= END * linkage.input_unit
-        places, = linkage.motion(inputs, fields=(coordinate.position,))
-        if coordinate.unit == 'rad':
-            places = np.unwrap(places)
-            places = places - tau * round(0.5 * (places.min() + places.max()) / tau)
-        ranges.append((places.min(), places.max()))
-    return sorted(ranges)
-
-
 def _outputs(linkage: Mechanism) -> list[LinkageRecord]:
     """
     Return the ranges of each output.
@@ -98,7 +72,8 @@ def _outputs(linkage: Mechanism) -> list[LinkageRecord]:
     At a change point the modes meet, and the linkage can go from one into the other.
     """
     if linkage.change_point_margin > 0.0:
-        return [_with_ranges(coordinate, output_ranges(linkage, coordinate))
+        return [_with_ranges(coordinate, sorted([(swept.low, swept.high) for swept
+                                                 in output_ranges(linkage, coordinate)]))
                 | {'of_both_modes': False} for coordinate, _ in linkage.outputs]
     if not isinstance(linkage, FourBar):
         return []
@@ -148,20 +123,19 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     return record
 
 
-def _inertia(linkage: Mechanism) -> LinkageRecord | None:
+def _inertia(linkage: Mechanism) -> LinkageRecord:
     """
-    Return least, largest and mean inertia at the input and where they are; None if all unbounded.
+    Return least, largest and mean inertia at the input and where they are.
 
-    In [kg m^2], of a driven slide [kg].
+    In [kg m^2], of a driven slide [kg]; infinite where it grows without bound at an end.
     """
-    found = [one for one in find_extrema(linkage, 'inertia', conditions=False)
-             if isfinite(one.value)]
-    if not found:
-        return None
-    least, most = (pick(found, key=lambda one: one.value) for pick in (min, max))
-    mean = np.mean([linkage.inertia(middles(low, high)) for low, high in linkage.input_ranges])
+    inertia = OverInput(linkage, 'inertia')
+    least, most = inertia.least, inertia.most
+    assert least and most           # it is no angle
     return {'least': least.value, 'least_at': counted(linkage, least.input),
-            'most': most.value, 'most_at': counted(linkage, most.input), 'mean': float(mean)}
+            'most': most.value, 'most_at': counted(linkage, most.input), 'mean': inertia.mean,
+            'unbounded_at': [counted(linkage, extremum.input) for extremum in inertia.extrema
+                             if extremum.value == inf]}
 
 
 def _pose(linkage: Mechanism, pose: DrawnPose, points: Points) -> LinkageRecord:

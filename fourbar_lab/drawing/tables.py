@@ -93,12 +93,13 @@ def _masses(linkage: Mechanism, found: LinkageRecord) -> list[tuple[str, str]]:
             for name, body in found['bodies'].items()]
     if not any(field_of(linkage.gravity)) and not isinstance(linkage.gravity, Base):
         rows.append(NO_WEIGHT)
-    inertia, words = found['inertia_at_input'], 'unbounded at the ends of the input'
-    if inertia:
-        driven, unit = linkage.input_coordinate, 'kg' if linkage.is_driven_by_slide else 'kg m^2'
-        words = (f'{inertia["least"]:.6g} at {shown(driven, inertia["least_at"])} to '
-                 f'{inertia["most"]:.6g} {unit} at {shown(driven, inertia["most_at"])}, '
-                 f'mean {inertia["mean"]:.6g}')
+    inertia = found['inertia_at_input']
+    driven, unit = linkage.input_coordinate, 'kg' if linkage.is_driven_by_slide else 'kg m^2'
+    least = f'{inertia["least"]:.6g} {unit} at {shown(driven, inertia["least_at"])}'
+    ends = ', '.join(shown(driven, end) for end in inertia['unbounded_at'])
+    words = (f'{least}, unbounded at {ends}; no finite mean' if ends else
+             f'{least} to {inertia["most"]:.6g} {unit} at {shown(driven, inertia["most_at"])}, '
+             f'mean {inertia["mean"]:.6g}')
     mean = found['held_rigid_mean']
     return [*rows, ('inertia at the input', words),
             ('held rigid, mean', f'{mean["mass"]:.6g} kg at ({mean["x"]:.6g}, {mean["y"]:.6g}) m, '

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fourbar_lab.studies.derivatives import Derivatives, sensitivities, Sensitivity
     from fourbar_lab.studies.duals import derivatives_of
     from fourbar_lab.studies.engine import cluster, processes, run
+    from fourbar_lab.studies.many import Extrema, find_extrema_many
     from fourbar_lab.studies.results import Results, Summary
     from fourbar_lab.studies.study import from_document as study_of
     from fourbar_lab.studies.study import read as read_study
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
     from fourbar_lab.studies.tolerance_analysis import Toleranced, tolerances
 
 __all__ = [
-    'Chunk', 'Derivatives', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
-    'Toleranced', 'cluster', 'compute', 'derivatives_of', 'processes', 'read_study', 'run',
-    'sensitivities', 'study_of', 'tolerances',
+    'Chunk', 'Derivatives', 'Extrema', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
+    'Toleranced', 'cluster', 'compute', 'derivatives_of', 'find_extrema_many', 'processes',
+    'read_study', 'run', 'sensitivities', 'study_of', 'tolerances',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
@@ -39,6 +40,7 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_lab.studies.derivatives': 'Derivatives, sensitivities, Sensitivity',
     'fourbar_lab.studies.duals': 'derivatives_of',
     'fourbar_lab.studies.engine': 'cluster, processes, run',
+    'fourbar_lab.studies.many': 'Extrema, find_extrema_many',
     'fourbar_lab.studies.results': 'Results, Summary',
     'fourbar_lab.studies.study':
         'from_document as study_of, read as read_study, Study, StudyError',

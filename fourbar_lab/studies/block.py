@@ -9,7 +9,7 @@ results are in doubt; these and all others are left to :mod:`fourbar_lab.studies
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import tau
+from math import pi, tau
 
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
@@ -20,6 +20,7 @@ from fourbar_lab.studies.measures import (
     Measures,
     Searched,
     STROKE,
+    SWING,
 )
 from fourbar_lab.studies.parametric import (
     constants_of,
@@ -105,13 +106,8 @@ class DesignBlock:
         sources = {measure: self._measures.source(measure) for measure in self.study.measures}
         # without any, the transmission angle alone tells which designs turn fully
         needed = list(dict.fromkeys(filter(None, sources.values()))) or ['transmission_angle']
-        for count in SAMPLES:
-            left = [rows[:0]]
-            for start in range(0, rows.size, TOGETHER):
-                part = rows[start:start + TOGETHER]
-                left.append(part[~self._compute(part, count, needed)])
-            rows = np.concatenate(left)
-        self.is_done[rows] = False
+        left = in_parts(rows, lambda part, count: self._compute(part, count, needed))
+        self.is_done[left] = False
 
     def _compute(self, rows: Array, count: int, needed: list[str]) -> Array:
         """
@@ -124,7 +120,7 @@ class DesignBlock:
         designs = Designs(self.scene, self.study.values, drawn)
         known = self._measures.quantities | point_quantities_of(self.scene, designs.values,
                                                                 designs.many)
-        turns = self._search(designs, [known[name] for name in needed], count)
+        turns = search(designs, [known[name] for name in needed], self.study.acceleration, count)
         done = ~turns.is_doubtful
         for measure in self.study.measures:
             if measure.part not in (CLASS, CHANGE_POINT):
@@ -132,33 +128,6 @@ class DesignBlock:
                 done &= is_right
                 self.columns[measure.name][rows[done]] = values[done]
         return done
-
-    def _search(self, designs: Designs, quantities: Sequence[Searched], count: int) -> Turns:
-        """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
-        with_loads = any(quantity.is_load for quantity in quantities)
-        names = (tuple([quantity.name for quantity in quantities])
-                 if all(map(is_published, quantities)) else None)
-        is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
-                             for quantity in quantities], bool)
-
-        state = designs.step(self.study.acceleration, with_loads, names)
-
-        def evaluate(x: Array, which: Array) -> Array:
-            """
-            Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs.
-
-            All designs are columns of one mechanism: those that are not asked for get any input.
-            """
-            of_all = x
-            if which.size < designs.size:
-                of_all = np.ones((designs.size, x.shape[1]), x.dtype)
-                of_all[which] = x
-            values, found = np.empty((len(quantities), *of_all.shape), x.dtype), state(of_all)
-            for row, quantity in zip(values, quantities):
-                row[:] = quantity.of(*found)
-            return values[:, which]
-
-        return search_turns(evaluate, designs.size, count, is_angle)
 
     def _measure(self, measure: Measure, turns: Turns, needed: list[str]) -> tuple[Array, Array]:
         """
@@ -175,8 +144,57 @@ class DesignBlock:
             mean, of_half = squares.mean(axis=1), squares[:, ::2].mean(axis=1)
             return np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
         extent = _extent(turns.counts[row], turns.places[row], turns.values[row])
-        has_ends = np.asarray(extent.extrema > 0) if measure.part == STROKE else all_right
-        return np.asarray(extent.of(measure.part)), has_ends
+        if measure.part in (SWING, STROKE):
+            samples = turns.samples[row]        # of angles continuous
+            is_turn = ((measure.part == SWING)
+                       & (np.abs(samples[:, -1] - samples[:, 0]) > pi))     # less a step
+            return np.where(is_turn, tau, extent.max - extent.min), is_turn | (extent.extrema > 0)
+        return np.asarray(extent.of(measure.part)), all_right
+
+
+def in_parts(rows: Array, work: Callable[[Array, int], Array], together: int = TOGETHER
+             ) -> Array:
+    """
+    Do work for designs, by index, ``together`` at a time; return those that are not done.
+
+    ``work``: (some rows, samples of a turn) -> which of them are done, a mask. It is asked again,
+    with more samples, for those that few do not resolve.
+    """
+    for count in SAMPLES:
+        left = [rows[:0]]
+        for start in range(0, rows.size, together):
+            part = rows[start:start + together]
+            left.append(part[~work(part, count)])
+        rows = np.concatenate(left)
+    return rows
+
+
+def search(designs: Designs, quantities: Sequence[Searched], acceleration: float,
+           count: int) -> Turns:
+    """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
+    with_loads = any(quantity.is_load for quantity in quantities)
+    names = (tuple([quantity.name for quantity in quantities])
+             if all(map(is_published, quantities)) else None)
+    is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
+                         for quantity in quantities], bool)
+    state = designs.step(acceleration, with_loads, names)
+
+    def evaluate(x: Array, which: Array) -> Array:
+        """
+        Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs.
+
+        All designs are columns of one mechanism: those that are not asked for get any input.
+        """
+        of_all = x
+        if which.size < designs.size:
+            of_all = np.ones((designs.size, x.shape[1]), x.dtype)
+            of_all[which] = x
+        values, found = np.empty((len(quantities), *of_all.shape), x.dtype), state(of_all)
+        for row, quantity in zip(values, quantities):
+            row[:] = quantity.of(*found)
+        return values[:, which]
+
+    return search_turns(evaluate, designs.size, count, is_angle)
 
 
 def _extent(counts: Array, places: Array, values: Array) -> Extent:

@@ -21,7 +21,6 @@ from dataclasses import replace
 from math import isfinite, isnan, nan, pi, tau
 from typing import Any, NamedTuple
 
-from fourbar_lab.quadrature import nodes
 from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.measures import (
@@ -31,6 +30,8 @@ from fourbar_lab.studies.measures import (
     LEAST_ANGLE,
     Measure,
     Measures,
+    STROKE,
+    SWING,
     TIME_RATIO,
 )
 from fourbar_lab.studies.parametric import (
@@ -44,6 +45,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, ONE_SIDED
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import run
@@ -247,7 +249,8 @@ class _MeasureDerivatives:
             return self._zero if self._input_is_fixed else self._unknown(TOGGLE)
         if part == 'rms':
             return self._of_rms(name)
-        extrema = self._design.extrema[name]
+        extrema = (self._design.output_range.extrema if part in (SWING, STROKE)
+                   else self._design.extrema[name])
         if not extrema:                         # an output that turns fully keeps its swing
             return self._zero
         if part == 'peak':

@@ -8,9 +8,9 @@ It covers mechanisms of any kind and every case: computation in blocks hands bac
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isfinite, nan, sqrt
+from functools import cached_property
+from math import nan, remainder, tau
 
-from fourbar_lab.quadrature import MOST_OF_RANGE, nodes
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
     CLASS,
@@ -18,16 +18,13 @@ from fourbar_lab.studies.measures import (
     INPUT_RANGE,
     Measure,
     Measures,
-    Searched,
+    STROKE,
+    SWING,
     TIME_RATIO,
 )
 from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
 from fourbar_ros.scene.scene import Scene
-import numpy as np
-
-# Inputs of a mean square: doubled from, in a full turn at most to, until two results agree to this
-# part.
-POINTS, MOST_OF_TURN, AGREE = 128, 2**16, 1e-12
 
 
 class Design:
@@ -44,7 +41,8 @@ class Design:
         # the mean square over a full turn is an integral of something smooth; in a range, infinite
         # extrema at toggles tell that it diverges
         names = [self._measures.source(measure) for measure in measures
-                 if measure.part != 'rms' or not self.linkage.turns_fully]
+                 if measure.part not in (SWING, STROKE)
+                 and (measure.part != 'rms' or not self.linkage.turns_fully)]
         new = [name for name in dict.fromkeys(names) if name and name not in self.extrema]
         if new:
             self.extrema |= {name: [] for name in new}
@@ -59,18 +57,21 @@ class Design:
 
         :meth:`search` must have found its extrema.
         """
-        linkage = self.linkage
+        linkage, name = self.linkage, self._measures.source(measure)
         if measure.part == CLASS:
             return linkage.classification
         if measure.part == CHANGE_POINT:
             return linkage.change_point_margin
         if measure.part == INPUT_RANGE:
-            return sum(high - low for low, high in linkage.input_ranges)
+            low, high = self.input_range
+            return high - low
+        if measure.part in (SWING, STROKE):
+            return self.output_range.width
         if measure.part == 'rms':
-            return self._rms(self._measures.quantities[measure.quantity])
+            return OverInput(linkage, self._measures.quantities[name], *self.rates,
+                             extrema=self.extrema.get(name)).rms
         if measure.part == TIME_RATIO and not linkage.turns_fully:
             return nan
-        name = self._measures.source(measure)
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
         extent = (Extent(most.value, most.input, least.value, least.input,
                          len(self.extrema[name])) if most and least
@@ -82,20 +83,21 @@ class Design:
         choose = max if part == 'max' else min
         return choose(self.extrema[name], key=lambda extremum: extremum.value, default=None)
 
-    def _rms(self, quantity: Searched) -> float:
-        """
-        Return the root mean square of a quantity over all ranges of the input.
+    @property
+    def input_range(self) -> tuple[float, float]:
+        """Return the range of the input [rad or m] with ``drive.start``, or else the widest."""
+        ranges, start = self.linkage.input_ranges, self.scene.drive.start
+        held = []
+        for low, high in ranges:
+            away = start - 0.5 * (low + high)
+            if not self.linkage.is_driven_by_slide:
+                away = remainder(away, tau)
+            if abs(away) <= 0.5 * (high - low):
+                held.append((low, high))
+        return max(held or ranges, key=lambda bounds: bounds[1] - bounds[0])
 
-        Points are doubled until two means agree; at the most points, the last one counts.
-        """
-        if any(not isfinite(extremum.value) for extremum in self.extrema.get(quantity.name, ())):
-            return inf         # as one over the root of the distance, at least: not integrable
-        points, mean = POINTS, nan
-        while points <= (MOST_OF_TURN if self.linkage.turns_fully else MOST_OF_RANGE):
-            x, weights = nodes(self.linkage, points)
-            values = quantity.of(*self.linkage.motion_and_loads(x, *self.rates))
-            before, mean = mean, float(np.sum(weights * np.square(values)))
-            if abs(mean - before) <= AGREE * mean:
-                break
-            points *= 2
-        return sqrt(mean)
+    @cached_property
+    def output_range(self) -> OutputRange:
+        """Return what the output sweeps over :attr:`input_range`."""
+        return next(swept for swept in output_ranges(self.linkage)
+                    if swept.inputs == self.input_range)

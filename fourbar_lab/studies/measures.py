@@ -42,10 +42,12 @@ ANGLE = 'transmission_angle'
 OF_MECHANISM = {
     CLASS: ('type of the mechanism: which links turn fully', ''),
     CHANGE_POINT: ('distance from a change point, relative to the sum of the lengths', ''),
-    INPUT_RANGE: ('width of the input range', INPUT),
+    INPUT_RANGE: ('width of the range of the input; of several, of that which holds drive.start, '
+                  'or else of the widest', INPUT),
     LEAST_ANGLE: ('least angle between the lines of coupler and output over the input', 'rad'),
-    SWING: ('angle that the output sweeps; 2 pi if it turns fully', 'rad'),
-    STROKE: ('distance that the output slide travels', 'm'),
+    SWING: ('angle that the output sweeps while the input goes over this range; 2 pi if it turns '
+            'fully, whether it reverses on the way or not', 'rad'),
+    STROKE: ('distance that the output slide travels while the input goes over this range', 'm'),
     TIME_RATIO: ('time of the slower stroke of the output over that of the faster one, at '
                  'constant speed of a fully turning crank; NaN where there is none', ''),
 }
@@ -86,17 +88,16 @@ class Extent(NamedTuple):
         """
         Return a part of the quantity by name, but for rms, or a measure of the mechanism.
 
-        The measure is one that this extent tells: swing, stroke and time ratio if it is that of
-        the output, the least transmission angle if it is that of the transmission angle.
+        The measure is one that this extent tells: the time ratio if it is that of the output, the
+        least transmission angle if it is that of the transmission angle.
         """
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
             forward = np.mod(self.max_at - self.min_at, tau)        # from least to greatest output
             slow, fast = np.maximum(forward, tau - forward), np.minimum(forward, tau - forward)
             parts: dict[str, Values] = {
-                **self._asdict(), 'span': span, STROKE: span,
+                **self._asdict(), 'span': span,
                 'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
-                SWING: np.where(np.equal(self.extrema, 0), tau, span),
                 # at a toggle rounding may put it beyond 0
                 LEAST_ANGLE: np.maximum(np.minimum(self.min, pi - self.max), 0.0),
                 TIME_RATIO: np.where(forward > 0.0, slow / fast, nan)}

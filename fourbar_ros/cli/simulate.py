@@ -105,8 +105,8 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> Non
     speeds = simulated.speeds_of_last_turn()
     if speeds:
         low, high = speeds
-        console.print(f'Speed over the last turn: {low:.6g} to {high:.6g} {unit}/s, coefficient '
-                      f'of fluctuation {2.0 * (high - low) / abs(low + high):.4g}.')
+        console.print(f'Speed at the samples of the last turn: {low:.6g} to {high:.6g} {unit}/s, '
+                      f'coefficient of fluctuation {2.0 * (high - low) / abs(low + high):.4g}.')
     modes = sorted(set(run.modes.tolist()))
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')

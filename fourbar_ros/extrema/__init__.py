@@ -21,8 +21,8 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.extrema.batch import Extrema, find_extrema_many
     from fourbar_ros.extrema.find import Extremum, find_extrema
+    from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
     from fourbar_ros.mechanisms.quantities import Function as Quantity
     from fourbar_ros.mechanisms.quantities import (
         known_quantities,
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    'Extrema', 'Extremum', 'Quantity', 'UnknownQuantity',
-    'find_extrema', 'find_extrema_many', 'known_quantities', 'point_acceleration', 'point_speed',
+    'Extremum', 'OutputRange', 'OverInput', 'Quantity', 'UnknownQuantity',
+    'find_extrema', 'known_quantities', 'output_ranges', 'point_acceleration', 'point_speed',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.extrema.batch': 'Extrema, find_extrema_many',
     'fourbar_ros.extrema.find': 'Extremum, find_extrema',
+    'fourbar_ros.extrema.over_input': 'output_ranges, OutputRange, OverInput',
     'fourbar_ros.mechanisms.quantities':
         'Function as Quantity, known_quantities, point_acceleration, point_speed, UnknownQuantity',
 })

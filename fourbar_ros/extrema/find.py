@@ -30,7 +30,7 @@ import numpy as np
 INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
-_KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
+KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 # A condition larger than this belongs to a change point, where values on both sides differ.
 TRUSTED = 1e6
@@ -152,7 +152,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                 for extremum in (_of_inertia(linkage, options) if quantity == INERTIA else
                                  find_extrema(linkage, quantity, rate, acceleration, **options))]
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
-    quantities = _resolve(quantities, linkage)
+    quantities = resolve(quantities, linkage)
     check()
     part = None if within is None else _checked_part(linkage, within)
     search = Search(linkage, quantities, (rate, acceleration), part)
@@ -190,7 +190,7 @@ def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:
     return [one._replace(quantity=INERTIA, unit=unit) for one in found]
 
 
-def _resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
+def resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
     """Return names, quantities and functions, one or several, as quantities; refuse others."""
     if _is_one(quantities):
         quantities = (quantities,)
@@ -235,7 +235,7 @@ def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], pro
               'not certain: rounding errors hide which is the most extreme' if i in in_doubt
               else proof for i, one in enumerate(found)]
     angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
-    return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
+    return [Extremum(name, symbol, mode, KINDS[one.sense], theta1, one.value,
                      i in first and not (is_refuted and isfinite(one.value)),
                      INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,

@@ -45,42 +45,6 @@ AROUND, NEWTON_STEPS = 12, 2
 ColumnFunction = Callable[[Array, Array], Array]
 
 
-class Phase(NamedTuple):
-    """
-    Inputs x for equal steps of a phase p: denser at 0 and pi, where mechanisms are near toggles.
-
-    tan(x/2) = turn tan(q/2) and tan q = pinch tan p: the first two steps of Landen's
-    transformation, which makes a complex period of a function as long as a real one. Each field
-    has shape (n, 1). With both 1 the input is the phase.
-    """
-
-    turn: Array
-    pinch: Array
-
-    @classmethod
-    def of_toggles(cls, at_0: Array, at_pi: Array) -> Phase:
-        """
-        Return the phase for toggles at inputs i a and pi + i b, by tanh(a/2) and tanh(b/2).
-
-        The first step makes them equally far away, with a tanh of sqrt(at_0 at_pi); the second
-        one moves them away from the real line.
-        """
-        far = np.sqrt(at_0 * at_pi)
-        return cls(np.sqrt(at_0 / at_pi)[:, None], np.sqrt(2.0 * far / (1.0 + far * far))[:, None])
-
-    def at(self, p: Array) -> tuple[Array, Array]:
-        """Return x in [0, 2 pi] and dx/dp at phases of shape (n, any)."""
-        cosine, sine = np.cos(p), self.pinch * np.sin(p)
-        size = cosine * cosine + sine * sine
-        length = np.sqrt(size)
-        up = np.where(cosine > 0.0, np.abs(sine), length - cosine)      # tan(q/2) is up/along
-        along = np.where(cosine > 0.0, length + cosine, np.abs(sine)) * np.where(sine < 0.0, -1, 1)
-        raised = self.turn * up
-        return (2.0 * np.arctan2(raised, along),
-                self.turn * self.pinch * (up * up + along * along)
-                / ((raised * raised + along * along) * size))
-
-
 class Turns(NamedTuple):
     """
     Extrema of q quantities of n mechanisms, at most r each.
@@ -100,18 +64,16 @@ def inputs(count: int) -> Array:
     return 2.0 * pi * (np.arange(count) + 0.5) / count
 
 
-def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle: Array,
-                 phase: Phase | None = None) -> Turns:
+def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle: Array) -> Turns:
     """
     Return the extrema of q quantities of n mechanisms whose cranks turn fully.
 
     Samples of a turn, ``count`` of them, give slopes; sign changes of these bracket extrema, which
-    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi. ``phase``: of
-    which the samples have equal steps, instead of the input; not for angles.
+    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi.
     """
     spacing = 2.0 * pi / count
     x = np.broadcast_to(inputs(count), (mechanisms, count))
-    samples = evaluate(x if phase is None else phase.at(x[:1])[0], np.arange(mechanisms))
+    samples = evaluate(x, np.arange(mechanisms))
     shape = samples.shape[:2]
     periodic, turns, is_positive = _periodic(samples, is_angle)
     with np.errstate(invalid='ignore'):
@@ -127,8 +89,8 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     slopes = slopes_of(periodic)
     slopes += spacing * turns
     slopes[:, (is_constant | is_doubtful).ravel()] = 1.0        # they get no brackets
-    roots, has_hidden = _bracketed(slopes, spacing, mechanisms, phase)
-    x, value, strays = _refined(evaluate, roots, is_positive)
+    roots, has_hidden = _bracketed(slopes, spacing, mechanisms)
+    x, value, strays = _refined(evaluate, roots, is_positive, spacing)
     is_doubtful |= has_hidden | strays
     places, values = (_by_quantity(roots, part, shape) for part in (x, value))
     if is_constant.any():       # as find_extrema lists a constant: once, where the range begins
@@ -175,14 +137,12 @@ class _Roots(NamedTuple):
 
     x: Array            # first guesses [rad]
     bend: Array         # how the slope rises there: the second derivative
-    spacing: Array      # of the samples there [rad]
     mechanism: Array    # of which it is an extremum, as an index
     quantity: Array
     rank: Array         # its number among those of the quantity
 
 
-def _bracketed(slopes: Array, spacing: float, mechanisms: int,
-               phase: Phase | None) -> tuple[_Roots, Array]:
+def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, Array]:
     """
     Return the roots of slopes, and which mechanisms may have more, shape (n,).
 
@@ -206,11 +166,8 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int,
         is_near = (share > -0.5) & (share < 1.5) & (bend * (fb - fa) > 0.0)
     share, bend = np.where(is_near, share, guess), np.where(is_near, bend, fb - fa)
     has_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
-    x, local = (i + share + 0.5) * spacing, np.full(i.shape, spacing)
-    if phase is not None:
-        x, slope = Phase(phase.turn[mechanism, 0], phase.pinch[mechanism, 0]).at(x)
-        local *= slope
-    return _Roots(x, bend / local**2, local, mechanism, quantity,
+    x = (i + share + 0.5) * spacing
+    return _Roots(x, bend / spacing**2, mechanism, quantity,
                   rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)), has_hidden
 
 
@@ -228,8 +185,8 @@ def _by_quantity(roots: _Roots, numbers: Array, shape: tuple[int, ...]) -> Array
     return table
 
 
-def _refined(evaluate: ColumnFunction, roots: _Roots,
-             is_positive: Array) -> tuple[Array, Array, Array]:
+def _refined(evaluate: ColumnFunction, roots: _Roots, is_positive: Array,
+             spacing: float) -> tuple[Array, Array, Array]:
     """
     Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).
 
@@ -257,7 +214,6 @@ def _refined(evaluate: ColumnFunction, roots: _Roots,
             values[left] = np.where(squared, np.sqrt(np.maximum(value * value + rise, 0.0)),
                                     value + 0.5 * rise)
             x[left] += step
-            spacing = roots.spacing[left]
             is_far = ~(np.abs(x[left] - start[left]) <= spacing)
             last_step = np.where(np.isnan(last_step), RESOLVED * spacing, last_step)
             moves = ~(np.abs(step * last_step) <= CLOSE * spacing * spacing)

@@ -16,6 +16,7 @@ from fourbar_ros.mechanics.newton_euler import needs_of
 from fourbar_ros.mechanisms.curves import FIXED, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.quadrature import mean_over_input
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -71,20 +72,21 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
                                  for m, d_x, d_y, inertia in apart))
 
 
-def middles(low: float, high: float, count: int = 720) -> Array:
-    """Return the middles of equal parts of a range."""
-    return low + (np.arange(count) + 0.5) / count * (high - low)
-
-
-def mean_rigid(mechanism: Mechanism, count: int = 720) -> Rigid:
+def mean_rigid(mechanism: Mechanism) -> Rigid:
     """Return the mean over the input of the mass matrices of a mechanism held rigid."""
-    inputs = np.concatenate([middles(low, high, count) for low, high in mechanism.input_ranges])
+    def moments(x: Array) -> Array:
+        """Return centre of gravity and inertia about O1 at inputs, shape (3, n)."""
+        held = held_rigid(mechanism, mechanism.motion(x))
+        about_o1 = held.inertia + held.mass * (held.x * held.x + held.y * held.y)
+        return np.array([np.broadcast_to(value, x.shape) for value in (held.x, held.y, about_o1)])
+
+    mass = sum(body.mass for body, _ in mechanism.loads_of_links().values())
+    size = max(map(abs, mechanism.lengths))
     with np.errstate(all='ignore'):
-        held = held_rigid(mechanism, mechanism.motion(inputs))
-        x, y, about_o1 = (float(np.mean(value)) for value in (
-            held.x, held.y, held.inertia + held.mass * (held.x * held.x + held.y * held.y)))
-    about_centre = about_o1 - held.mass * (x * x + y * y)
-    return Rigid(held.mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
+        x, y, about_o1 = map(float, mean_over_input(mechanism, moments,
+                                                    least_size=(size, size, 0.0)))
+    about_centre = about_o1 - mass * (x * x + y * y)
+    return Rigid(mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 
 
 def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFields:

@@ -16,7 +16,7 @@ Value = TypeVar('Value', float, Array)
 Values = Union[float, Array]
 
 
-def sine_between(low: float, high: float, phi: Any) -> Array:
+def sine_between(low: Value, high: Value, phi: Any) -> Array:
     """Return middle + half sin(phi) of two ends, from the nearer one, which keeps its digits."""
     width = high - low
     return np.where(phi.real < 0.0, low + width * np.sin(0.5 * (phi + 0.5 * pi))**2,

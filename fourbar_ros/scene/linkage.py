@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import isnan, radians, tau
+from math import inf, isnan, radians, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -260,12 +260,15 @@ def _carried(scene: Scene) -> Iterator[str]:
     carried, linkage = scene.drive.carried_inertia, scene.bare_linkage
     if not carried or not scene.has_loads:
         return
-    from fourbar_ros.mechanisms.inertia import middles  # other scenes do without
-    inertia = [value for low, high in linkage.input_ranges
-               for value in linkage.inertia(middles(low, high)).tolist()]
-    least, most = min(inertia), max(inertia)
+    from fourbar_ros.extrema.over_input import OverInput  # other scenes do without
+    inertia = OverInput(linkage, 'inertia')
+    assert inertia.least and inertia.most       # it is no angle
+    least, most = inertia.least.value, inertia.most.value
     beyond = max(abs(most - carried), abs(least - carried)) - carried
-    if beyond > 0.0:
+    if most == inf:
+        yield (f'drive.carried_inertia = {carried:g}: the inertia at the input grows without '
+               'bound at the ends of the input: unstable there with any rotor')
+    elif beyond > 0.0:
         yield (f'drive.carried_inertia = {carried:g}: the inertia at the input goes up to '
                f'{most:.4g}: unstable with a rotor lighter than {beyond:.4g}; '
                f'{0.5 * (least + most):.4g} would do with any')

@@ -16,10 +16,10 @@ from fourbar_lab.balancing import (
 from fourbar_lab.balancing.cone import peak
 from fourbar_lab.balancing.loads import Loads, numbers_of
 from fourbar_lab.balancing.result import scene_values
-from fourbar_lab.quadrature import nodes
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest

@@ -7,9 +7,9 @@ import re
 import subprocess
 import sys
 
-from fourbar_lab.drawing.record import output_ranges
 from fourbar_ros import FourBar
 from fourbar_ros.cli.main import main
+from fourbar_ros.extrema import output_ranges
 from fourbar_ros.scene import files as scene_file
 from fourbar_ros.scene import scene
 import numpy as np
@@ -111,16 +111,16 @@ def test_the_output_range_is_that_of_the_mode(lengths, mode):
     linkage = FourBar(*lengths, mode=mode)
     for low, high in linkage.input_ranges:
         theta4 = np.unwrap(linkage.motion(np.linspace(low, high, 20001)[1:-1]).theta4)
-        assert any(abs(np.ptp(theta4) - (b - a)) < 4e-2
-                   and abs(np.exp(1j * theta4.min()) - np.exp(1j * a)) < 2e-2
-                   for a, b in output_ranges(linkage))
-    both = [end % (2.0 * np.pi) for m in (1, 2) for pair in output_ranges(linkage.in_mode(m))
-            for end in pair]
+        swept, = [swept for swept in output_ranges(linkage) if swept.inputs == (low, high)]
+        assert abs(np.ptp(theta4) - swept.width) < 4e-2
+        assert swept.turns_fully or abs(np.exp(1j * theta4.min()) - np.exp(1j * swept.low)) < 2e-2
+    both = [end % (2.0 * np.pi) for m in (1, 2) for swept in output_ranges(linkage.in_mode(m))
+            for end in (swept.low, swept.high)]
     for low, high in linkage.output_ranges:
         if high - low < 6.28:
             for end in (low, high):
                 assert min(abs((end - e + np.pi) % (2.0 * np.pi) - np.pi)
-                           for e in both) < 1e-6, degrees(end)
+                           for e in both) < 1e-9, degrees(end)
 
 
 def test_the_output_does_not_change_from_run_to_run():

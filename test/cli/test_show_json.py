@@ -1,16 +1,23 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar show --json`` beside what ``fourbar show`` prints."""
+import csv
 import json
-from math import degrees, hypot
+from math import degrees, hypot, inf
 import re
 
 from fourbar_ros.cli.main import main
+from fourbar_ros.extrema import find_extrema
+from fourbar_ros.scene.files import folder
+from fourbar_ros.scene.scene import load
 import pytest
 from support.samples import more
 
 CASES = [('paper', '60'), ('slides_7_6', '60'), ('slider_crank', '40'), ('cylinder', '1.5'),
          ('watt', '20'), ('engine', '30'), ('quick_return', '75')]
+
+SCENES = sorted(file.stem for below in ('.', 'classics')
+                for file in (folder() / below).glob('*.yaml'))
 
 
 def said(capsys, *arguments):
@@ -84,3 +91,37 @@ def test_extrema_of_a_part_of_the_input_have_its_ends(capsys):
                        (['--from=30', '--to=20'], 'the lower one first')):
         assert main(['show', 'paper', *wrong]) != 0
         assert why in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('name', more(['paper', 'roberts', 'engine', 'bucket'], SCENES))
+def test_printed_peaks_are_the_extrema_or_say_that_they_are_sampled(name, tmp_path, capsys):
+    """Of the drive in show and table --speeds, and of the inertia; 24 shipped scenes have both."""
+    scene = load(name)
+    found, linkage = json.loads(said(capsys, 'show', name, '--json')), scene.bare_linkage
+    inertia = found['inertia_at_input']
+    if linkage.bodies is None or not scene.tells_loads:
+        assert 'drive_effort' not in found
+        return
+    values = [one.value for one in find_extrema(linkage, 'inertia')]
+    assert (float(inertia['least']), float(inertia['most'])) == (min(values), max(values))
+    assert (float(inertia['mean']) == inf) == (max(values) == inf)
+    effort, speed = found['drive_effort'], found['speed']
+    sizes = [abs(float(one['value'])) for one in found['extrema']
+             if one['quantity'] == linkage.drive_load]
+    assert bool(sizes) != bool(scene.elements)
+    assert effort['samples'] is None or scene.elements
+    if sizes:
+        assert float(effort['peak']) == max(sizes)
+    assert (float(effort['root_mean_square']) == inf) == (float(effort['peak']) == inf)
+    unit = 'N' if linkage.is_driven_by_slide else 'N m'
+    line = (f'root mean square {float(effort["root_mean_square"]):.6g} {unit}, peak '
+            f'{float(effort["peak"]):.6g} {unit} over the input')
+    text = said(capsys, 'show', name)
+    assert line + f' of {effort["samples"]} samples' * bool(effort['samples']) in text
+    file, speeds = tmp_path / 'servo.csv', [f'{speed!r}'] * 2
+    said(capsys, 'table', name, '--speeds', *speeds, '-o', str(file))
+    head, *rows = csv.reader(file.read_text().splitlines())
+    assert [float(cell) for cell in rows[-1]] == pytest.approx(
+        [speed, float(effort['root_mean_square']), float(effort['peak']),
+         float(effort['peak']) * abs(speed)], rel=1e-12)
+    assert ('samples' in head[1]) == bool(effort['samples'])

@@ -10,8 +10,8 @@ exact roots.
 from math import pi
 
 from fourbar_lab.drawing import collineation_axis
+from fourbar_lab.studies import find_extrema_many
 from fourbar_ros import find_extrema, FourBar, InvalidParameter, InvertedSlider, SliderCrank
-from fourbar_ros.extrema import find_extrema_many
 import numpy as np
 import pytest
 from support.samples import more
@@ -75,7 +75,7 @@ def test_every_extremum_lies_where_the_axis_says(count):
     lengths, mode = lengths[:, closes], mode[closes]
     found, checked = find_extrema_many(*lengths, mode=mode), 0
     for which, name in enumerate(RATES):
-        index, theta, *_, side = found[name]
+        index, theta, *_, side, _ = found[name]
         of_next = np.diff(index, append=-1) == 0
         apart = np.where(of_next, np.diff(theta, append=theta[:1]), pi)
         is_alone = (np.minimum(apart, np.roll(apart, 1)) > 100.0 * NEAR) & (side == 0)

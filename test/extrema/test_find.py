@@ -4,9 +4,7 @@
 from itertools import pairwise
 from math import inf, isinf, pi
 
-from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, MissingBodies, SliderCrank
-from fourbar_ros.extrema import batch as many_module
-from fourbar_ros.extrema.batch import find_extrema_many
+from fourbar_ros import FourBar, InvertedSlider, MissingBodies, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.quantities import known_quantities, Quantity, select, UnknownQuantity
@@ -142,9 +140,8 @@ def test_all_are_found_next_to_change_points(lengths):
 
 @pytest.mark.parametrize('lengths', PAIRS)
 def test_close_pairs_are_found(lengths):
-    found, many = find_extrema(FourBar(*lengths), RATES), find_extrema_many(*lengths)
+    found = find_extrema(FourBar(*lengths), RATES)
     assert [len(of(found, quantity)) for quantity in RATES] == counts(lengths)
-    assert [int((many[quantity].side == 0).sum()) for quantity in RATES] == counts(lengths)
 
 
 def test_a_pair_whose_values_rounding_cannot_tell_apart_is_none():
@@ -292,57 +289,3 @@ def test_sorted_by_quantity_and_angle_and_reproducible():
         assert all(one != other for one, other in zip(kinds, kinds[1:] + kinds[:1]))
         values = QUANTITIES[name].of(*linkage.step(np.array(angles), 7.0))
         assert values == pytest.approx([e.value for e in of(found, name)], rel=64 * EPS)
-
-
-def test_many_linkages_give_what_each_gives_alone():
-    rng = np.random.default_rng(11)
-    lengths = rng.uniform(0.1, 1.0, (4, 60))
-    lengths[3, :20] = (lengths[1, :20] + lengths[2, :20]
-                       - lengths[0, :20]) * (1.0 + 10.0**rng.uniform(-12.0, -2.0, 20))
-    lengths[:, 40:] = 0.01**rng.uniform(0.0, 1.0, (4, 20))
-    lengths[:, 20:23] = np.transpose([(2.0, 4.0, 3.0, 5.0), (1.0, 2.0, 1.0, 2.0),
-                                      (1.0, -2.0, 1.0, 1.0)])
-    modes, rates = rng.integers(1, 3, 60), rng.normal(0.0, 3.0, 60)
-    many = find_extrema_many(*lengths, modes, rates)
-    for j in range(60):
-        try:
-            alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(modes[j])), RATES,
-                                 float(rates[j]))
-        except InvalidParameter:
-            alone = []
-        for name in RATES:
-            rows = np.nonzero(many[name].index == j)[0]
-            expected = [e for e in alone if e.quantity == name]
-            assert rows.size == len(expected)
-            for row, e in zip(rows, expected):
-                place, size = np.nan_to_num((e.condition, e.value_condition))      # NaN at ends
-                assert angle_between(many[name].theta1[row], e.theta1) <= 10 * EPS * (6 + place)
-                assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + size))
-                assert many[name].is_global[row] == e.is_global and many[name].side[row] == e.side
-                assert e.kind == 'constant' or many[name].is_maximum[row] == (e.kind == 'maximum')
-
-
-def test_cranks_are_seldom_searched_one_by_one(monkeypatch):
-    alone, search = [], many_module.find_extrema
-    monkeypatch.setattr(many_module, 'find_extrema', lambda *arguments: alone.append(arguments)
-                        or search(*arguments))
-    rng = np.random.default_rng(3)
-    find_extrema_many(rng.uniform(0.2, 0.4, 2000), 1.2, rng.uniform(0.7, 0.9, 2000), 1.0)
-    assert len(alone) < 10
-
-
-def test_many_in_arrays_of_two_dimensions():
-    lengths = np.array(PAPER)[:, None, None] * np.ones((4, 2, 3))
-    lengths[1, 1, 2] = 1.1
-    many, flat = (find_extrema_many(*lengths, rate=[[1.0], [2.0]]),
-                  find_extrema_many(*lengths.reshape(4, 6), rate=[1.0] * 3 + [2.0] * 3))
-    for name in RATES:
-        assert all((one == other).all() for one, other in zip(many[name], flat[name]))
-    assert set(many['omega4'].index) == set(range(6))
-
-
-def test_many_refuses_rates_and_modes_it_cannot_use():
-    with pytest.raises(InvalidParameter):
-        find_extrema_many(*PAPER, rate=0.0)
-    with pytest.raises(InvalidParameter):
-        find_extrema_many(*PAPER, mode=3)

@@ -23,7 +23,6 @@ from fourbar_ros import (
     Toggle,
 )
 from fourbar_ros.errors import BagError
-from fourbar_ros.extrema.batch import find_extrema_many
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import (
@@ -164,8 +163,6 @@ def test_other_functions_refuse_what_is_no_number():
         for value in ('1', None, 1j, nan, 1e160, -1e300):
             with pytest.raises(InvalidParameter, match=f'^{name}'):
                 find_extrema(linkage, ('omega4', 'shaking_force'), **{name: value})
-    with pytest.raises(InvalidParameter, match=r'^rate = .* at most 1e\+100'):
-        find_extrema_many(0.4, 1.2, 0.8, 1.0, rate=[1.0, 1e160])
     with pytest.raises(InvalidParameter, match=r'^start = nan'):
         Transmission(linkage, nan)
     with pytest.raises(InvalidParameter, match=r"^driven = 'foo': must be one of crank"):
@@ -175,10 +172,6 @@ def test_other_functions_refuse_what_is_no_number():
             make()
     with pytest.raises(InvalidParameter, match='^linkage'):
         find_extrema('linkage')
-    with pytest.raises(InvalidParameter, match='^a2'):
-        find_extrema_many(0.4, ['1.2'], 0.8, 1.0)
-    with pytest.raises(InvalidParameter, match='^a1, a2'):
-        find_extrema_many([0.4, 0.5], [1.2, 1.1, 1.0], 0.8, 1.0)
     with pytest.raises(InvalidParameter, match='^along'):
         point_motion(linkage, linkage.motion(1.0), 'coupler', '0.2')
 

@@ -1,10 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Measures of designs of every kind beside a dense scan of the mechanism itself."""
-from math import acos, inf, isnan, pi
+from dataclasses import replace
+from math import acos, inf, isnan, pi, remainder, tau
 
 from fourbar_lab.studies import chunks
 from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.design import Design
+from fourbar_lab.studies.measures import Measures
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -76,9 +79,9 @@ def test_measures_are_those_of_a_dense_scan(name):
             assert abs(value - expected) < 2e-6 * size, (measure.name, value, expected)
             if measure.part in ('max', 'peak'):
                 assert value >= expected - 1e-12 * size
-        of_input = scene.linkage.input_ranges
         if 'input_range' in columns:
-            assert columns['input_range'][i] == sum(high - low for low, high in of_input)
+            (low, high), *others = scene.linkage.input_ranges
+            assert others or columns['input_range'][i] == high - low
 
 
 def test_swing_and_time_ratio_of_a_crank_rocker_follow_from_its_dead_points():
@@ -91,6 +94,51 @@ def test_swing_and_time_ratio_of_a_crank_rocker_follow_from_its_dead_points():
         ratio = max(forward, 2.0 * pi - forward) / min(forward, 2.0 * pi - forward)
         assert abs(columns['swing'][i] - abs(one.theta4 - other.theta4)) < 1e-12
         assert abs(columns['time_ratio'][i] - ratio) < 1e-9 * ratio
+
+
+@pytest.mark.parametrize('start', [-1.2, 1.2, 3.0, -1.2 + 4.0 * pi])
+def test_swing_and_input_range_are_those_of_the_range_that_holds_the_start(start):
+    """Or else of the widest. Both ranges together gave 4.3186 rad for 0.8342 or 0.8226."""
+    study = from_document({'scene': 'paper', 'rows': 64, 'seed': 1, 'keep': 'all',
+                           'vary': {f'linkage.a{i}': {'range': [0.2, 1.2]} for i in (1, 2, 3, 4)},
+                           'quantities': ['swing', 'input_range']})
+    study = replace(study, values={**study.values, 'drive.start': start})
+    columns, several = compute(study, 0).columns, 0
+    for i, row in enumerate(columns['row'].tolist()):
+        linkage = scene_of(study, row).linkage
+        swept = {}
+        for low, high in linkage.input_ranges:
+            phi = (np.arange(SCAN) + 0.5) / SCAN * pi - 0.5 * pi
+            x = 0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi)
+            angles = np.unwrap(linkage.motion(x).theta4)
+            swept[low, high] = tau if linkage.turns_fully and abs(
+                angles[-1] - angles[0]) > pi else np.ptp(angles)
+        held = [bounds for bounds in swept if bounds[0] <= remainder(start, tau) <= bounds[1]
+                or bounds[0] <= remainder(start, tau) + tau <= bounds[1]]
+        low, high = max(held or swept, key=lambda bounds: bounds[1] - bounds[0])
+        several += len(swept) > 1
+        assert columns['input_range'][i] == high - low
+        assert columns['swing'][i] == pytest.approx(swept[low, high], abs=2e-3)
+    assert several > 5
+
+
+def test_an_output_that_turns_fully_and_reverses_swings_a_turn():
+    """Its extrema are 0.573 rad apart."""
+    values = {'linkage.kind': 'machine', 'linkage.dyads': ['one', 'two'], 'linkage.output': 'bar',
+              **{f'dyads.one.{name}': value for name, value in {
+                  'kind': 'RRR', 'first.link': 'crank', 'first.along': 0.41794208,
+                  'second.link': 'ground', 'second.along': 1.0, 'links': ['coupler', 'rocker'],
+                  'length_1': 1.02850654, 'length_2': 1.10355668, 'mode': 2}.items()},
+              **{f'dyads.two.{name}': value for name, value in {
+                  'kind': 'RPR', 'first.link': 'coupler', 'first.along': 0.10309871,
+                  'first.across': -1.17079605, 'second.link': 'ground',
+                  'second.along': 1.02996685, 'second.across': -0.39033883,
+                  'links': ['block', 'bar'], 'offset': 0.0, 'mode': 2}.items()},
+              'drive.speed': 10.0, 'outputs': ['state']}
+    design = Design(from_values(values))
+    swing = Measures(design.scene).one('quantities', 'swing')
+    design.search([swing])
+    assert design.of(swing) == tau
 
 
 @pytest.mark.parametrize('a4', [0.7, 0.8, 0.9])

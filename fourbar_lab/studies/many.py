@@ -1,0 +1,165 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Extrema of the output's rate and acceleration of many four-bars, given as arrays of lengths.
+
+They are designs of a study: :mod:`fourbar_lab.studies.block` searches together those whose cranks
+turn fully. Other four-bars and those in doubt are searched one by one.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from fourbar_lab.studies.block import Designs, in_parts, search
+from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
+from fourbar_ros.mechanisms.four_bars import FourBar
+from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros.mechanisms.quantities import QUANTITIES
+from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.given import array, FASTEST
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+from numpy.typing import ArrayLike
+
+RATES = 'omega4', 'alpha4'
+# Linkages searched together: of two quantities the samples of so many stay in the cache.
+TOGETHER = 512
+# Values nearer to each other than this part of them may be equal, as far as their conditions tell.
+NEARLY = 1e-8
+# A four-bar whose crank turns fully: the parameters of all designs but those that are given.
+SCENE = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
+         'outputs': ['state']}
+
+
+class Extrema(NamedTuple):
+    """
+    Extrema of one quantity of many linkages, by linkage, then theta1; arrays of shape (extrema,).
+
+    Where a quantity is constant over a range (a parallelogram), the beginning of the range is
+    listed, as a maximum if no value is larger, else as a minimum. A linkage without extrema has
+    one row, of NaN, and the reason.
+
+    Parameters
+    ----------
+    index : ndarray of int
+        Which linkage, in arrays of more dimensions counted as by ``ndarray.ravel``.
+    theta1, value : ndarray
+        Input angle [rad], in [0, 2 pi), and the quantity there; +-inf at toggles.
+    is_maximum, is_global : ndarray of bool
+    side : ndarray of int
+        0 inside the input range; at an end of it +1 (-1): approached from above (below).
+    reason : ndarray of str
+        Why a linkage has no extrema, as that it cannot be assembled; else ''.
+
+    """
+
+    index: Array        # type: ignore[assignment]     # hides the method of tuples
+    theta1: Array
+    value: Array
+    is_maximum: Array
+    is_global: Array
+    side: Array
+    reason: Array
+
+
+def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
+                      mode: ArrayLike = OPEN, rate: ArrayLike = 1.0) -> dict[str, Extrema]:
+    """
+    Return all extrema of omega4 and alpha4 of many four-bars at constant input rate.
+
+    Those whose cranks turn fully take some hundredths of a millisecond, as in a study, others
+    milliseconds each. (The search of its own that this function had before version 2 took less
+    than half of that.) Each linkage answers for itself: one without extrema ends no others.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4 : array_like
+        Lengths [m]; broadcast.
+    mode, rate : array_like
+        Assembly mode (1 or 2) and input rate [rad/s], not zero.
+
+    Returns
+    -------
+    dict of str to Extrema
+        For 'omega4' and 'alpha4'.
+
+    """
+    given = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4, 'mode': mode, 'rate': rate}
+    columns = [array(name, value) for name, value in given.items()]
+    try:
+        columns = [column.ravel() for column in np.broadcast_arrays(*columns)]
+    except ValueError:
+        raise InvalidParameter(', '.join(given), [column.shape for column in columns],
+                               'must have shapes that broadcast') from None
+    *lengths, mode, rate = columns
+    if not ((np.abs(rate) <= FASTEST) & (rate != 0.0)).all():
+        raise InvalidParameter('rate', rate, f'must be at most {FASTEST:g} in size, not zero')
+    if not ((mode == CROSSED) | (mode == OPEN)).all():
+        raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
+    names = (*(f'linkage.{name}' for name in ('a1', 'a2', 'a3', 'a4', 'mode')), 'drive.speed')
+    scene, parts = from_values(SCENE), {name: list[Extrema]() for name in RATES}
+
+    def searched(which: Array, count: int) -> Array:
+        """Search some linkages together, from samples of a turn; return which are done."""
+        designs = Designs(scene, scene.values,
+                          {name: column[which] for name, column in zip(names, columns)})
+        turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, count)
+        compared = [_compared(*both) for both in zip(turns.values, turns.counts)]
+        done = designs.are_allowed() & ~turns.is_doubtful
+        for *_, has_ties in compared:
+            done &= ~has_ties
+        for name, places, values, (is_maximum, is_global, _) in zip(
+                RATES, turns.places, turns.values, compared):
+            row, k = np.nonzero(np.isfinite(places) & done[:, None])
+            parts[name].append(Extrema(
+                which[row], places[row, k], values[row, k], is_maximum[row, k], is_global[row, k],
+                np.zeros(row.size, int), np.full(row.size, '', object)))
+        return done
+
+    for index in in_parts(np.arange(rate.size), searched, TOGETHER).tolist():
+        extrema, reason = list[Extremum](), ''
+        try:
+            linkage = FourBar(*[length[index].item() for length in lengths])
+            extrema = find_extrema(linkage.in_mode(int(mode[index])), RATES, rate[index].item())
+        except FourBarError as error:
+            reason = str(error)
+        for name in RATES:
+            parts[name].append(_columns(index, [one for one in extrema if one.quantity == name],
+                                        reason))
+    return {name: _sorted(found) for name, found in parts.items()}
+
+
+def _sorted(parts: Sequence[Extrema]) -> Extrema:
+    """Return extrema of one quantity, given in parts, by linkage and theta1."""
+    whole = Extrema(*map(np.concatenate, zip(*parts)))
+    order = np.lexsort((whole.theta1, whole.index))
+    return Extrema(*(column[order] for column in whole))
+
+
+def _columns(index: int, extrema: list[Extremum], reason: str) -> Extrema:
+    """Return the extrema of one quantity of one linkage as arrays, or the reason for none."""
+    largest = max([one.value for one in extrema], default=0.0)
+    rows = [(index, one.theta1, one.value,
+             one.kind == MAXIMUM or one.kind == CONSTANT and one.value == largest, one.is_global,
+             one.side, '') for one in extrema]
+    rows = rows or [(index, np.nan, np.nan, False, False, 0, reason)]
+    types = int, float, float, bool, bool, int, object
+    return Extrema(*(np.array(column, kind) for column, kind in zip(zip(*rows), types)))
+
+
+def _compared(values: Array, counts: Array) -> tuple[Array, Array, Array]:
+    """
+    Return which extrema, in rows, are maxima, which are global, and which rows have ties.
+
+    A tie is a value so near to the best one that conditions must tell whether it is global.
+    """
+    # maxima and minima alternate: a maximum is not below the next one
+    after = (np.arange(values.shape[1]) + 1) % np.maximum(counts, 1)[:, None]
+    is_maximum = values >= np.take_along_axis(values, after, axis=1)
+    best = np.where(is_maximum, np.fmax.reduce(values, axis=1, initial=-np.inf)[:, None],
+                    np.fmin.reduce(values, axis=1, initial=np.inf)[:, None])
+    beyond, size = np.abs(best - values), np.abs(best)
+    is_global = beyond <= 64 * EPS * size
+    return is_maximum, is_global, ((beyond <= NEARLY * size) & ~is_global).any(axis=1)

@@ -1,0 +1,207 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Peak, mean and root mean square of a quantity over the input, and what an output sweeps.
+
+Every table, record, study and warning takes them from here. Peaks and ends of ranges are extrema,
+not samples; means are integrals that settle to 1e-12.
+
+>>> from fourbar_ros import load_scene
+>>> from fourbar_ros.extrema import OverInput
+>>> torque = OverInput(load_scene('paper').linkage, 'driving_torque', rate=25.0)
+>>> f'peak {torque.peak:.4f} N m, root mean square {torque.rms:.4f} N m'
+'peak 720.4716 N m, root mean square 217.2600 N m'
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from math import inf, isfinite, isinf, nan, pi, sqrt, tau
+from typing import NamedTuple
+
+from fourbar_ros.extrema.find import (
+    AskedQuantity,
+    CONSTANT,
+    Extremum,
+    find_extrema,
+    INERTIA,
+    KINDS,
+    resolve,
+)
+from fourbar_ros.extrema.input_paths import input_paths
+from fourbar_ros.extrema.path_search import PathExtremum, search_path
+from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.extrema.search import SAMPLES
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import Coordinate, Ranges
+from fourbar_ros.mechanisms.quadrature import mean_over_input, nodes
+from fourbar_ros.mechanisms.quantities import positions
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+FEW = 8         # inputs at which a quantity's size is looked up, before its squares are added
+NEAR_END = 2.0**-33      # of a range: the distance at which growth towards its end is looked at
+
+
+class OverInput:
+    """
+    Peak, mean and root mean square of one quantity over the input, at constant rate.
+
+    Arguments and errors as of :func:`.find_extrema`; ``extrema``: what that found, if it is known.
+    Each figure is computed when it is first asked for, in the quantity's unit. Infinite where the
+    quantity grows without bound and the figure with it; NaN if it is not certain.
+    """
+
+    def __init__(self, linkage: Mechanism, quantity: AskedQuantity, rate: float = 1.0,
+                 acceleration: float = 0.0, within: tuple[float, float] | None = None,
+                 extrema: Sequence[Extremum] | None = None) -> None:
+        """Note what is to be computed."""
+        if quantity == INERTIA:         # the drive at rest, accelerated by one
+            linkage, quantity = linkage.weightless, linkage.drive_load
+            rate, acceleration = 0.0, 1.0
+        self._linkage, self._rates, self._within = linkage, (rate, acceleration), within
+        self._quantity, = resolve(quantity, linkage)
+        if extrema is not None:
+            self.extrema = list(extrema)
+
+    @cached_property
+    def extrema(self) -> list[Extremum]:
+        """Return all extrema."""
+        return find_extrema(self._linkage, self._quantity, *self._rates, conditions=False,
+                            within=self._within)
+
+    @property
+    def least(self) -> Extremum | None:
+        """Return the least extremum; None of an angle that only turns on."""
+        return min(self.extrema, key=lambda extremum: extremum.value, default=None)
+
+    @property
+    def most(self) -> Extremum | None:
+        """Return the largest extremum; None of an angle that only turns on."""
+        return max(self.extrema, key=lambda extremum: extremum.value, default=None)
+
+    @property
+    def peak(self) -> float:
+        """Return the largest magnitude."""
+        sizes = [abs(extremum.value) for extremum in self.extrema]
+        return float(np.max(sizes)) if sizes else nan       # NaN if one of them is
+
+    @cached_property
+    def mean(self) -> float:
+        """Return the mean; NaN too if its integral diverges in both directions."""
+        if self._is_constant:
+            return self.extrema[0].value
+        divergent = {extremum.value for extremum in self.extrema
+                     if isinf(extremum.value) and self._diverges_at(extremum)}
+        if divergent:
+            return divergent.pop() if len(divergent) == 1 else nan
+        mean, = mean_over_input(self._linkage, self._values, self._ranges)
+        return float(mean)
+
+    def _diverges_at(self, extremum: Extremum) -> bool:
+        """
+        Return whether the integral diverges at an end where the quantity grows without bound.
+
+        There it is a power of the root of the distance d. Only one over that root is integrable:
+        it doubles as d falls to a quarter, where the next power, 1/d, grows fourfold.
+        """
+        width = min(high - low for low, high in self._linkage.input_ranges)
+        d = width * NEAR_END * np.array((1.0, 0.25))
+        far, near = np.abs(self._values(extremum.input + extremum.side * d))[0]
+        return bool(near > 3.0 * far)
+
+    @cached_property
+    def rms(self) -> float:
+        """Return the root mean square."""
+        # of a full turn the integral tells by itself whether it is finite, without a search
+        if not self._linkage.turns_fully and self.peak == inf:
+            return inf          # it grows as one over the root of the distance, at least
+        # over the size of a few values, so that no square overflows
+        few, _ = nodes(self._linkage, FEW, self._ranges)
+        scale = float(np.fmax.reduce(np.abs(self._values(few)), axis=None)) or 1.0
+        mean, = mean_over_input(self._linkage, lambda x: np.square(self._values(x) / scale),
+                                self._ranges)
+        if isfinite(mean):
+            return scale * sqrt(mean)
+        if self._is_constant:
+            return abs(self.extrema[0].value)
+        return inf if self.peak == inf else nan
+
+    def _values(self, x: Array) -> Array:
+        """Return the quantity at inputs, shape (1, n)."""
+        with np.errstate(all='ignore'):
+            values = self._quantity.of(*self._linkage.motion_and_loads(x, *self._rates))
+        return np.broadcast_to(values, x.shape)[None]
+
+    @cached_property
+    def _ranges(self) -> Ranges:
+        """Return the parts of the input that lie ``within``; () for all of it."""
+        if self._within is None:
+            return ()
+        unit = self._linkage.input_unit
+        return tuple([(unit * path.low.x, unit * path.high.x)
+                      for path in input_paths(self._linkage, SAMPLES, self._within)
+                      if path.low and path.high])
+
+    @property
+    def _is_constant(self) -> bool:
+        """Return whether it is one constant all over the input, or its rounding."""
+        return (bool(self.extrema) and {one.kind for one in self.extrema} == {CONSTANT}
+                and len({one.value for one in self.extrema}) == 1)
+
+
+# --- what an output sweeps -----------------------------------------------------------------------
+
+class OutputRange(NamedTuple):
+    """What a coordinate sweeps while the input goes over one of its ranges."""
+
+    inputs: tuple[float, float]     # this range of the input [rad or m]
+    low: float                      # [rad or m]; of full turns -pi and pi
+    high: float
+    turns_fully: bool               # a turn of the input turns it on, with reversals or without
+    extrema: tuple[Extremum, ...]   # ends of the input among them; () of full turns
+
+    @property
+    def width(self) -> float:
+        """Return by how much it moves [rad or m]; 2 pi of full turns."""
+        return self.high - self.low
+
+
+def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None) -> list[OutputRange]:
+    """
+    Return what a coordinate sweeps in the mode of a linkage, for each range of the input.
+
+    ``coordinate``: by default that of the first output. Angles are continuous; the middle of each
+    range lies within half a turn of zero.
+    """
+    coordinate = coordinate or linkage.outputs[0].coordinate
+    quantity = positions(linkage, linkage.input)[coordinate.position]
+    sampler, paths = Sampler(linkage, [quantity], (0.0, 0.0)), input_paths(linkage, SAMPLES)
+    unit, is_angle = linkage.input_unit, coordinate.unit == 'rad'
+
+    def whole_turns(angle: float) -> float:
+        """Return the whole turns [rad] nearest to an angle; none of a slide."""
+        return tau * round(angle / tau) if is_angle else 0.0
+
+    ranges = []
+    for low, high in linkage.input_ranges:
+        extrema, start, end = list[PathExtremum](), nan, nan
+        for path in paths:              # several where flat positions lie within the range
+            if linkage.turns_fully or low < unit * path.x[path.x.size // 2] < high:
+                first, last = sampler.along(path).values[0, [0, -1]].tolist()
+                turns = whole_turns(end - first) if end == end else 0.0
+                start, end = first if start != start else start, last + turns
+                extrema += [one._replace(value=one.value + turns)
+                            for one in search_path(sampler, path, False)]
+        if linkage.turns_fully and whole_turns(end - start):
+            ranges.append(OutputRange((low, high), -pi, pi, True, ()))
+            continue
+        lowest, highest = (choose(one.value for one in extrema) for choose in (min, max))
+        turns, is_slide = whole_turns(0.5 * (lowest + highest)), linkage.is_driven_by_slide
+        found = [Extremum(quantity.name, quantity.unit, linkage.mode, KINDS[one.sense],
+                          nan if is_slide else one.place, one.value - turns,
+                          one.value in (lowest, highest), side=one.side,
+                          slide=unit * one.place if is_slide else nan) for one in extrema]
+        ranges.append(OutputRange((low, high), lowest - turns, highest - turns, False,
+                                  tuple(found)))
+    return ranges

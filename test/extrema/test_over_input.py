@@ -1,0 +1,120 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Peaks, means and ranges over the input beside closed forms and dense scans of each range."""
+from math import inf, isnan, pi, sqrt, tau
+
+from fourbar_ros import Bodies, flat_bar, FourBar, load_scene, ScotchYoke
+from fourbar_ros.extrema import find_extrema, output_ranges, OverInput
+from fourbar_ros.machine import Dyad, Machine, Point
+from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
+import numpy as np
+import pytest
+from support.contract import with_rods
+
+EPS = 2.0**-52
+ROCKER = FourBar(0.97, 0.23, 0.91, 0.57, mode=1)            # has two ranges of its input
+
+
+def inside(low, high, count):
+    """Return inputs of a range, dense at its ends, and weights of their mean."""
+    phi = (np.arange(count) + 0.5) / count * pi - 0.5 * pi
+    weights = np.cos(phi)
+    return 0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi), weights / weights.sum()
+
+
+def test_figures_of_a_yoke_are_those_of_a_sine():
+    velocity = OverInput(ScotchYoke(0.05), 'slide_velocity', 30.0)
+    assert velocity.peak == pytest.approx(1.5, rel=8 * EPS)
+    assert velocity.rms == pytest.approx(1.5 / sqrt(2.0), rel=64 * EPS)
+    assert abs(velocity.mean) <= 64 * EPS
+    assert OverInput(ScotchYoke(0.05), 'slide_velocity', 1e90).rms == pytest.approx(
+        0.05e90 / sqrt(2.0), rel=64 * EPS)
+    assert OverInput(ScotchYoke(0.05), 'slide_acceleration', 1e99).rms == pytest.approx(
+        0.05e198 / sqrt(2.0), rel=64 * EPS)                 # its square overflows
+
+
+def test_the_mean_of_a_rate_is_what_the_output_moves_though_it_is_unbounded():
+    """As one over the root of the distance: the mean is finite, the mean square is not."""
+    linkage = FourBar(1.072, 0.219, 0.907, 0.201, mode=1)
+    rate, ((low, high),) = OverInput(linkage, 'omega4'), linkage.input_ranges
+    assert rate.peak == rate.rms == inf
+    first, last = (extremum.value for extremum in sorted(
+        find_extrema(linkage, 'theta4'), key=lambda one: -one.side) if extremum.side)
+    assert rate.mean == pytest.approx((last - first) / (high - low), rel=1e-10)
+
+
+def test_the_inertia_of_100_60_70_110_is_unbounded_and_has_no_mean():
+    """Its finite extrema alone are 0.000415528 twice, and a mean of samples was 0.0025."""
+    bars = [flat_bar(length, 7850.0, 0.02, 0.005) for length in (0.1, 0.06, 0.07)]
+    linkage = FourBar(0.1, 0.06, 0.07, 0.11, bodies=Bodies(*bars))
+    inertia = OverInput(linkage, 'inertia')
+    scan = np.concatenate([linkage.inertia(inside(*bounds, 20_001)[0])
+                           for bounds in linkage.input_ranges])
+    # beside its change point, 4e-17 of the perimeter away, the least is narrower than any scan
+    assert inertia.least.value == pytest.approx(linkage.inertia(inertia.least.input), rel=1e-6)
+    assert 0.0004 < inertia.least.value <= scan.min() * (1.0 + 8 * EPS)
+    assert inertia.most.value == inertia.mean == inertia.peak == inf
+    torque = OverInput(linkage, 'driving_torque', 1.0)      # +inf at one end, -inf at the other
+    assert isnan(torque.mean) and torque.rms == inf
+
+
+def test_a_jump_between_dyads_does_not_spoil_a_mean():
+    linkage, count = load_scene('toggle_press').linkage, 2**18
+    angles = linkage.motion(tau * (np.arange(count) + 0.5) / count).transmission_angle
+    jumps = np.abs(np.diff(angles, append=angles[:1]))
+    jumps = jumps[jumps > 0.01]
+    assert jumps.size                                       # each may fall anywhere in a step
+    angle = OverInput(linkage, 'transmission_angle')
+    assert angle.mean == pytest.approx(angles.mean(), abs=jumps.sum() / count)
+    assert angle.rms == pytest.approx(sqrt(np.mean(angles**2)), abs=pi * jumps.sum() / count)
+
+
+def test_peaks_beside_a_change_point_are_not_stepped_over():
+    linkage = with_rods((0.1, 0.5, 0.3, 0.7 - 1e-6))
+    count = 2**19
+    forces = linkage.loads(tau * np.arange(count) / count, 10.0).shaking_force
+    assert OverInput(linkage, 'shaking_force', 10.0).rms == pytest.approx(
+        sqrt(np.mean(forces**2)), rel=1e-10)
+    assert OverInput(linkage, 'shaking_force', 10.0).peak > forces.max() * (1.0 - EPS)
+
+
+def test_the_mean_of_a_linkage_held_rigid_is_that_of_a_scan():
+    for linkage in (with_rods((1.2, 0.4, 0.8, 1.0)), load_scene('gripper').linkage):
+        sums = np.zeros(2)
+        for low, high in linkage.input_ranges:
+            x, weights = inside(low, high, 100_001)
+            held = held_rigid(linkage, linkage.motion(x))
+            sums += (held.x @ weights, held.y @ weights)
+        mean = mean_rigid(linkage)
+        assert (mean.x, mean.y) == pytest.approx(sums / len(linkage.input_ranges), abs=1e-9)
+
+
+def test_what_an_output_sweeps_is_that_of_each_range_of_the_input():
+    for mode in (1, 2):
+        linkage = ROCKER.in_mode(mode)
+        for swept in output_ranges(linkage):
+            theta4 = np.unwrap(linkage.motion(inside(*swept.inputs, 20_001)[0]).theta4)
+            theta4 -= tau * round((theta4[0] - swept.low) / tau)
+            # an end of the scan is a width of 4e-9 from the toggle, where angles go as its root
+            assert np.array((swept.low, swept.high)) == pytest.approx(
+                (theta4.min(), theta4.max()), abs=2e-4)
+            assert {swept.low, swept.high} <= {extremum.value for extremum in swept.extrema}
+
+
+def test_an_output_that_turns_fully_and_reverses_on_the_way_sweeps_a_turn():
+    """Its extrema are 0.573 rad apart: it goes 6.856 rad forwards and 0.573 rad back."""
+    bar = reversing()
+    swept, = output_ranges(bar, bar.outputs[0].coordinate)
+    assert swept.turns_fully and swept.width == tau and not swept.extrema
+    angle = np.unwrap(bar.motion(np.linspace(0.0, tau, 4097)).theta_bar)
+    assert abs(angle[-1] - angle[0]) == pytest.approx(tau)
+    assert np.abs(np.diff(angle)).sum() == pytest.approx(6.856 + 0.573, abs=2e-3)
+
+
+def reversing():
+    """Return a machine whose bar is led around its pivot by a point of the coupler."""
+    one = Dyad('one', 'RRR', Point('crank', 0.41794208), Point('ground', 1.0),
+               ('coupler', 'rocker'), length_1=1.02850654, length_2=1.10355668, mode=2)
+    two = Dyad('two', 'RPR', Point('coupler', 0.10309871, -1.17079605),
+               Point('ground', 1.02996685, -0.39033883), ('block', 'bar'), offset=0.0, mode=2)
+    return Machine([one, two], output='bar')
