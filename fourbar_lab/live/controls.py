@@ -6,11 +6,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from fourbar_lab.live.model import Shown
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene import parameters
+from fourbar_ros.scene.parameters import as_number, unit_in
 from fourbar_ros.scene.settings import Parameter
 from nicegui import ui
 from nicegui.element import Element
-from nicegui.elements.mixins.value_element import ValueElement
 
 GROUPS = {'linkage': 'Linkage', 'dyads': 'Dyads', 'drive': 'Input', 'gravity': 'Gravity',
           'bodies': 'Bodies', 'external': 'Loads from outside', 'points': 'Points'}
@@ -20,30 +21,42 @@ SPAN = 2.5                                 # sliders reach so many times the fir
 OnChange = Callable[[str, float], None]       # takes a parameter's name and new value
 
 
-def number(label: str, value: float, change: Callable[[float], None], name: str = '',
-           span: tuple[float, float, float] | None = None) -> ui.number:
+def number(label: str, value: float, read: Callable[[str], float],
+           change: Callable[[float], None], name: str = '',
+           span: tuple[float, float, float] | None = None) -> ui.input:
     """
-    Build a field for a number; a typed one takes effect on Enter or on leaving it.
+    Build a field for a number with or without a unit; it takes effect on Enter or on leaving it.
 
-    ``name`` is the one for screen readers, by default the label; ``span``: low, high and step of a
-    slider beside it. A typed number may lie beyond its ends: it then stands at an end.
+    ``read`` gives the number of a text, or raises FourBarError, whose words then stand below the
+    text. An emptied field takes back what it had. ``name`` is the one for screen readers, by
+    default the label; ``span``: low, high and step of a slider beside it. A typed number may lie
+    beyond its ends: it then stands at an end.
     """
-    def take(new: float | None) -> None:
+    def take(new: float) -> None:
         nonlocal value
-        before, value = value, value if new is None else float(new)     # None: emptied
-        for shown in made:
-            shown.set_value(value)
+        before, value = value, new
+        typed.set_value(f'{value:.12g}')
+        typed.error = None
+        if slider:
+            slider.set_value(value)
         if value != before:
             change(value)
 
-    typed: ui.number = ui.number(label, value=value, format='%.12g').props(
-        f'dense step=any aria-label="{name or label}"').on('change', lambda: take(typed.value))
-    made: list[ValueElement] = [typed]
+    def take_text() -> None:
+        text = typed.value.strip()
+        try:
+            take(read(text) if text not in ('', f'{value:.12g}') else value)
+        except FourBarError as error:
+            typed.error = str(error)
+
+    typed: ui.input = ui.input(label, value=f'{value:.12g}').props(
+        f'dense hide-bottom-space aria-label="{name or label}"').on('change', take_text)
+    slider: ui.slider | None = None
     if span:
         low, high, step = span
-        made.append(ui.slider(min=low, max=high, step=step, value=value,
-                              on_change=lambda event: take(event.value)).props(
-            f'aria-label="{name} slider"').classes('col'))
+        slider = ui.slider(min=low, max=high, step=step, value=value,
+                           on_change=lambda event: take(float(event.value))).props(
+            f'aria-label="{name} slider"').classes('col')
     return typed
 
 
@@ -92,10 +105,10 @@ def _control(parameter: Parameter, shown: Shown, change: OnChange) -> None:
                          on_change=lambda event: change(name, event.value)).props(
             f'dense no-caps aria-label="{name}"')
     else:
-        unit = f' [{parameter.unit}]' if parameter.unit else ''
-        made = number(f'{name.split(".", 1)[1]}{unit}', float(value),
-                      lambda new: change(name, new), name,
-                      _span(parameter, float(value), shown)).classes('fb-number')
+        unit = unit_in(parameter, shown.scene.values)
+        made = number(f'{name.split(".", 1)[1]}{f" [{unit}]" if unit else ""}', float(value),
+                      lambda text: as_number(name, text, unit), lambda new: change(name, new),
+                      name, _span(parameter, float(value), shown)).classes('fb-number')
     text = parameter.text.partition('; for the sliders')[0]         # a page has no docs
     with made:                          # on its right: below is the next one
         ui.tooltip(text[0].upper() + text[1:]).props(

@@ -36,7 +36,9 @@ from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.stepper import INVALID_INPUT, OK, STATUS_NAMES
 from fourbar_ros.scene.linkage import warnings_of
+from fourbar_ros.scene.parameters import as_number
 from fourbar_ros.scene.settings import ParameterValues
+from fourbar_ros.scene.units import quantity, WrongQuantity
 from nicegui import background_tasks, run, ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
@@ -135,9 +137,11 @@ class Page:
             with ui.element('div').classes('fb-controls') as self.panel:
                 controls.build(self.shown, lambda name, value: self.change(
                     values={**self.state.values, name: value}))
-                controls.number('acceleration of the input', self.state.acceleration,
-                                lambda value: self.change(acceleration=value)).classes(
-                    'full-width')
+                unit = f'{"m" if self.shown.linkage.is_driven_by_slide else "rad"}/s^2'
+                controls.number(f'acceleration of the input [{unit}]', self.state.acceleration,
+                                lambda text: as_number('acceleration', text, unit),
+                                lambda value: self.change(acceleration=value),
+                                'acceleration of the input').classes('full-width')
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
@@ -239,10 +243,19 @@ class Page:
         self._remember()
 
     def _rest(self, event: GenericEventArguments) -> None:
-        """Take (input, count) from the player, and answer with the count."""
+        """Take (input, or its text as typed, count) from the player; answer with the count."""
         at, count = event.args
-        self.go(float(at))
+        try:
+            self.go(self._typed_input(at) if isinstance(at, str) else float(at))
+        except WrongQuantity as error:
+            self.problem = f'{self.shown.linkage.input_coordinate.position} = {at!r}: {error}'
+            self.draw()
         show(self.player, answered=count)
+
+    def _typed_input(self, text: str) -> float:
+        """Return a typed input in the unit of the page, which it has where none is typed."""
+        unit = 'm' if self.shown.linkage.is_driven_by_slide else 'rad'
+        return quantity(text, unit, plain_angle='deg')
 
     def go(self, at: float) -> None:
         """Go to an input given in the unit of the page."""

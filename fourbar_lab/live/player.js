@@ -16,7 +16,7 @@ export default {
         <q-slider class="col" aria-label="input" :min="bounds[0]" :max="bounds[1]" :step="(bounds[1] - bounds[0]) / 720"
                   :model-value="input" @update:model-value="scrub" @change="rest"
                   @keydown.home.prevent="rest(bounds[0])" @keydown.end.prevent="rest(bounds[1])"></q-slider>
-        <q-input dense type="number" step="any" class="fb-number" aria-label="input value" :label="label" :model-value="typed"
+        <q-input dense class="fb-number" aria-label="input value" :label="label" :model-value="typed"
                  @update:model-value="(text) => { typed = text; isTyping = true; }" @focus="isTyping = true"
                  @keydown.enter="type" @blur="type(); isTyping = false"></q-input>
         <span>seconds a cycle</span>
@@ -95,11 +95,10 @@ export default {
     type() {
       if (!this.isTyping || this.typed === this.shown(this.input)) return;
       this.isTyping = false;
-      const value = parseFloat(this.typed);
-      if (!isFinite(value)) return (this.typed = this.shown(this.input)); // emptied
+      if (!this.typed.trim()) return (this.typed = this.shown(this.input));
       this.isPlaying = false;
       this.asked += 1;
-      this.$emit("rest", [value, this.asked]);
+      this.$emit("rest", [this.typed, this.asked]); // the server reads its unit
     },
     play() {
       this.isPlaying = !this.isPlaying && Boolean(this.still);

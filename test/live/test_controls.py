@@ -11,11 +11,10 @@ from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
 import pytest
-from support.browser import needs_browser, Tab
+from support.browser import needs_browser, open_last_closed, Tab
 
 pytestmark = [needs_browser, pytest.mark.slow]
 KINDS = ['paper', 'jansen', 'cylinder']
-CLOSED = '.q-expansion-item--collapsed .q-item'
 CURVES = 'curves over the input, extrema marked'
 
 
@@ -51,14 +50,6 @@ def agrees(tab, name):
     pins = tab.pins()
     return len(pins) == len(places) and all(
         hypot(x - u, y - v) <= 0.08 for (x, y), (u, v) in zip(pins, places))
-
-
-def open_last_closed(tab):
-    """Open a group from below, as what opens moves others; return whether one was closed."""
-    closed = tab.driver.find_elements('css selector', CLOSED)
-    if closed:
-        closed[-1].click()
-    return bool(closed)
 
 
 @pytest.mark.parametrize('name', KINDS)

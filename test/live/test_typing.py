@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a user types and moves stays and holds, however busy or late the server is."""
 from contextlib import contextmanager
+from math import pi
 import os
 import signal
 
 import pytest
-from support.browser import needs_browser
+from support.browser import needs_browser, open_last_closed
 
 pytestmark = [needs_browser, pytest.mark.slow]
 # Notes every text that a field shows, once each frame.
@@ -116,16 +117,51 @@ def test_an_emptied_input_gives_way_to_what_it_is(tab):
     tab.until(lambda: tab.text('input value') == '60', 'the input again')
 
 
-@pytest.mark.parametrize('typed', ['', 'abc', '1e400', '-'])
-def test_what_is_no_number_gives_way_to_what_it_was(tab, typed):
+@pytest.mark.parametrize(('name', 'typed', 'value'), [
+    ('linkage.a2', '1150mm', 1.15), ('bodies.rods.radius', '30 mm', 0.03),
+    ('drive.speed', '60rpm', 2.0 * pi), ('bodies.rods.density', '2.7 g/cm^3', 2700.0)])
+def test_units_that_are_typed_count_as_on_the_command_line(tab, name, typed, value):
+    tab.until(lambda: not open_last_closed(tab), 'all groups open')
+    tab.write(name, typed)
+    tab.until(lambda: float(tab.query().get(name, 'nan')) == pytest.approx(value, 1e-15), name)
+    assert float(tab.text(name)) == pytest.approx(value, 1e-11) and not tab.alarm()
+
+
+@pytest.mark.parametrize(('typed', 'why'), [
+    ('0,085', 'must be written 0.085'), ('30 kg', 'must be a number in m'),
+    ('abc', 'must be a number in m'), ('-', 'must be a number in m'),
+    ('1e400', 'must be a finite number')])
+def test_what_is_no_number_is_refused_in_words_and_changes_nothing(tab, typed, why):
+    before = tab.picture()
+    tab.write('linkage.a3', typed)
+    tab.until(lambda: f'linkage.a3 = {typed!r}: {why}' in tab.alarm(), 'the reason')
+    assert tab.text('linkage.a3') == typed and 'linkage.a3' not in tab.query()
+    assert tab.picture() == before
+    tab.write('linkage.a3', '82 cm')
+    tab.until(lambda: tab.query().get('linkage.a3') == '0.82' and not tab.alarm(), 'the next')
+
+
+def test_an_emptied_field_takes_back_what_it_had(tab):
     from selenium.webdriver.common.keys import Keys
     before = tab.text('linkage.a2')
     tab.select('linkage.a2')
-    tab.keys(Keys.DELETE, *typed, Keys.ENTER)
-    tab.until(lambda: tab.text('linkage.a2') == before and '<circle' in tab.picture(),
-              'what was there')
+    tab.keys(Keys.DELETE, Keys.ENTER)
+    tab.until(lambda: tab.text('linkage.a2') == before, 'what was there')
     tab.write('linkage.a2', '115e-2')
     tab.until(lambda: tab.query().get('linkage.a2') == '1.15', 'the next')
+
+
+def test_the_input_is_typed_with_a_unit_too(tab):
+    tab.write('input value', '1 rad')
+    tab.until(lambda: tab.query().get('at') == '57.2957795', 'a radian in degrees')
+    tab.write('input value', '60,5')
+    tab.until(lambda: tab.alarm() == "theta1 = '60,5': must be written 60.5: a comma is no "
+              'decimal point', 'the reason')
+    assert tab.query().get('at') == '57.2957795'
+    tab.until(lambda: tab.text('input value') == '57.2958', 'what it was')
+    tab.write('acceleration of the input', '100 rpm/s')
+    tab.until(lambda: float(tab.query().get('acceleration', 'nan')) == pytest.approx(
+        100.0 * pi / 30.0, 1e-5), 'the acceleration')
 
 
 def test_home_and_end_move_a_slider_to_its_ends(tab):

@@ -110,6 +110,14 @@ def browser(folder, width=1280, height=1000):
         driver.quit()
 
 
+def open_last_closed(tab):
+    """Open a group from below, as what opens moves others; return whether one was closed."""
+    closed = tab.driver.find_elements('css selector', '.q-expansion-item--collapsed .q-item')
+    if closed:
+        closed[-1].click()
+    return bool(closed)
+
+
 class Tab:
     """A page as a user sees it: elements by their labels, waits instead of sleeps."""
 
