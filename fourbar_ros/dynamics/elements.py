@@ -177,6 +177,11 @@ class TableForce:
                      else place - tau * np.round((place - middle) / tau))
         return self.factor * self.table(place)
 
+    @cached_property
+    def largest(self) -> float:
+        """Return the largest size of F, whose rounding is the error of all values."""
+        return abs(self.factor) * max(map(abs, self.table.values))
+
     @property
     def period(self) -> float:
         """Return after which way F is the same again; infinite where it never is."""

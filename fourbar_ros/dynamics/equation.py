@@ -74,22 +74,19 @@ from fourbar_ros.numerics.number_types import (
     NumberType,
     Scalar,
 )
+from fourbar_ros.numerics.tables import rounding_bound, slope_of
+from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import straight_line
 import numpy as np
 
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
 COMPLEX_STEP = 1e-200
-# Step of s for the central difference dF/ds, over 1 + |s|. The cube root of eps balances its
-# truncation error against its rounding.
-DIFFERENCE = 6e-6
 REACH = 0.5            # of a coordinate in its unit, within which a table does not come round
 
 
 def _with_slope(function: Callable[[Any], Any], place: Any) -> Any:
     """Return a function that is no formula, as a table, of a complex array, with its slope."""
-    step = DIFFERENCE * (1.0 + np.abs(place.real))
-    slope = (function(place.real + step) - function(place.real - step)) / (2.0 * step)
-    return function(place.real) + 1j * slope * place.imag
+    return function(place.real) + 1j * slope_of(function, place.real) * place.imag
 
 
 WITH_SLOPES = replace(ARRAY, call=_with_slope)
@@ -298,14 +295,19 @@ class Equation:
 
     def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
         """Return a formula, made by (coordinate, number type), in the mode that holds at q."""
-        modes = [self.links_in(is_other) for is_other in ((False, True) if self._flats
-                                                          else (False,))]
-        return InBothModes(make_formula, modes, self.is_alternate if self._flats else None)
+        return InBothModes(make_formula, self._links_by_mode,
+                           self.is_alternate if self._flats else None)
 
     def is_alternate(self, position: Any) -> Any:
         """Return whether the mechanism is in the other mode at a q, or at each of many."""
         interval = interval_of(self._flats, self.coordinate.is_driven_by_slide, position)
         return (interval - self._first) % 2 != 0
+
+    @property
+    def _links_by_mode(self) -> list[DrivenLinks]:
+        """Return the links in their own mode and, if they go on in it, in the other one."""
+        return [self.links_in(is_other) for is_other in ((False, True) if self._flats
+                                                         else (False,))]
 
     def links_in(self, is_other: bool) -> DrivenLinks:
         """Return the links driven by q in their own mode, or in that beyond flat positions."""
@@ -472,16 +474,36 @@ class Equation:
         By the complex step, exact; of forces over a position dF/ds is a central difference.
         """
         positions = np.asarray(position, float)
-
-        def of(mode: DrivenLinks) -> Array:
-            force = self.make_terms(mode, WITH_SLOPES)(positions + 1j * COMPLEX_STEP)[2]
-            return np.broadcast_to(-np.imag(force) / COMPLEX_STEP, positions.shape)
         with np.errstate(all='ignore'):
-            found = of(self.coordinate)
-            if self._flats:
-                found = np.where(self.is_alternate(positions), of(self.links_in(True)), found)
+            force = [self.make_terms(links, WITH_SLOPES)(positions + 1j * COMPLEX_STEP)[2]
+                     for links in self._links_by_mode]
+            found = self._in_mode_at(positions, [-np.imag(f) / COMPLEX_STEP for f in force])
         result: Any = found if positions.shape else float(found)
         return result       # type: ignore[no-any-return]  # of the type of the position
+
+    @cached_property
+    def _traces(self) -> list[Trace]:
+        """Return the traces of the terms in all modes."""
+        def trace(links: DrivenLinks) -> Trace:
+            return Trace(lambda n, _: self.make_terms(links, n), 1)
+        return list(map(trace, self._links_by_mode))
+
+    def force_error(self, position: Value) -> Array:
+        """
+        Return a bound of the rounding error of Q and of its data, at one q or each of an array.
+
+        A force that is smaller may be zero: eps times all numbers that it is a sum and product of,
+        each times the derivative of Q by it.
+        """
+        positions = np.asarray(position, float)
+        bounds = [rounding_bound(trace, flat(trace.part(2))[0], positions.ravel())
+                  for trace in self._traces]
+        return self._in_mode_at(positions, [bound.reshape(positions.shape) for bound in bounds])
+
+    def _in_mode_at(self, positions: Array, values: Sequence[Array]) -> Array:
+        """Return, of values in each mode, those in the mode that holds at each q."""
+        own = np.broadcast_to(values[0], positions.shape)
+        return np.where(self.is_alternate(positions), values[1], own) if self._flats else own
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential, as of couples."""

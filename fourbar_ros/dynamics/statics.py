@@ -3,7 +3,8 @@
 """
 Static equilibria, their stability and the frequency of small swings; the period of a free motion.
 
-An equilibrium is where Q + T = 0.
+An equilibrium is where Q + T = 0. A balanced mechanism is in equilibrium everywhere: Q + T is
+nothing but the rounding of its terms, whose bound the equation of motion gives.
 
 A small motion x about an equilibrium obeys J x.. + D x. + K x = 0 with K = -dQ/dq (dots are
 derivatives with respect to time): stable where K > 0, with the natural frequency
@@ -24,19 +25,20 @@ exponentially.
 from __future__ import annotations
 
 from math import inf, nan, pi, sqrt, tau
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.equation import Equation, flat_positions
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 SAMPLES = 2048      # in each range of the input
+SHORTEST = 1e-9     # of a piece in equilibrium everywhere, in units of the input
 HALVINGS = 60
 MOST_SAMPLES = 2**17
 SAME = 1e-14           # relative difference of the means of so many and half as many samples
@@ -45,13 +47,14 @@ NARROWEST = 14.0       # samples times the distance of a singularity from the re
 
 
 class Equilibrium(NamedTuple):
-    """A static equilibrium."""
+    """A static equilibrium, or all positions of a piece of the range."""
 
     position: float          # [rad] or [m]
     is_stable: bool
     stiffness: float         # K [N m/rad] or [N/m]
     frequency: float         # [Hz] of small undamped motion; NaN where it is not stable
     damping_ratio: float     # NaN where it is not stable
+    end: float               # of a piece, everywhere in equilibrium; else the position again
 
 
 def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...]:
@@ -60,21 +63,68 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
 
     ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
     samples of each range of the input and at the places of force tables, and pairs of them between
-    samples where |Q + T| dips. None is found where Q + T is zero over an interval. A jump of Q
-    over zero, as at the wrap of a torsion spring, is no equilibrium.
+    samples where |Q + T| dips. Where |Q + T| is within its rounding error over a piece of the
+    range, or all of it, as of a balanced mechanism, the piece is one equilibrium with its ``end``;
+    of a crank it may go on beyond a whole turn. A jump of Q over zero, as at the wrap of a torsion
+    spring, is no equilibrium.
     """
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
-    drive, places = number('drive', drive), []
-    for samples in _samples(equation.mechanism, equation.turns):
+    drive, mechanism = number('drive', drive), equation.mechanism
+    found = list[Equilibrium]()
+
+    def push(q: Value) -> Value:
+        total: Value = equation.terms(q).force + drive
+        return total
+
+    def error(q: Value) -> Array:
+        return equation.force_error(q) + EPS * abs(drive)
+
+    cycle = equation.turns * tau
+    ranges = [(-pi, cycle - pi)] if mechanism.turns_fully else mechanism.input_ranges
+    for (low, high), samples in zip(ranges, _samples(mechanism, equation.turns)):
         samples = np.union1d(samples, _inputs_of_tables(equation, samples))
-        places += roots_of(lambda q: equation.terms(q).force + drive, samples)
-    if equation.mechanism.turns_fully:      # samples go a little beyond the turns from -pi on
-        cycle, end = equation.turns * tau, (2 * equation.turns - 1) * pi
-        places = [place - cycle if place > end else place if abs(place) > 1e-60 else 0.0
-                  for place in places]
-    return tuple(_equilibrium(equation, place) for place in sorted(places)
-                 if not _jumps(equation, place, drive))
+        pieces, parts = _without_force(push, error, samples, SHORTEST * mechanism.input_unit)
+        places = [place for part in parts for place in roots_of(push, part, error)]
+        ends = samples[0], samples[-1]
+        if mechanism.turns_fully:      # samples go a little beyond the turns from -pi on
+            places = [place - cycle if place > high else place if abs(place) > 1e-60 else 0.0
+                      for place in places]
+            if len(pieces) > 1 and (pieces[0][0], pieces[-1][1]) == ends:        # over the seam
+                (start, _), (_, stop) = pieces.pop(), pieces.pop(0)
+                pieces.append((start, stop + cycle))
+        found += [_equilibrium(equation, place) for place in places
+                  if not _jumps(equation, place, drive)]
+        found += [Equilibrium(low if start == ends[0] else start, False, 0.0, nan, nan,
+                              high if stop == ends[1] else stop) for start, stop in pieces]
+    return tuple(sorted(found))
+
+
+def _without_force(push: Function, error: Function, samples: Array, shortest: float
+                   ) -> tuple[list[tuple[float, float]], list[Array]]:
+    """
+    Return the pieces (first input, last input) with no force but rounding; the samples between.
+
+    A piece ends where the force is larger than its error; it is longer than ``shortest``.
+    """
+    def is_zero(q: Any) -> Any:
+        return np.abs(push(q)) <= error(q)
+
+    def edge(inside: float, outside: float) -> float:
+        for _ in range(HALVINGS):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (middle, outside) if is_zero(middle) else (inside, middle)
+        return inside
+
+    pieces, parts, rest, last = list[tuple[float, float]](), list[Array](), 0, samples.size - 1
+    changes = np.flatnonzero(np.diff(is_zero(samples), prepend=False, append=False)).tolist()
+    for i, j in zip(changes[::2], [change - 1 for change in changes[1::2]]):
+        if samples[j] - samples[i] > shortest:
+            pieces.append((edge(*samples[[i, max(i - 1, 0)]].tolist()),
+                           edge(*samples[[j, min(j + 1, last)]].tolist())))
+            parts.append(samples[rest:i])
+            rest = j + 1
+    return pieces, [*parts, samples[rest:]]
 
 
 def _jumps(equation: Equation, place: float, drive: float) -> bool:
@@ -121,12 +171,13 @@ def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
     return np.concatenate(found)
 
 
-def roots_of(function: Function, samples: Array) -> list[float]:
+def roots_of(function: Function, samples: Array, error: Function | None = None) -> list[float]:
     """
     Return the places where a function of floats and arrays changes its sign, to the last bits.
 
     Brackets are the sign changes between samples. Where |f| dips at a sample without one, the dip
-    is searched for its lowest point: beyond zero it gives two more.
+    is searched for its lowest point: beyond zero it gives two more. ``error``: bounds of the
+    rounding errors of values; one within its error has no sign.
     """
     try:
         from scipy.optimize import brentq, minimize_scalar
@@ -134,6 +185,9 @@ def roots_of(function: Function, samples: Array) -> list[float]:
         raise MissingPackage('the search for equilibria', error) from error
 
     values = function(samples)
+    if error is not None:
+        has_sign = np.abs(values) > error(samples)
+        samples, values = samples[has_sign], values[has_sign]
     sides = values >= 0.0
     brackets = [(samples[i], samples[i + 1]) for i in np.flatnonzero(sides[1:] != sides[:-1])]
     sizes = np.abs(values)
@@ -144,7 +198,7 @@ def roots_of(function: Function, samples: Array) -> list[float]:
         found = minimize_scalar(lambda x, side=side: side * function(float(x)), method='bounded',
                                 bounds=sorted((samples[i - 1], samples[i + 1])),
                                 options={'xatol': 1e-12})
-        if found.fun < 0.0:
+        if found.fun < (0.0 if error is None else -error(found.x)):
             brackets += [(samples[i - 1], found.x), (found.x, samples[i + 1])]
     return [float(brentq(function, float(a), float(b), xtol=1e-300,
                          rtol=4.0 * np.finfo(float).eps))
@@ -155,9 +209,9 @@ def _equilibrium(equation: Equation, position: float) -> Equilibrium:
     """Return an equilibrium with its stiffness, frequency and damping ratio by (S1)."""
     terms, stiffness = equation.terms(position), float(equation.stiffness(position))
     if stiffness <= 0.0:
-        return Equilibrium(position, False, stiffness, nan, nan)
+        return Equilibrium(position, False, stiffness, nan, nan, position)
     return Equilibrium(position, True, stiffness, sqrt(stiffness / terms.inertia) / tau,
-                       terms.damping / (2.0 * sqrt(terms.inertia * stiffness)))
+                       terms.damping / (2.0 * sqrt(terms.inertia * stiffness)), position)
 
 
 # --- the period of a free motion -----------------------------------------------------------------
@@ -227,7 +281,7 @@ def _turning_points(system: System, energy: float) -> tuple[float, float] | None
     one: float | None
     if rate == 0.0:          # the start is a turning point: the force says which
         push = system.equation.terms(start).force
-        if push == 0.0:
+        if abs(push) <= system.equation.force_error(start):
             raise InvalidParameter('system', None, 'must not rest in an equilibrium')
         one, other = start, _turning_point(system, energy, 1.0 if push > 0.0 else -1.0)
     else:

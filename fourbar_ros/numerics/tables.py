@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
 from fourbar_ros.numerics.number_types import (
     angle_of_complex,
@@ -50,6 +51,70 @@ ARRAYS: Table = {
     'hypot': hypot_of_complex, 'fabs': size_of_complex, 'where': np.where,
     'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b),
     'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
+
+
+# --- derivatives and rounding errors -------------------------------------------------------------
+
+# {operation: the derivatives of its result w by each argument: numbers, or functions of w and all}
+#     (P1)  (u v)' = v u' + u v',   (u/v)' = u'/v - (u/v^2) v',   sqrt(u)' = u' / (2 sqrt(u))
+#     (P2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot
+PARTIALS: Mapping[str, Sequence[float | Function]] = {
+    'add': (1.0, 1.0), 'sub': (1.0, -1.0), 'neg': (-1.0,), 'exact_sum': (1.0,) * 4,
+    'mul': (lambda w, u, v: v, lambda w, u, v: u),                                          # (P1)
+    'truediv': (lambda w, u, v: 1.0 / v, lambda w, u, v: -(w / v)),
+    'pow': (lambda w, u, v: v * u**(v - 1.0),),
+    'sqrt': (lambda w, u: 0.5 / w,), 'sin': (lambda w, u: np.cos(u),),
+    'cos': (lambda w, u: -np.sin(u),),
+    'atan2': (lambda w, y, x: x / (x * x + y * y), lambda w, y, x: -(y / (x * x + y * y))),  # (P2)
+    'hypot': (lambda w, x, y: x / w, lambda w, x, y: y / w),
+    'fabs': (lambda w, u: np.where(np.real(u) < 0.0, -1.0, 1.0),),
+    'where': (0.0, lambda w, c, u, v: np.where(c, 1.0, 0.0),
+              lambda w, c, u, v: np.where(c, 0.0, 1.0))}
+# what does not round its arguments; those of a comparison and a unit do not move their result
+_EXACT = ('input', 'neg', 'fabs', 'where', 'gt', 'lt', 'power_of_two')
+# Step of x for the central difference of a function that is no formula, over 1 + |x|. The cube
+# root of eps balances its truncation error against its rounding.
+DIFFERENCE = 6e-6
+
+
+def slope_of(function: Function, x: Any) -> Any:
+    """Return the slope of a function that is no formula, as a table of forces, at real x."""
+    step = DIFFERENCE * (1.0 + np.abs(x))
+    return (function(x + step) - function(x - step)) / (2.0 * step)
+
+
+def rounding_bound(trace: Trace, place: int, x: Array) -> Array:
+    """
+    Return a bound of the rounding error of one result of a trace of one input, at many inputs.
+
+    It is the sum of eps times each number that the result is made of, times the derivative of the
+    result by it: of literals, the data, and of each operation; a function that is no formula may
+    have its size as ``largest``. So a result that is smaller may be zero. The input counts as
+    exact.
+    """
+    order, steps, values = trace.needed([place]), trace.steps, dict[int, Any]()
+    with np.errstate(all='ignore'):
+        for i in order:
+            operation, arguments, value = steps[i]
+            if operation in ('input', 'constant'):
+                values[i] = x if operation == 'input' else np.float64(value)
+                continue
+            apply = value if operation == 'call' else ARRAYS[operation]
+            values[i] = apply(*[values[k] for k in arguments])
+        by, bound = {place: np.ones_like(x)}, np.zeros_like(x)
+        for i in reversed(order):
+            change, (operation, arguments, function) = by.pop(i, None), steps[i]
+            if change is None:
+                continue
+            if operation not in _EXACT:
+                bound = bound + np.abs(change * getattr(function, 'largest', values[i]))
+            known = [values[k] for k in arguments]
+            rules = ((slope_of(function, *known),) if operation == 'call'
+                     else PARTIALS.get(operation, ()))
+            for k, rule in zip(arguments, rules):
+                slope = rule(values[i], *known) if callable(rule) else rule
+                by[k] = by.get(k, 0.0) + np.where(change == 0.0, 0.0, change * slope)
+    return EPS * bound
 
 
 # --- balls, by python-flint (Arb) ----------------------------------------------------------------

@@ -5,9 +5,10 @@ from dataclasses import replace
 from math import pi, sqrt
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.elements import TorsionSpring
+from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
+from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.statics import equilibria, free_period
@@ -45,6 +46,20 @@ def test_the_stiffness_is_the_second_derivative_of_the_energy(case):
 
 
 @contract.every_mechanism
+def test_the_rounding_error_of_the_force_is_bounded_by_a_few_of_it(case):
+    rng, shares = np.random.default_rng(302), []
+    for mechanism, (position, *_) in contract.ordinary(case, 303, more(3, 10)):
+        elements = random_elements(rng, mechanism)
+        equation = Equation(mechanism, elements)
+        with mp.workdps(40):
+            exact = -mp.diff(lambda x: exact_potential(mechanism, elements, x), mp.mpf(position),
+                             h=mp.mpf(10)**-15)
+            error = abs(float(exact - equation.terms(position).force))
+        shares.append(error / float(equation.force_error(position)))
+    assert 1e-4 < max(shares) <= 1.0
+
+
+@contract.every_mechanism
 def test_at_every_equilibrium_nothing_pushes_and_between_them_the_sign_stays(case):
     for mechanism, _ in contract.ordinary(case, 310, 4):
         equation = Equation(mechanism)
@@ -68,6 +83,82 @@ def test_two_equilibria_next_to_each_other_are_not_missed():
     assert [place.is_stable for place in found] == [True, False]
     assert found[1].position - found[0].position == pytest.approx(2e-5, rel=1e-3)
     assert equilibria(Equation(pendulum()), weight * (1.0 + 1e-12)) == ()
+
+
+def lamp(*lengths, stiffness):
+    """Return an arm held by a spring without free length: everywhere if k = m g R/(a b)."""
+    arm = Bodies(Body(2.0, cg_along=0.5, inertia=0.01), Body(0.0), Body(0.0))
+    spring = Spring(Attachment('ground', 0.0, 0.1), Attachment('crank', 0.2), stiffness)
+    return Equation(FourBar(*lengths, bodies=arm, gravity=(0.0, -9.81)), [spring])
+
+
+def balanced(rng):
+    """Return a four-bar whose links balance their weight (Berkof and Lowen), of any class."""
+    while True:
+        a1, a2, a3, a4 = lengths = rng.uniform(0.1, 1.0, 4).tolist()
+        if 2.0 * max(lengths) < sum(lengths):
+            break
+    m1, m2, m3 = rng.uniform(0.5, 3.0, 3).tolist()
+    share = complex(*rng.uniform(-0.5, 0.5, 2).tolist()) / a2
+    centres = -m2 / m1 * a1 * (1.0 - share), a2 * share, -m2 / m3 * a3 * share
+    return FourBar(a1, a2, a3, a4, gravity=(1.0, -9.81), bodies=Bodies(*[
+        Body(mass, cg_along=centre.real, cg_across=centre.imag, inertia=0.1)
+        for mass, centre in zip((m1, m2, m3), centres)]))
+
+
+@pytest.mark.parametrize('equation', [
+    lamp(0.3, 1.0, 0.9, 0.8, stiffness=490.5), lamp(0.9, 1.0, 0.8, 1.2, stiffness=490.5),
+    *[Equation(balanced(np.random.default_rng(seed))) for seed in range(more(6, 40))],
+    Equation(replace(pendulum(), gravity=(0.0, 0.0)))])
+def test_what_is_balanced_is_in_equilibrium_everywhere(equation):
+    """Its force is rounding, and was 725 positions, stable and not, with frequencies."""
+    found = equilibria(equation)
+    assert [(one.position, one.end) for one in found] == sorted(equation.mechanism.input_ranges)
+    assert not any(one.is_stable or one.stiffness for one in found)
+    system = System(equation.mechanism, found[0].position + 0.7, elements=equation.elements)
+    with pytest.raises(InvalidParameter, match='equilibrium'):
+        free_period(system)
+
+
+@pytest.mark.parametrize('off', [1e-9, 1e-12])
+def test_what_is_nearly_balanced_rests_at_single_positions(off):
+    """The lamp with a spring that is a little too stiff stands up, and hangs unstably."""
+    found = equilibria(lamp(0.3, 1.0, 0.9, 0.8, stiffness=490.5 * (1.0 + off)))
+    assert [one.is_stable for one in found] == [False, True]
+    for one, position in zip(found, (-0.5 * pi, 0.5 * pi)):
+        assert one.position == one.end == pytest.approx(position, abs=10.0 * EPS / off)
+
+
+@pytest.mark.parametrize('places, values, start, end', [
+    ((-3.0, -2.0, 2.0, 3.0), (0.0, 3.0, -3.0, 0.0), 3.0, 2.0 * pi - 3.0),
+    ((-pi, -1.0, 1.0, 2.0, 3.0, pi), (1.0, 0.0, 0.0, 2.0, 2.0, 1.0), -1.0, 1.0)])
+def test_a_piece_without_force_is_one_equilibrium(places, values, start, end):
+    """Over the seam of the turn too; the cubic leaves zero as a parabola, hidden by rounding."""
+    crank = FourBar(0.4, 1.2, 0.8, 1.0,
+                    bodies=Bodies(Body(0.0, inertia=1.0), Body(0.0), Body(0.0)))
+    push = PositionForce(Attachment('crank'), ForceTable(places, values), direction=None)
+    pieces = [one for one in equilibria(Equation(crank, [push])) if one.end != one.position]
+    assert len(pieces) == 1
+    assert pieces[0].position == pytest.approx(start, abs=sqrt(100.0 * EPS))
+    assert pieces[0].end == pytest.approx(end, abs=sqrt(100.0 * EPS))
+
+
+@contract.every_mechanism
+def test_no_equilibrium_of_a_scan_is_missing_and_none_is_added(case):
+    for mechanism, _ in contract.ordinary(case, 330, more(2, 8)):
+        springs = random_elements(np.random.default_rng(331), mechanism)[:2]    # without jumps
+        equation = Equation(mechanism, springs)
+        found = np.array([one.position for one in equilibria(equation)])
+        scanned = 0
+        for low, high in mechanism.input_ranges:
+            inputs = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.linspace(0.0, pi, 20003))
+            with np.errstate(all='ignore'):
+                force = equation.terms(inputs[1:-1]).force
+            changes = np.flatnonzero(np.diff(np.sign(force)))
+            scanned += changes.size
+            for i in changes + 1:
+                assert np.sum((inputs[i] <= found) & (found <= inputs[i + 1])) == 1
+        assert scanned == found.size
 
 
 def test_frequency_is_that_of_small_swings():
