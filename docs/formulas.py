@@ -21,8 +21,8 @@ PACKAGES = ROOT / 'fourbar_ros', ROOT / 'fourbar_lab'
 # which compare with the documents, and compute none of their equations
 LEFT_OUT = 'documents', 'page', 'paper', 'published', 'slides'
 # with the lines that go on below it, further in
-NUMBERED = re.compile(r'^( +)\(([A-Z]\d+[a-z]?)\) +(\S.*(?:\n\1  +\S.*)*)$', re.M)
-TAG = re.compile(r'\(([A-Z]\d+[a-z]?)\)')
+NUMBERED = re.compile(r'^( +)\(([A-Z]{1,2}\d+[a-z]?)\) +(\S.*(?:\n\1  +\S.*)*)$', re.M)
+TAG = re.compile(r'\(([A-Z]{1,2}\d+[a-z]?)\)')
 CITED = re.compile(r'Eqs?\. (\(\d+\)(?:(?:, | and |, and |-)\(\d+\))*)')
 SPAN = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
 

@@ -14,9 +14,9 @@ From a trajectory of the output to that of the drive and back, with the loads of
 x is the input, y the output, r = dy/dx their ratio, r' = dr/dx, all exact from one motion at rate
 1 and acceleration 0:
 
-    (T1)  y(x) = Y by bracketed Newton steps on a branch where y rises or falls
-    (T2)  x' = Y'/r,   x'' = (Y'' - r' x'^2)/r
-    (T3)  T = T_links(x, x', x'') + r M
+    (U1)  y(x) = Y by bracketed Newton steps on a branch where y rises or falls
+    (U2)  x' = Y'/r,   x'' = (Y'' - r' x'^2)/r
+    (U3)  T = T_links(x, x', x'') + r M
 
 T is the torque (force) of the drive, M the torque (force) that the output gives to what it moves,
 and T_links what masses, gravity and external loads of the links ask for. The static force map of
@@ -105,7 +105,7 @@ class Transmission:
 
     def to_input(self, wanted: Trajectory) -> Trajectory:
         """
-        Return the trajectory of the drive that moves the output as wanted, (T1) to (T3).
+        Return the trajectory of the drive that moves the output as wanted, (U1) to (U3).
 
         Raises CannotFollow if a position of the output lies beyond a toggle, or in it, where rates
         are unbounded, or if a number overflows.
@@ -121,10 +121,10 @@ class Transmission:
             def over_ratio(values: Array) -> Array:
                 """Return values / ratio; an output that rests in a toggle asks for nothing."""
                 return np.where(at_toggle & (values == 0.0), 0.0, values / ratio)
-            rate = over_ratio(wanted.rate)                                                # (T2)
+            rate = over_ratio(wanted.rate)                                                # (U2)
             acceleration = (None if wanted.acceleration is None
                             else over_ratio(wanted.acceleration - slope * rate * rate))
-            effort = (None if wanted.effort is None else                                  # (T3)
+            effort = (None if wanted.effort is None else                                  # (U3)
                       self._effort_of_links(inputs, rate, acceleration)
                       + ratio * wanted.effort)
         return self._require_finite(Trajectory(inputs, rate, acceleration, effort), self._input,
@@ -132,7 +132,7 @@ class Transmission:
 
     def to_output(self, driven: Trajectory) -> Trajectory:
         """
-        Return the trajectory of the output for that of the drive; effort from (T3).
+        Return the trajectory of the output for that of the drive; effort from (U3).
 
         Raises CannotFollow if the drive leaves the range of the input, if an effort is asked for
         in a toggle, or if a number overflows.
@@ -218,7 +218,7 @@ class Transmission:
 
     def _solve(self, targets: Array) -> Array:
         """
-        Return the inputs at which the output is at targets on the branch, (T1).
+        Return the inputs at which the output is at targets on the branch, (U1).
 
         Newton's method from the samples of the branch, all targets at once, halving where a step
         leaves the bracket, until no input moves by more than two of its last bits; a toggle, where

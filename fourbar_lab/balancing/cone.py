@@ -3,8 +3,8 @@
 """
 The best counterweights, by one cone programme.
 
-Loads are linear in what counterweights add, by (B1) of :mod:`fourbar_lab.balancing.loads`, and
-what they may add is a cone, by (B2). Both the largest of some loads and the added mass are to be
+Loads are linear in what counterweights add, by (G1) of :mod:`fourbar_lab.balancing.loads`, and
+what they may add is a cone, by (G2). Both the largest of some loads and the added mass are to be
 small, so root mean square, peak and full balance are programmes that Clarabel solves:
 
     minimize t,            |load_k(p)| <= t for each k, added mass <= M
@@ -13,7 +13,7 @@ small, so root mean square, peak and full balance are programmes that Clarabel s
 Its prices prove how good a result is, whatever the error of the solver. For directions u_k with
 sum |u_k| <= 1 no design p' within M and the radii has less than
 
-    (B3)  max |load_k(p')| >= sum u_k . load_k(given) + min(0, M s),
+    (G3)  max |load_k(p')| >= sum u_k . load_k(given) + min(0, M s),
 
 where s is the least derivative of sum u_k . load_k per kilogram at any place.
 """
@@ -152,10 +152,10 @@ class Places:
         unknown = np.eye(NUMBERS * links + 1)
         m, x, y, inertia = (unknown[i:-1:NUMBERS] for i in range(NUMBERS))      # of all links
         every = [*rows,
-                 # at most the mass, and J <= R^2 m of (B2)
+                 # at most the mass, and J <= R^2 m of (G2)
                  (np.vstack((-m.sum(axis=0), m - inertia)), np.append(mass, np.zeros(links)),
                   'positive'),
-                 # the other half of (B2): |2 m x, 2 m y, m - J| <= m + J
+                 # the other half of (G2): |2 m x, 2 m y, m - J| <= m + J
                  *((np.stack(one), np.zeros(4), 'second order')
                    for one in zip(m + inertia, 2.0 * x, 2.0 * y, m - inertia))]
         settings = clarabel.DefaultSettings()
@@ -175,7 +175,7 @@ class Places:
 
 def _least(places: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweight, ...], float]:
     """
-    Return the counterweights for the least t with |B_k p| <= t, and the bound (B3) of t.
+    Return the counterweights for the least t with |B_k p| <= t, and the bound (G3) of t.
 
     ``blocks``, shape (k, components, 4 links): the matrices B_k.
     """
@@ -203,7 +203,7 @@ def _least(places: Places, blocks: Array, mass: float) -> tuple[tuple[Counterwei
 
 def _bound(places: Places, blocks: Array, ways: Array, mass: float) -> float:
     """
-    Return the bound (B3) of the largest |B_k p|, whatever is added within radii and mass.
+    Return the bound (G3) of the largest |B_k p|, whatever is added within radii and mass.
 
     ``ways``, shape (k, components): the directions u_k, whose sizes have a sum of about one.
     """
@@ -306,7 +306,7 @@ def full_force_balance(places: Places) -> Balance:
     m, x, y, _ = added.reshape(-1, NUMBERS).T                   # forces depend on no inertia
     added[NUMBERS - 1::NUMBERS] = np.divide(x * x + y * y, m, out=np.zeros(m.shape), where=m > 0.0)
     weights = places.counterweights(added, whole)
-    # p of the equations costs at least its share of the target's price: duality, as in (B3)
+    # p of the equations costs at least its share of the target's price: duality, as in (G3)
     price = float(prices @ target) * np.sign(prices @ target)
     slope = np.sign(prices @ target) * equations.T @ prices
     bound = whole * price / max(-places.lowest(-slope), EPS)

@@ -6,12 +6,12 @@ Loads as linear functions of masses.
 At a given motion every component of a load is linear in four numbers of each link: its mass m,
 its first moments m x and m y about its first joint, and its moment of inertia J about that joint,
 
-    (B1)  load(q) = A(q) p,     p = (m, m x, m y, J) of all links.
+    (G1)  load(q) = A(q) p,     p = (m, m x, m y, J) of all links.
 
 A counterweight adds to p. What mass within a circle of radius R about the first joint can add is
 a convex cone, spanned by points at distances r <= R in directions f:
 
-    (B2)  m (1, r cos f, r sin f, r^2),   that is   (m x)^2 + (m y)^2 <= m J,   J <= R^2 m.
+    (G2)  m (1, r cos f, r sin f, r^2),   that is   (m x)^2 + (m y)^2 <= m J,   J <= R^2 m.
 
 Only inertia is balanced: weight and forces from outside stay as they are, and are left out here.
 """
@@ -30,7 +30,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import power_of_two
 import numpy as np
 
-NUMBERS = 4                 # of a link, (B1)
+NUMBERS = 4                 # of a link, (G1)
 # Inputs of a root mean square: doubled from, at most to, until two results agree to this part.
 POINTS, MOST_POINTS, AGREE = 128, 2**13, 1e-10
 
@@ -109,7 +109,7 @@ class Loads:
 
     def matrices(self, x: Array, name: str) -> Array:
         """
-        Return A of (B1) for a load by name at inputs x: shape (components, inputs, 4 links).
+        Return A of (G1) for a load by name at inputs x: shape (components, inputs, 4 links).
 
         A column is the load of a mechanism without masses but for one link, which is a probe:
         1 kg at its first joint, 1 kg at a distance u along or across, 1 kg m^2. The second of

@@ -7,14 +7,14 @@ The pole P13 lies where the ground line meets the coupler line, P24 where the cr
 output line. The line through both is the collineation axis; l is the angle to it from the coupler
 line. With R the rate of the output over that of the crank, at constant rate of the crank
 
-    (K1)  R' = R (1 - R) cot(l),    d(tan l)/d(theta1) = 1 - 2 R - R (1 - R) R''/R'^2
+    (Y1)  R' = R (1 - R) cot(l),    d(tan l)/d(theta1) = 1 - 2 R - R (1 - R) R''/R'^2
 
 so omega4 is extreme where the axis is square to the coupler, alpha4 where the last term is zero
 but R is not 0 or 1. The first is Freudenstein's (1956).
 Joints are homogeneous, (x w, y w, w): a slide is a joint at infinity, and for a slide that a crank
 drives
 
-    (K2)  R' = R cot(l),    d(tan l)/d(theta1) = 1 - R R''/R'^2
+    (Y2)  R' = R cot(l),    d(tan l)/d(theta1) = 1 - R R''/R'^2
 
 docs/extrema.md derives both.
 

@@ -9,9 +9,9 @@ slide of a driven crank, the crank of a driven slide, the output link) goes on t
 regular. Either takes over from the other where that changes so fast with it that |do/dp| > 2, in
 units of about the size of the linkage, long before a toggle, so that both are accurate there:
 
-    o. = p. do/dp                                                                          (T1)
-    torque on p = T dq/dp                                                                  (T2)
-    d2q/dt2 = p.. dq/dp + p.^2 d2q/dp2                                                     (T3)
+    o. = p. do/dp                                                                          (Q1)
+    torque on p = T dq/dp                                                                  (Q2)
+    d2q/dt2 = p.. dq/dp + p.^2 d2q/dp2                                                     (Q3)
 
 Along p the input turns back, dq/dp = 0, exactly where the assembly mode changes: so the sign of
 dq/dp tells the mode.
@@ -96,7 +96,7 @@ class MotionCoordinate:
         return float(min(ratio * self.unit_of_ratio, FARTHEST) - LONGEST)
 
     def next(self, state: State) -> tuple[MotionCoordinate, list[float]]:
-        """Return the coordinate that takes over at a state, and the state in it, (T1)."""
+        """Return the coordinate that takes over at a state, and the state in it, (Q1)."""
         other, ratio, _ = map(float, self.other(float(state[0])))
         taking_over = self.all.taking_over(self, float(state[0]), other, ratio)
         if taking_over.is_input:
@@ -118,7 +118,7 @@ class MotionCoordinate:
         return np.array([self.all.continuous(value), ratio * states[1], *states[2:]])
 
     def acceleration(self, time: float, state: State) -> float:
-        """Return the acceleration of the input at a state in this coordinate, (T3)."""
+        """Return the acceleration of the input at a state in this coordinate, (Q3)."""
         rate, change = state[1], self.derivative(time, state)[1]
         _, ratio, bend = self.input_of(float(state[0]))
         return float(change * ratio + rate * rate * bend)

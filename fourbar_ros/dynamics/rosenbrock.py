@@ -5,11 +5,11 @@ The formulas of an implicit step: RODAS of Hairer and Wanner, of input, shaft an
 
 The state is x = (p, u, s, v, z): coordinate and its rate, twist of the elastic shaft, speed of the
 motor behind the gear, state of the torque source. Twist and motor speed are zero for a rigid
-shaft. The terms are those of (E1) in p and (M1) for the source; the shaft has the stiffness k and
+shaft. The terms are those of (E1) in p and (A9) for the source; the shaft has the stiffness k and
 the damping c. With r = dq/dp, q the input, and r' = dr/dp (1 and 0 if p is the input),
 
     dp/dt = u                       du/dt = (Q - D u - J'/2 u^2 + r T_in) / J
-    ds/dt = v - r u                 dv/dt = (T - T_in) / J_m                               (N1)
+    ds/dt = v - r u                 dv/dt = (T - T_in) / J_m                               (RB1)
     T_in = k s + c (v - r u), of a rigid shaft T at the speed r u;   dz/dt of the source
 
 The twist is a state of its own, not a difference of angles that grow: a stiff shaft would multiply
@@ -80,7 +80,7 @@ class Place(NamedTuple):
     other: float
     other_ratio: float
     to_bend: float            # time to the next bend of the source's law [s], about
-    acceleration: float       # of the input, (T3)
+    acceleration: float       # of the input, (Q3)
     on_input: float           # torque (force) of the drive on it
     of_motor: float           # torque of the source
     linear: tuple[float, ...]    # dx/dt; J, J'/2, D, r, r'; dT/dw, dT/dz and those of dz/dt
@@ -180,7 +180,7 @@ class StepFormulas:
             terms = StepTerms(*self._make_terms(n, acting)(p))
             change, on_input, of_motor, piece = self._rates(n, terms, (p, u, s, v, z), command)
             acceleration = (change[1] if self._equation.is_input else
-                            terms.ratio * change[1] + terms.ratio_slope * u * u)            # (T3)
+                            terms.ratio * change[1] + terms.ratio_slope * u * u)            # (Q3)
             slope = change[3] if self._shaft else acceleration
             speed = v if self._shaft else terms.ratio * u
             to_bend = self._to_bend(n, command, (speed, z), (slope, change[4]))
@@ -247,7 +247,7 @@ class StepFormulas:
 
     def _rates(self, n: NumberType, terms: Sequence[Any], x: State, command: Scalar
                ) -> tuple[State, Scalar, Scalar, Piece]:
-        """Return dx/dt by (N1), the torques on the input and of the source, and its law there."""
+        """Return dx/dt by (RB1), the torques on the input and of the source, and its law there."""
         _, u, s, v, z = x
         inertia, half_slope, force, damping, _, r, *_ = terms
         w, shaft = r * u, self._shaft
@@ -283,7 +283,7 @@ class StepFormulas:
     def _jacobian(self, x: State, linear: Sequence[Scalar], by_position: Scalar
                   ) -> list[list[Scalar]]:
         """
-        Return d(dx/dt)/dx of (N1), rows and columns in the order of x.
+        Return d(dx/dt)/dx of (RB1), rows and columns in the order of x.
 
         ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
         """

@@ -8,20 +8,20 @@ motor over the angle of the output shaft. Torques and inertias refer to the outp
 of inertia J_r counts as N^2 J_r. A rigid coupling makes that shaft the input. With an elastic
 shaft (stiffness k, damping c) it has its own angle p (dots are time derivatives):
 
-    J_m p.. = T - T_shaft,    T_shaft = k (p - q) + c (p. - q.)                              (D1)
+    J_m p.. = T - T_shaft,    T_shaft = k (p - q) + c (p. - q.)                              (A1)
 
 Torque sources, w the speed of the output shaft:
 
-    constant     T = T0                                                                      (D2)
-    motor line   T = N T_stall (1 - N w / w_free)                                            (D3)
-    DC motor     L i. = U - R i - K N w,   T = N K i                                         (D4)
+    constant     T = T0                                                                      (A2)
+    motor line   T = N T_stall (1 - N w / w_free)                                            (A3)
+    DC motor     L i. = U - R i - K N w,   T = N K i                                         (A4)
     controller   T = sat(kp e + ki z),  e = w_set - w,  z. = e + (T - kp e - ki z) / kp:
-                 back-calculation takes z back while the torque is at its limit              (D5)
-    table        T(t) held from one time to the next, or linear between them                 (D6)
-    induction    T = N 2 T_b / (s / s_b + s_b / s),   s = 1 - N w / w_s the slip             (K1)
-                 dT/dw = -(N / w_s) N 2 T_b s_b (s_b^2 - s^2) / (s^2 + s_b^2)^2              (K2)
+                 back-calculation takes z back while the torque is at its limit              (A5)
+    table        T(t) held from one time to the next, or linear between them                 (A6)
+    induction    T = N 2 T_b / (s / s_b + s_b / s),   s = 1 - N w / w_s the slip             (A7)
+                 dT/dw = -(N / w_s) N 2 T_b s_b (s_b^2 - s^2) / (s^2 + s_b^2)^2              (A8)
 
-(K1) is Kloss' formula (Drehmoment und Schluepfung des Drehstrommotors, Archiv fuer Elektrotechnik
+(A7) is Kloss' formula (Drehmoment und Schluepfung des Drehstrommotors, Archiv fuer Elektrotechnik
 5, 1916) for a motor at a constant frequency f of its supply: with p pairs of poles the synchronous
 speed w_s is 2 pi f / p, T_b is the breakdown torque, at the slip s_b. It neglects the resistance
 of the stator and electrical transients. Beyond w_s the motor brakes as a generator.
@@ -29,7 +29,7 @@ of the stator and electrical transients. Beyond w_s the motor brakes as a genera
 Each but the table states its law once, by :meth:`Law.piece`, next to a speed and own state z as
 linear in both:
 
-    T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (M1)
+    T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (A9)
 """
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ FEW, SHARP, EVERY = 64, 1e-7, 4000
 
 
 class Piece(NamedTuple):
-    """Coefficients of (M1), w the speed behind the gear; floats or any number type."""
+    """Coefficients of (A9), w the speed behind the gear; floats or any number type."""
 
     torque: Scalar
     by_speed: Scalar = 0.0
@@ -67,12 +67,12 @@ class Piece(NamedTuple):
     change_by_state: Scalar = 0.0
 
     def torque_at(self, speed: float, state: float) -> float:
-        """Return the torque T [N m] at a speed and an own state, (M1)."""
+        """Return the torque T [N m] at a speed and an own state, (A9)."""
         torque: float = self.torque + self.by_speed * speed + self.by_state * state
         return torque
 
     def change_at(self, speed: float, state: float) -> float:
-        """Return dz/dt of the own state at a speed and an own state, (M1)."""
+        """Return dz/dt of the own state at a speed and an own state, (A9)."""
         change: float = self.change + self.change_by_speed * speed + self.change_by_state * state
         return change
 
@@ -124,20 +124,20 @@ class Law(ABC):
 
 @dataclass(frozen=True)
 class ConstantTorque(Law):
-    """A constant torque [N m] (of a slide a force [N]), (D2)."""
+    """A constant torque [N m] (of a slide a force [N]), (A2)."""
 
     command: ClassVar[str] = 'value'
     value: float = quantity(0.0)
 
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        return Piece(self.value if command is None else command)                            # (D2)
+        return Piece(self.value if command is None else command)                            # (A2)
 
 
 @dataclass(frozen=True)
 class MotorLine(Law):
     """
-    A motor whose torque falls linearly with its speed, (D3): [N m], [rad/s], N.
+    A motor whose torque falls linearly with its speed, (A3): [N m], [rad/s], N.
 
     Torque and speed have one sign: the torque of a motor does not grow with its speed.
     """
@@ -157,12 +157,12 @@ class MotorLine(Law):
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
-        return Piece(stall, -stall / free)                                                  # (D3)
+        return Piece(stall, -stall / free)                                                  # (A3)
 
 
 @dataclass(frozen=True)
 class DCMotor(Law):
-    """Permanent-magnet DC motor with a gear of ratio N, (D4); fields state units and meanings."""
+    """Permanent-magnet DC motor with a gear of ratio N, (A4); fields state units and meanings."""
 
     own: ClassVar[str] = 'current'
     command: ClassVar[str] = 'voltage'
@@ -181,7 +181,7 @@ class DCMotor(Law):
     def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         constant, voltage = self.gear * self.constant, self.voltage if command is None else command
-        if self.inductance:                                                                 # (D4)
+        if self.inductance:                                                                 # (A4)
             return Piece(0.0, by_state=constant, change=voltage / self.inductance,
                          change_by_speed=-constant / self.inductance,
                          change_by_state=-self.resistance / self.inductance)
@@ -192,7 +192,7 @@ class DCMotor(Law):
 @dataclass(frozen=True)
 class SpeedController(Law):
     """
-    PI controller of the speed with a limited torque and back-calculation, (D5).
+    PI controller of the speed with a limited torque and back-calculation, (A5).
 
     Fields state units and meanings.
     """
@@ -231,7 +231,7 @@ class SpeedController(Law):
             torque.real < -limit, beyond(-limit), tuple(inner))))
 
     def _inner(self, command: Scalar | None) -> Piece:
-        """Return the law between the limits of the torque, (D5)."""
+        """Return the law between the limits of the torque, (A5)."""
         wanted = self.speed if command is None else command
         kp, ki = self.proportional, self.integral
         return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
@@ -243,7 +243,7 @@ class SpeedController(Law):
 @dataclass(frozen=True)
 class InductionMotor(Law):
     """
-    Induction motor with a gear, by Kloss' formula (K1); fields state units and meanings.
+    Induction motor with a gear, by Kloss' formula (A7); fields state units and meanings.
 
     A negative gear: the shaft behind it turns the other way.
     """
@@ -266,15 +266,15 @@ class InductionMotor(Law):
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
         slip = 1.0 - speed / synchronous
         whole = slip * slip + s_b * s_b
-        torque = factor * slip / whole                                                      # (K1)
-        by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)       # (K2)
+        torque = factor * slip / whole                                                      # (A7)
+        by_speed = factor * (slip * slip - s_b * s_b) / (synchronous * whole * whole)       # (A8)
         return Piece(torque - by_speed * speed, by_speed)      # the tangent at this speed
 
 
 @dataclass(frozen=True)
 class TorqueTable:
     """
-    Torque over time, (D6), as recorded from a topic: increasing times [s], torques [N m].
+    Torque over time, (A6), as recorded from a topic: increasing times [s], torques [N m].
 
     ``linear``: between two times; else each torque is held until the next time. Before the first
     and after the last time the torque is that at the end.
@@ -321,7 +321,7 @@ class TorqueTable:
 
 @dataclass(frozen=True)
 class Shaft:
-    """Elastic damped shaft between motor and input, (D1): [N m/rad], [N m s/rad]."""
+    """Elastic damped shaft between motor and input, (A1): [N m/rad], [N m s/rad]."""
 
     stiffness: float = quantity(above=0.0)
     damping: float = quantity(0.0, least=0.0)

@@ -9,15 +9,15 @@ nothing but the rounding of its terms, whose bound the equation of motion gives.
 A small motion x about an equilibrium obeys J x.. + D x. + K x = 0 with K = -dQ/dq (dots are
 derivatives with respect to time): stable where K > 0, with the natural frequency
 
-    f = sqrt(K / J) / (2 pi)   and the damping ratio   D / (2 sqrt(J K)).                   (S1)
+    f = sqrt(K / J) / (2 pi)   and the damping ratio   D / (2 sqrt(J K)).                   (H1)
 
 The period of a free motion needs no integration over time: energy gives the rate, quadrature
 
-    T = integral over a cycle of sqrt(J / (2 (E - V))) dq                                  (F1)
+    T = integral over a cycle of sqrt(J / (2 (E - V))) dq                                  (H2)
 
 A crank that goes round has u = +-q; an input that swings between turning points q = c +- h has
 
-    q = c + h sin u,   dt/du = h cos u sqrt(J / (2 (E - V)))                                (F2)
+    q = c + h sin u,   dt/du = h cos u sqrt(J / (2 (E - V)))                                (H3)
 
 Either way dt/du is a smooth periodic function of u: its mean over equal samples converges
 exponentially.
@@ -206,7 +206,7 @@ def roots_of(function: Function, samples: Array, error: Function | None = None) 
 
 
 def _equilibrium(equation: Equation, position: float) -> Equilibrium:
-    """Return an equilibrium with its stiffness, frequency and damping ratio by (S1)."""
+    """Return an equilibrium with its stiffness, frequency and damping ratio by (H1)."""
     terms, stiffness = equation.terms(position), float(equation.stiffness(position))
     if stiffness <= 0.0:
         return Equilibrium(position, False, stiffness, nan, nan, position)
@@ -246,7 +246,7 @@ def free_period(system: System) -> float:
         cycle, width = tau, 0.5 * (ends[1] - ends[0])
 
     def slowness(u: Array) -> Array:
-        """Return dt/du by (F1) or (F2)."""
+        """Return dt/du by (H2) or (H3)."""
         q = u if ends is None else 0.5 * (ends[0] + ends[1]) + width * np.sin(u)
         scale = 1.0 if ends is None else (width * np.cos(u))**2
         with np.errstate(divide='ignore'):

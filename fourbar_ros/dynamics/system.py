@@ -111,7 +111,7 @@ class System:
         return float(self.drive.source.torque(time, speed, own)[0])
 
     def _drive(self, time: float, state: State) -> Answer:
-        """Return the torque on the input and the derivatives of the states after q and w, (D1)."""
+        """Return the torque on the input and the derivatives of the states after q and w, (A1)."""
         drive = self.drive
         assert drive is not None
         speed, own = state[self._speed], state[self._speed + 1:-1]
@@ -139,7 +139,7 @@ class System:
                 state = (value, ratio * rate, *state[2:])
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
-            torque = torque * ratio - damping * rate                                        # (T2)
+            torque = torque * ratio - damping * rate                                        # (Q2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)
         return conservative if self.is_conservative else driven

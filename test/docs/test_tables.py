@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The tables of the documents are those of the code."""
+import re
 import sys
 
 from support import ROOT
@@ -14,11 +15,16 @@ def test_the_tables_of_the_manual_are_those_of_the_code():
         assert page.read_text(encoding='utf-8') == text, f'{page.name}: run python docs/tables.py'
 
 
-def test_every_number_in_the_code_names_an_equation_and_numbers_are_given_once():
+def test_a_label_names_one_equation_in_the_whole_tree():
+    """Labels stand before an equation, or at the end of its line; one search finds the equation."""
     import formulas
+    labelled = {}
     for module in formulas.modules():
-        tags = [tag for _, tag, _ in formulas.NUMBERED.findall(module.doc)]
-        assert len(tags) == len(set(tags)), module.path
+        for label in (*[tag for _, tag, _ in formulas.NUMBERED.findall(module.doc)],
+                      *re.findall(r'^ +\S.* {3,}\(([A-Z]{1,2}\d+)\)$', module.doc, re.M)):
+            labelled.setdefault(label, []).append(module.path)
+    assert len(labelled) > 80
+    assert {label: paths for label, paths in labelled.items() if len(paths) > 1} == {}
 
 
 def test_the_list_of_formulas_finds_the_equations_of_both_documents():

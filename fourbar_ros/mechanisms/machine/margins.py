@@ -6,9 +6,9 @@ Assembly margins: scalars whose signs tell whether dyads can be assembled.
 A dyad closes where its *assembly margin* is positive, a number without unit that vanishes at its
 toggles. That of a pair is in :mod:`.pairs`; of others
 
-    (R1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
-    (R2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
-    (R3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
+    (X1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
+    (X2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
+    (X3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CLOSING = ('RRR', 'RRP', 'RPR', 'PRP')     # kinds that do not close at any inpu
 
 def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) -> Scalar:
     """
-    Return a scalar that is positive where a dyad closes, zero at its toggles, by (R1) to (R3).
+    Return a scalar that is positive where a dyad closes, zero at its toggles, by (X1) to (X3).
 
     Of dyads whose carriers are not joined to each other.
     """

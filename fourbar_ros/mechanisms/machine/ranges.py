@@ -15,7 +15,7 @@ where it then lies flat, motion goes on with all its digits. Of other dyads a ma
 positive minimum, a double root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in
 many digits, as the value of
 
-    (R4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the margin at t beside the minimum
+    (X4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the margin at t beside the minimum
 
 A double root is a limit of the range, on both sides, where the dyad is at a toggle.
 """
@@ -183,7 +183,7 @@ def _terms(make: Function, layout: Layout, dyad_lengths: Sequence[DyadLengths],
            signs: Sequence[float], dyad: int
            ) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
     """
-    Return input -> c0, c1, c2 there, as in (R4), of a margin or flatness in many digits.
+    Return input -> c0, c1, c2 there, as in (X4), of a margin or flatness in many digits.
 
     ``make``: :func:`.make_assembly_margin` or :func:`.make_flatness`. To be made and called within
     the context of many digits.
@@ -283,7 +283,7 @@ class _Search:
 
     def _decided(self, dyad: int, x: float) -> tuple[float, ...]:
         """
-        Return the limits of the input beside a minimum of a margin near x, by many digits, (R4).
+        Return the limits of the input beside a minimum of a margin near x, by many digits, (X4).
 
         None if it is positive, twice the same for a double root, else two roots, each rounded to
         the side on which the dyad closes.

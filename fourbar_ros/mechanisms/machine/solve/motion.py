@@ -9,7 +9,7 @@ O1, a slider on the x axis, or a crank that is turned by a cylinder of length s 
 of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
 seen from O1, from Q on:
 
-    (C1)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
+    (V1)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
           (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slides`, with b and rho for its sides
 
 which gives its rod as well. Rates are ratios times the rate of the input, accelerations the ratio
@@ -17,11 +17,11 @@ times its acceleration plus the second derivative times its rate squared. The co
 of the true one, by the triangle inequality along the chain of dyads: with E the sum of the errors
 of P and Q,
 
-    (C3)  RRR: r1 d angle1 = (E + r1 |e1 . e2| + r2) / |sine|, the other likewise
-    (C4)  RRP: r1 d angle1 = (E + r1 + |s| d angle_t) / |sine|
-    (C5)  RPR: |s| d angle = E + |h|
-    (C6)  RPP, PRP: d B = (E + |s1| d angle_1 + |s2| d angle_2) / |sine|
-    (C7)  crank turned by a cylinder: d psi = ((rho^2 + b^2)/(rho b) + 2 |cos psi|) / |sin psi|
+    (V2)  RRR: r1 d angle1 = (E + r1 |e1 . e2| + r2) / |sine|, the other likewise
+    (V3)  RRP: r1 d angle1 = (E + r1 + |s| d angle_t) / |sine|
+    (V4)  RPR: |s| d angle = E + |h|
+    (V5)  RPP, PRP: d B = (E + |s1| d angle_1 + |s2| d angle_2) / |sine|
+    (V6)  crank turned by a cylinder: d psi = ((rho^2 + b^2)/(rho b) + 2 |cos psi|) / |sin psi|
 
 The transmission angle of a cylinder is that of its rod and the arm from O1 to its pin.
 """
@@ -65,7 +65,7 @@ def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
     """
-    Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (C1).
+    Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (V1).
 
     ``sign``: of the sine of the angle from O1-base to O1-pin; ``lengths``: pin on the crank, base
     on the frame, their distances from O1 for ``shape``.
@@ -75,10 +75,10 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     of_pin = along * per_rho, -across * per_rho         # turned back from the crank
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
     root = n.sqrt(s)                                    # no length is below zero
-    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (C1)
+    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (V1)
     directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
                   turned_by((sides.cos_x, -sides.sin_x), of_base))
-    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / n.fabs(sides.sin_2)       # (C7)
+    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / n.fabs(sides.sin_2)       # (V6)
     square = per * per
     return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
                              sides.dd_theta2 * square),
@@ -92,7 +92,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     """
     Return (error of the first joint [m], of the angle [rad]) of both links of a dyad.
 
-    A bound, by (C3) to (C6), of how far relative errors of the lengths move and turn them.
+    A bound, by (V2) to (V5), of how far relative errors of the lengths move and turn them.
     ``first``, ``second``: errors of the links it hangs on. First joints are P and Q of RRR and
     RPR, P and B of RRP and RPP, B of PRP.
     """
@@ -100,20 +100,20 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / fabs(moved.sine)
-    if stage.kind == 'RRR':                                                               # (C3)
+    if stage.kind == 'RRR':                                                               # (V2)
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
                 (at_q, (both + r2 * cosine + r1) * per / r2))
     slide, r1 = moved.slides[0], sizes[0]
-    if stage.kind == 'RRP':                                                               # (C4)
+    if stage.kind == 'RRP':                                                               # (V3)
         shift = (both + r1 + fabs(slide) * second[1]) * per
         return (at_p, shift / r1), (at_p + r1 + shift, second[1])
-    if stage.kind == 'RPR':                                                               # (C5)
+    if stage.kind == 'RPR':                                                               # (V4)
         offset = sizes[0]
         turn = (both + fabs(offset)) / fabs(slide)
         return (at_p, turn), (at_q, turn)
     other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
-    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (C6)
+    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V5)
     shift = (both + fabs(slide) * turn_1 + fabs(other_slide) * second[1]) * per
     return ((shift, turn_1) if stage.kind == 'PRP' else (at_p, turn_1)), (shift, second[1])
 
