@@ -16,7 +16,7 @@ def test_the_tables_of_the_manual_are_those_of_the_code():
 
 
 def test_a_label_names_one_equation_in_the_whole_tree():
-    """Labels stand before an equation, or at the end of its line; one search finds the equation."""
+    """A label stands before an equation, or at the end of its line."""
     import formulas
     labelled = {}
     for module in formulas.modules():
