@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Planar linkages: exact motion, loads and extrema. The library needs numpy only.
+Planar linkages: exact motion, loads and extrema, computed with numpy alone.
 
 >>> from fourbar_ros import Bodies, find_extrema, FourBar, round_rod
 >>> rods = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))

@@ -114,7 +114,7 @@ def test_no_line_of_words_lies_on_the_picture(driver, address, query):
     tab.until(lambda: tab.alarm() or tab.warnings(), 'words')
     words, picture = driver.execute_script(
         "return ['.fb-alarm, .fb-warnings', '.fb-stage .fb-picture'].map(s => [...document"
-        ".querySelectorAll(s)].map(e => e.getBoundingClientRect()).map(b => [b.top, b.bottom]))")
+        '.querySelectorAll(s)].map(e => e.getBoundingClientRect()).map(b => [b.top, b.bottom]))')
     assert max(below for _, below in words) <= picture[0][0]
 
 

@@ -140,8 +140,8 @@ def test_joints_stand_in_the_order_and_count_the_angles_of_the_page_about_robots
     low, high = linkage.input_ranges[0]
     motion = linkage.motion(0.6 * low + 0.4 * high)
     dyads = ['cylinder'] * (linkage.input == 'cylinder') + values['linkage.dyads']
-    assert machine.joint_names == ('base', *(f'{dyad}_{place}' for dyad in dyads
-                                           for place in ('first', 'inner', 'second')))
+    joints = [f'{dyad}_{place}' for dyad in dyads for place in ('first', 'inner', 'second')]
+    assert machine.joint_names == ('base', *joints)
 
     def angle(link):
         if link == 'ground':
