@@ -167,7 +167,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         found, proofs, refuted = search.proved(found, conditions, tell, seconds)
     return [extremum for row, quantity in enumerate(quantities) if found[row]
             for extremum in _extrema(quantity, linkage, found[row], proofs[row], row in refuted,
-                                     partial(search.exact, row))]
+                                     search.unresolved, partial(search.exact, row))]
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
@@ -216,13 +216,14 @@ def _is_one(quantity: Any) -> bool:
 
 
 def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], proof: str,
-             is_refuted: bool, exact: Callable[[list[float]], Array]) -> list[Extremum]:
+             is_refuted: bool, unresolved: str,
+             exact: Callable[[list[float]], Array]) -> list[Extremum]:
     """
     Return the extrema of one quantity as records for users, by place, the global ones marked.
 
     ``found``: from the search; ``proof``: says whether they are complete; ``is_refuted``: it says
-    that they are not, so that only infinite ones are global; ``exact``: see
-    :func:`_most_extreme`.
+    that they are not, so that only infinite ones are global; ``unresolved``: where samples are
+    not dense enough; ``exact``: see :func:`_most_extreme`.
     """
     found = sorted(found, key=lambda one: (one.place, one.side))
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
@@ -230,13 +231,19 @@ def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], pro
     lowest, low_in_doubt = _most_extreme(found, -1, exact)
     highest, high_in_doubt = _most_extreme(found, 1, exact)
     first, in_doubt = lowest | highest, low_in_doubt | high_in_doubt
+    gap = (unresolved or 'extrema are missing: their kinds do not alternate'
+           if unresolved or any(one.misses for one in found) else '')
+    if is_refuted or gap:
+        first = {i for i in first if not isfinite(found[i].value) or not found[i].sense}
     proofs = [f'not certain: constant within {one.noise:.1e} {symbol}, its rounding errors'
               if not one.sense and one.noise else
+              proof if proof and not is_refuted and not unresolved else f'not certain: {gap}'
+              if gap else
               'not certain: rounding errors hide which is the most extreme' if i in in_doubt
               else proof for i, one in enumerate(found)]
     angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
     return [Extremum(name, symbol, mode, KINDS[one.sense], theta1, one.value,
-                     i in first and not (is_refuted and isfinite(one.value)),
+                     i in first,
                      INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,
                      one.side, unit * one.condition, one.value_condition, text,

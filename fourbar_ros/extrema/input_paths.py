@@ -20,12 +20,15 @@ from math import inf, pi
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, sine_between
 import numpy as np
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
+# The same of machines of dyads, whose complex singular inputs are known less well.
+NARROWEST_OF_MACHINE = 2.0**-28
 NODES = 32                          # of each kernel, to solve t(phi) = t
 # Points added towards a toggle, each twice as close as the one before, and towards a flat
 # position, every second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x
@@ -172,6 +175,24 @@ def input_paths(mechanism: Mechanism, points: int,
         for cut in _cuts(mechanism, within):
             paths += _between(bounds, ends, inside, points, [end / unit for end in cut])
     return paths
+
+
+def unresolved(mechanism: Mechanism) -> str:
+    """
+    Return where a quantity may change faster than samples can follow, in words, '' if nowhere.
+
+    That is next to singular inputs that are nearly, but not, one flat position.
+    """
+    unit, coordinate = mechanism.input_unit, mechanism.input_coordinate
+    least = unit * (NARROWEST if isinstance(mechanism, Kind) else NARROWEST_OF_MACHINE)
+    singular = [complex(z) for z in mechanism.singular_inputs]
+    real = [z.real for z in singular if not z.imag]
+    for z in singular:
+        if 0.0 < abs(z.imag) < least or not z.imag and any(
+                0.0 < abs(mechanism.distance(z.real, other)) < least for other in real):
+            return (f'changes within {least:.0e} {coordinate.unit} of {coordinate.position} = '
+                    f'{z.real:.9g} are not resolved')
+    return ''
 
 
 def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tuple[float, float]]:

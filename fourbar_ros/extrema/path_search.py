@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from math import comb, inf, nan
+from math import comb, inf, isnan, nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
@@ -36,6 +36,8 @@ NEIGHBOURS = 12
 # Distance from a toggle at which a quantity is sampled again, over that of the samples: by the
 # path's parameter a 64th.
 NEARER = 2.0**-12
+# Growth of differences towards a pole, and their least share of the values: less may be rounding.
+GROWTH, SHARE = 1.5, 2.0**-10
 # Part of the bound of rounding errors that counts for an extremum; the least error of a value.
 PART_OF_NOISE = 0.25
 SMALLEST = 2.0**-1022
@@ -75,6 +77,7 @@ class PathExtremum(NamedTuple):
     condition: float = nan           # as in Extremum, of the place
     value_condition: float = nan
     noise: float = 0.0               # least error of the value, of a constant a bound
+    misses: bool = False             # another of its quantity is missing: they do not take turns
 
 
 def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
@@ -95,7 +98,33 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
         extrema += _interior(sampler, inside, rows, with_conditions)
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, (side, end), rows)
-    return extrema
+    return _with_gaps(extrema, path, 0.0 if sampler.linkage.is_driven_by_slide else 2.0 * pi)
+
+
+def _with_gaps(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
+    """
+    Return extrema along a path, those of quantities whose kinds do not take turns marked.
+
+    One without a value is left out. ``turn``: after which the input is the same, 0 if never.
+    """
+    def along(one: PathExtremum) -> float:
+        """Return where an extremum is on the path."""
+        if one.side:
+            return -one.side * inf
+        return one.place if path.low is None or not turn else (one.place - path.low.x) % turn
+
+    by_quantity: dict[int, list[PathExtremum]] = {}
+    for one in extrema:
+        by_quantity.setdefault(one.quantity, []).append(one)
+    wrong = set[int]()
+    for quantity, own in by_quantity.items():
+        senses = [one.sense for one in sorted(own, key=along)]
+        following = senses[1:] + senses[:path.is_closed]
+        if len(senses) > 1 and any(a == b for a, b in zip(senses, following)) or any(
+                isnan(one.value) for one in own):
+            wrong.add(quantity)
+    return [one._replace(misses=True) if one.quantity in wrong else one for one in extrema
+            if not isnan(one.value)] if wrong else extrema
 
 
 def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[float, float]]:
@@ -225,18 +254,24 @@ def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
     """
     Return which magnitudes |F| are least because F changes its sign: they are kinks.
 
-    |F| is zero there: the rounding of x and of the terms of F explains the value, or that of x
-    explains what many digits leave.
+    |F| is zero there: the rounding of the input and of the terms of F explains its value, or the
+    parabola through three values of F^2 from many digits comes down to zero.
     """
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
-    ulps = 4.0 * EPS * np.maximum(np.abs(sampler.fold(x)), SMALL)
-    is_zero = is_kink & (np.abs(roots.value[which]) <= ulps * size + roots.rounding[which])
-    open_ = np.flatnonzero(is_kink & ~is_zero)
-    if open_.size:
-        is_zero[open_] = sampler.exact(x[open_], row[open_]) <= (ulps * size)[open_]
+    by_input = 4.0 * np.spacing(np.abs(sampler.fold(x))) * size
+    is_zero = is_kink & (np.abs(roots.value[which]) <= by_input + roots.rounding[which])
+    left = np.flatnonzero(is_kink & ~is_zero)
+    if left.size:
+        turn = 4.0 * EPS * np.maximum(np.abs(x[left]), SMALL)
+        before, here, after = sampler.exact(
+            np.concatenate([x[left] - turn, x[left], x[left] + turn]),
+            np.tile(row[left], 3)).reshape(3, -1)**2
+        slope, bend = 0.5 * (after - before), after + before - 2.0 * here
+        is_zero[left] = (bend > 0.0) & (np.abs(here * bend - 0.5 * slope**2)
+                                        <= bend * by_input[left]**2)
     return np.asarray(is_zero)
 
 
@@ -369,14 +404,17 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     """
     Return the limits of all quantities at a toggle; right for ``rows``.
 
-    Quantities are meromorphic in the path's parameter: one that grows twofold each time the
-    distance falls to a quarter has a pole. The others go on smoothly into the other assembly mode.
+    Quantities are meromorphic in the path's parameter: one whose differences grow about twofold
+    each time the distance falls to a quarter has a pole. The others go on smoothly into the other
+    assembly mode.
     """
     values, path, (side, end) = samples.values, samples.path, where
     inward = path.inward(side)
-    size = np.abs(values[:, inward[:5:2]])
-    has_pole = (size[:, 0] > 2.0 * size[:, 1]) & (size[:, 1] > 2.0 * size[:, 2])
-    limits = np.where(values[:, inward[0]] > 0.0, inf, -inf)
+    nearest = values[:, inward[:4]]
+    fall = np.abs(np.diff(nearest))
+    has_pole = ((fall[:, 0] > GROWTH * fall[:, 1]) & (fall[:, 1] > GROWTH * fall[:, 2])
+                & (fall[:, 0] > SHARE * np.abs(nearest).max(axis=1)))
+    limits = np.where(nearest[:, 0] > nearest[:, 1], inf, -inf)
     if has_pole[rows].all():
         return limits
     near = path.half_a_step_from(side) + side * np.arange(NEIGHBOURS)

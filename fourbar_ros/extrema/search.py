@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
-from fourbar_ros.extrema.input_paths import input_paths
+from fourbar_ros.extrema.input_paths import input_paths, unresolved
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
@@ -27,7 +27,8 @@ class Search:
     """
     The search, and its proof, for some quantities of a mechanism at rate and acceleration.
 
-    ``within``: lowest and highest input, see :func:`.input_paths`; ``paths``: those of the input.
+    ``within``: lowest and highest input, see :func:`.input_paths`; ``paths``: those of the input;
+    ``unresolved``: where their samples are not dense enough, in words.
     """
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
@@ -39,7 +40,7 @@ class Search:
         smooth = [row for row in range(len(quantities)) if row not in rough]
         self._groups = [(kind(linkage, [quantities[row] for row in rows], rates), rows)
                         for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)) if rows]
-        self.paths = input_paths(linkage, SAMPLES, within)
+        self.paths, self.unresolved = input_paths(linkage, SAMPLES, within), unresolved(linkage)
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:

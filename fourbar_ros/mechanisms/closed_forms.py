@@ -51,8 +51,8 @@ def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
 
 def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:
     """Return ranges of an angle moved by half a turn, each so that it begins in [-pi, pi)."""
-    turned = [(pi + low - turn, pi + high - turn) for low, high in ranges
-              for turn in (2.0 * pi if pi + low >= pi else 0.0,)]
+    turned = [(low + turn, high + turn) for low, high in ranges
+              for turn in (-pi if low >= 0.0 else pi,)]      # exact beside pi
     return ((-pi, pi),) if turned == [(0.0, 2.0 * pi)] else tuple(sorted(turned))
 
 

@@ -18,6 +18,7 @@ from fourbar_ros.extrema.find import _most_extreme
 from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.moving_joint import MovingJointFourBar
 from fourbar_ros.mechanisms.quantities import Function, known_quantities
 from hypothesis import given
 from hypothesis import strategies as st
@@ -168,6 +169,50 @@ def test_a_force_of_13203_newtons_is_not_zero_at_a_margin_of_1e_6(certify):
     assert near.value == pytest.approx(13203.357362843, rel=EPS * near.value_condition)
     assert near.value > 1e4 and not near.is_global
     assert [one.value for one in found if one.is_global] == [pytest.approx(0.0234, rel=1e-2)]
+
+
+@pytest.mark.parametrize('mode, sign', [(1, 1), (2, -1)])
+def test_limits_of_a_rocker_beside_a_change_point_are_infinite_and_kinds_alternate(mode, sign):
+    """a1 + a3 = a2 + a4 + 1e-16: two toggles 1.9e-8 rad apart."""
+    linkage = change_point_in_decimals(FourBar, 1.4, 1.5, 1.8, 1.1, mode=mode)
+    found = find_extrema(linkage, ('omega4', 'driving_torque'), 10.0)
+    for name in ('omega4', 'driving_torque'):
+        kinds = [one.kind for one in found if one.quantity == name]
+        assert len(kinds) > 3 and all(a != b for a, b in zip(kinds, kinds[1:]))
+    assert [one.value for one in found if one.quantity == 'omega4' and one.place == 'limit'] == [
+        sign * inf, -sign * inf]
+    assert not any(one.proof for one in found)
+
+
+def test_limits_of_a_drive_between_two_toggles_beside_each_other_are_infinite():
+    """The ends of the ranges of A are those of the crank's less pi, to the last bit."""
+    linkage = MovingJointFourBar(0.44, 0.38, 0.08, 0.74, input='A')
+    found = find_extrema(linkage, 'alpha4', 10.0)
+    assert [one.value for one in found] == [-inf, inf, inf, -inf]
+
+
+def test_global_extrema_are_not_claimed_where_a_proof_knows_more():
+    a3 = 0.08530725708380658
+    linkage = change_point_in_decimals(FourBar, 0.0853072573292753, 0.08530725720447806, a3, a3)
+    for certify in (False, True):
+        found = find_extrema(linkage, 'shaking_moment', 10.0, certify=certify)
+        largest = max(one.value for one in found)
+        for one in found:
+            assert not one.is_global or isinf(one.value) or one.value == largest > 1e15
+        if certify:
+            assert any(one.is_global for one in found if not isinf(one.value)) is not any(
+                one.proof.startswith('not proved') for one in found)
+
+
+@pytest.mark.parametrize('linkage, near', [
+    (InvertedSlider(1.9489532166482688, 1.948953216648281, 1.7035423314519127e-14), '1e-12 rad'),
+    (FourBar(1.0, 1.0 + 2 * EPS, 1.0, 1.0), '1e-12 rad'),
+    (InvertedSlider(0.36542448816472595, 0.36542448816472595, -1.142e-16, input='slide'),
+     '5e-13 m')])
+def test_what_samples_cannot_resolve_is_said_and_no_finite_value_is_global(linkage, near):
+    for one in find_extrema(linkage, linkage.outputs[0].coordinate.acceleration, 10.0):
+        assert one.proof.startswith(f'not certain: changes within {near} of ')
+        assert isinf(one.value) or not one.is_global
 
 
 # --- none missed: linkages whose dyads come near their toggles together --------------------------
