@@ -84,8 +84,8 @@ def test_a_load_beside_another_one_1e18_times_larger_is_said_not_to_be_certain()
                   length_1=1.2, length_2=0.8),
              Dyad('small', 'RRP', Point('rocker', 0.4, 0.1), Point('ground', 0.0, 0.6),
                   ('link', 'block'), length_1=1.5, direction_2=0.1)]
-    heavy, light = Body(1e6, cg_along=0.3, cg_across=0.1, inertia=1e5),
-    Body(1e-12, cg_along=0.3, cg_across=0.1, inertia=1e-13)
+    heavy = Body(1e6, cg_along=0.3, cg_across=0.1, inertia=1e5)
+    light = Body(1e-12, cg_along=0.3, cg_across=0.1, inertia=1e-13)
     machine = Machine(dyads, bodies={'rod': heavy, 'rocker': heavy, 'link': light, 'block': light})
     one, = find_extrema(machine, 'small_inner', 3.0)
     scan = machine.loads(np.linspace(-np.pi, np.pi, 2001), 3.0).small_inner
