@@ -10,15 +10,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 import json
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.bag.metadata import number_of
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import BagError, FourBarError
+from fourbar_ros.scene.parameters import member_of
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 
 GONE = ('recording.keep',)      # parameters of version 1 on which no value depends
+MOST_TEXT = 2**24       # characters of a scene in a bag: 40 tables of forces of 10 000 places
+MOST_NAMES = 1000       # of points, springs, forces, dyads, links in one; 100 dyads have 800
 
 
 class Origin(NamedTuple):
@@ -108,10 +111,28 @@ def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, st
     return topics
 
 
+def bounded(text: str) -> dict[str, Any]:
+    """
+    Return the parameters of a scene as JSON; raises BagError for more than a bag may have.
+
+    A bag may be anybody's: its scene must not fill the memory. The recorder records no larger one.
+    """
+    if len(text) > MOST_TEXT:
+        raise BagError(f'a scene of {len(text)} characters: a bag may have {MOST_TEXT}')
+    values: dict[str, Any] = json.loads(text)
+    members = {member[:2] for member in map(member_of, values) if member}
+    lists = [value for value in values.values() if isinstance(value, list)]
+    names = len(members) + sum(isinstance(item, str) for value in lists for item in value)
+    if names > MOST_NAMES:
+        raise BagError(f'a scene with {names} names of points, forces, dyads, links, joints: '
+                       f'a bag may have {MOST_NAMES}')
+    return values
+
+
 def scene_of(bag: Bag, text: str) -> Scene:
     """Return the Scene of a JSON text in a bag; BagError if it has none of ours."""
     try:
-        values = json.loads(text)
+        values = bounded(text)
         for name in GONE:
             values.pop(name, None)
         return from_values(values)

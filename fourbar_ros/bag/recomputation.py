@@ -39,7 +39,7 @@ from fourbar_ros.scene.topics import (
 )
 import numpy as np
 
-BLOCK = 5000                # motions that are compared together
+BLOCK, MOST_VALUES = 5000, 2_000_000    # motions, and their values, that are compared together
 UNSETTLED = 200_000_000     # [ns] around a change, in which a bag of rosbag2 has no sure order
 # the topic that a robot and other nodes share, where a bag of rosbag2 has the messages of all
 JOINT_STATES = 'joint_states'
@@ -135,6 +135,7 @@ class Recomputation:
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about)
         self._joints: SceneJoints | None = None
+        self._wanted = frozenset(origin.topics)     # other points and links are not computed
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
         self._joints_have_begun = False
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
@@ -143,6 +144,7 @@ class Recomputation:
     def _begin(self, scene: Scene) -> None:
         last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
+        self._block = min(BLOCK, MOST_VALUES // len(scene.layout.place))
         self._joints = joints_of(scene, last, self._is_wrapped)
         self._steppers = InModes(scene, self._acting, self._joints)
         self._acts.clear()
@@ -160,7 +162,7 @@ class Recomputation:
         """Take the next message of the bag."""
         name = self._names[raw.topic]
         if name in self._topics:
-            if name == 'joint_states' and self._joints and not self._joints_have_begun:
+            if name == JOINT_STATES and self._joints and not self._joints_have_begun:
                 self._begin_joints(self._joints, self._bag.decode(raw))
             self._outputs[name].append((self._inputs, raw.time, raw.data))
         elif name == DRIVEN.name:
@@ -168,8 +170,8 @@ class Recomputation:
             self._check_frame(name, message)
             self._motions.append((raw.time, message))
             self._inputs += 1
-            if len(self._motions) >= 2 * BLOCK:
-                self._compare(BLOCK)
+            if len(self._motions) >= 2 * self._block:
+                self._compare(self._block)
         elif name == SCENE.name:
             scene = scene_of(self._bag, self._bag.decode(raw).data)
             # ros2 bag may hold the latched scene several times
@@ -222,7 +224,7 @@ class Recomputation:
             mode = self._modes.pop(stamp, own)
             mode = mode if mode in known else own
             status, values = steppers.step(mode, message.position, message.velocity,
-                                           message.acceleration, needs_loads, True)
+                                           message.acceleration, needs_loads, self._wanted)
             if status == OK:
                 self._holds_unknown = False
             rows.append((stamp, mode, status, self._why_unsure(time), values))

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+import csv
+from math import isfinite
 from pathlib import Path
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
-from fourbar_ros.errors import FourBarError, nearest
-from fourbar_ros.scene.settings import ParameterValues
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.scene.settings import OF_PLACES, OF_VALUES, ParameterValues
 import yaml
 
 NODE = '/fourbar'
@@ -17,6 +19,7 @@ NODE = '/fourbar'
 DESCRIPTIONS = {'robot': 'URDF', 'sdf': 'SDF', 'mujoco': 'MJCF'}
 ROOT = re.compile(r'\ufeff?\s*(?:<[?!][^>]*>\s*)*<(\w+)')
 TABLE = re.compile(r'forces\.\w+\.table')
+HEADING = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
 # PyYAML's problems as a user sees them
 IN_WORDS = {'<block end>': 'it is indented unlike the lines above it',
             "'<stream end>'": 'a bracket is open', 'end of stream': 'a quote is open',
@@ -68,9 +71,9 @@ def read_values(path: str | Path) -> YamlTree:
     """
     Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
-    Names of table files become paths. ``path`` is a file or a name for :func:`find`, for any node
-    called fourbar, or ``FILE:NODE`` for one by its full name. Raises SceneError if the file cannot
-    be read, is no parameter file, or has nothing for the node.
+    Tables of forces are read from their files. ``path`` is a file or a name for :func:`find`, for
+    any node called fourbar, or ``FILE:NODE`` for one by its full name. Raises SceneError if the
+    file cannot be read, is no parameter file, or has nothing for the node.
     """
     file, colon, name = str(path).rpartition(':')
     node = None
@@ -90,8 +93,7 @@ def read_values(path: str | Path) -> YamlTree:
     if node is None and others and not any(name.startswith('linkage.') for name in values):
         raise SceneError(f'{path}: has the nodes {", ".join(others)}; name one: '
                          f'{path}:{others[0].lstrip("/*")}')
-    files = {name: str(path.parent / values[name]) for name in table_files(values)}
-    return {**values, **files}
+    return with_tables(values, [path.parent])
 
 
 def nothing_for(node: str, path: str | Path, keys: Iterable[str], way_out: str = '') -> SceneError:
@@ -129,10 +131,78 @@ def overrides(arguments: Sequence[str], node: str) -> YamlTree:
     return values
 
 
-def table_files(values: ParameterValues) -> list[str]:
-    """Return the names of the parameters of a scene that name the file of a table."""
-    return [name for name, value in values.items()
-            if TABLE.fullmatch(name) and isinstance(value, str) and value]
+class TableColumns(NamedTuple):
+    """The two columns of a table over a position, and their units."""
+
+    places: list[float]
+    place_unit: str
+    values: list[float]
+    value_unit: str
+
+
+def with_tables(values: ParameterValues, folders: Sequence[Path]) -> YamlTree:
+    """
+    Return values with tables read from CSV files in place of the names of these files.
+
+    A file is that in the last of the ``folders`` that has it. Raises SceneError naming file and
+    row, InvalidParameter for a table that is given twice.
+    """
+    replaced = dict(values)
+    for name, file in values.items():
+        if not (TABLE.fullmatch(name) and isinstance(file, str) and file):
+            continue
+        force = name.removesuffix('.table')
+        for field in TableColumns._fields:
+            if values.get(f'{force}.{field}'):
+                raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
+                                       f'is in the file already: {file}')
+        beside = [path for folder in folders if (path := folder / file).exists()]
+        columns = read_table(beside[-1] if beside else folders[-1] / file)
+        del replaced[name]
+        replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
+    return replaced
+
+
+def read_table(path: Path) -> TableColumns:
+    """
+    Return the table of a CSV file: a header with units, then a place and a value in each row.
+
+    Raises SceneError naming file and row.
+    """
+    def refuse(row: int, why: str) -> SceneError:
+        return SceneError(f'{path}, row {row}: {why}')
+
+    rows = _rows(path)
+    row, header = rows[0] if rows else (1, [])
+    units = [match[2] if match else '' for match in map(HEADING.fullmatch, header)]
+    if len(units) != 2 or units[0] not in OF_PLACES or units[1] not in OF_VALUES:
+        raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
+                          f'units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
+    table = TableColumns([], units[0], [], units[1])
+    for row, cells in rows[1:]:
+        if len(cells) != 2:
+            raise refuse(row, f'{len(cells)} columns, must be a place and a value')
+        for text, column in zip(cells, (table.places, table.values)):
+            try:
+                column.append(float(text))
+            except ValueError:
+                raise refuse(row, f'{text.strip()!r} must be a number') from None
+            if not isfinite(column[-1]):
+                raise refuse(row, f'{text.strip()!r} must be a finite number')
+    return table
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Return (line number, cells) of the rows of a CSV file without empty rows and # comments."""
+    try:
+        with path.open(encoding='utf-8-sig', newline='') as file:
+            reader = csv.reader(file)
+            return [(reader.line_num, row) for row in reader
+                    if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
+    except OSError as error:
+        raise SceneError(f'{path}: {error.strerror}') from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SceneError(f'{path}: not a table as text: {error}') from None
 
 
 def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, Any]:

@@ -3,16 +3,12 @@
 """
 Forces over a position in a scene: where they act, over which coordinate, from which table.
 
-A table stands in the scene or in a CSV file beside it, which is read with the scene: a scene that
-was read holds the numbers themselves, so a bag needs no file.
+A table may stand in a CSV file beside the file of a scene, which is read with it: a scene itself
+holds the numbers, and opens no file, whoever made it.
 """
 from __future__ import annotations
 
-import csv
-from math import atan2, isfinite, pi
-from pathlib import Path
-import re
-from typing import NamedTuple
+from math import atan2, pi
 
 from fourbar_ros.dynamics.elements import Attachment, INPUT, LinkAngle, Place, PositionForce, Way
 from fourbar_ros.dynamics.force_table import ForceTable
@@ -20,89 +16,17 @@ from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.scene.files import SceneError, table_files
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import COUPLE, OF_PLACES, OF_VALUES, ParameterValues
 from fourbar_ros.scene.units import UNITS
 
 FAMILY = 'forces'
-HEADER = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
         'across': (True, 0.5 * pi)}
 # angles of the kinds of linkages: (link, link from which its angle counts)
 ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
-
-
-class TableColumns(NamedTuple):
-    """The two columns of a table over a position, and their units."""
-
-    places: list[float]
-    place_unit: str
-    values: list[float]
-    value_unit: str
-
-
-def with_tables(values: ParameterValues) -> ParameterValues:
-    """
-    Return values with tables read from CSV files in place of the names of these files.
-
-    Raises SceneError naming file and row, InvalidParameter for a table that is given twice.
-    """
-    replaced = dict(values)
-    for name in table_files(values):
-        force = name.removesuffix('.table')
-        for field in TableColumns._fields:
-            if values.get(f'{force}.{field}'):
-                raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
-                                       f'is in the file already: {values[name]}')
-        columns = read_table(Path(values[name]))
-        del replaced[name]
-        replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
-    return replaced
-
-
-def read_table(path: Path) -> TableColumns:
-    """
-    Return the table of a CSV file: a header with units, then a place and a value in each row.
-
-    Raises SceneError naming file and row.
-    """
-    def refuse(row: int, why: str) -> SceneError:
-        return SceneError(f'{path}, row {row}: {why}')
-
-    rows = _rows(path)
-    row, header = rows[0] if rows else (1, [])
-    units = [match[2] if match else '' for match in map(HEADER.fullmatch, header)]
-    if len(units) != 2 or units[0] not in OF_PLACES or units[1] not in OF_VALUES:
-        raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
-                          f'units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
-    table = TableColumns([], units[0], [], units[1])
-    for row, cells in rows[1:]:
-        if len(cells) != 2:
-            raise refuse(row, f'{len(cells)} columns, must be a place and a value')
-        for text, column in zip(cells, (table.places, table.values)):
-            try:
-                column.append(float(text))
-            except ValueError:
-                raise refuse(row, f'{text.strip()!r} must be a number') from None
-            if not isfinite(column[-1]):
-                raise refuse(row, f'{text.strip()!r} must be a finite number')
-    return table
-
-
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Return (line number, cells) of the rows of a CSV file without empty rows and # comments."""
-    try:
-        with path.open(encoding='utf-8-sig', newline='') as file:
-            reader = csv.reader(file)
-            return [(reader.line_num, row) for row in reader
-                    if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
-    except OSError as error:
-        raise SceneError(f'{path}: {error.strerror}') from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneError(f'{path}: not a table as text: {error}') from None
 
 
 def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForce, ...]:
@@ -150,6 +74,9 @@ def _numbers(values: ParameterValues, name: str, over: Place, linkage: Mechanism
     place_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
     is_couple = values[f'{name}.acts'] == COUPLE
     value_unit = values[f'{name}.value_unit'] or ('N m' if is_couple else 'N')
+    if file := values[f'{name}.table']:
+        raise InvalidParameter(f'{name}.table', file, 'only the file of a scene names that of a '
+                               'table, which is read with it; here give places and values')
     if not values[f'{name}.places']:
         raise InvalidParameter(f'{name}.table', None, 'must be given, or places and values: what '
                                                       'acts where')

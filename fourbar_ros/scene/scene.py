@@ -358,9 +358,6 @@ def from_values(values: ParameterValues) -> Scene:
 
     InvalidParameter names the parameter, its value and the allowed values.
     """
-    if any(name.startswith('forces.') for name in values):
-        from fourbar_ros.scene.forces import with_tables  # other scenes do without
-        values = with_tables(values)
     return _of_checked(check(values))
 
 

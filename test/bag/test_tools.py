@@ -5,11 +5,13 @@ import csv
 import json
 import math
 from operator import attrgetter
+import os
 import subprocess
 import sys
 
 from fourbar_lab.drawing.recorded import make_figure
 from fourbar_ros.bag import diff, export, info, recompute, recover
+from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
@@ -284,6 +286,52 @@ def test_the_scene_of_a_bag_is_a_parameter_file_again(bag, tmp_path, capsys):
     assert scene.linkage.a1 == 0.4 and scene.drive.source == 'motion'
     assert main(['bag', 'scene', str(bag), '--drive', 'timer']) == 0
     assert 'source: timer' in capsys.readouterr().out
+
+
+@pytest.fixture
+def with_scene(bag, tmp_path):
+    """Return a function that writes the bag again, as anybody may, with other parameters."""
+    def write(**changes):
+        values = {**json.loads(Bag(bag).about['scene']), **changes}
+        text = json.dumps({name: value for name, value in values.items() if value == value})
+        writer = BagWriter(tmp_path, 'foreign', [bags.channel(*t) for t in Bag(bag).types.items()],
+                           {**Bag(bag).about, 'scene': text})
+        numbers = {topic: number for number, topic in enumerate(Bag(bag).types)}
+        for raw in Bag(bag).raw():
+            writer.write(numbers[raw.topic], bags.encode('std_msgs/msg/String', data=text)
+                         if raw.topic == '/fourbar/scene' else raw.data)
+        return writer.close()
+    return write
+
+
+@pytest.mark.parametrize('file', ['/dev/zero', '/etc/passwd', 'fifo', 'own.csv', 'nothing'])
+def test_a_scene_in_a_bag_opens_no_file(with_scene, tmp_path, capsys, file):
+    """/dev/zero has no end, and a pipe that nobody writes keeps its reader waiting."""
+    os.mkfifo(tmp_path / 'fifo')
+    (tmp_path / 'own.csv').write_text('theta1 [deg], couple [N m]\n0, 1\n360, 1\n')
+    path = with_scene(**{'forces.g.link': 'output', 'forces.g.acts': 'couple',
+                         'forces.g.table': str(tmp_path / file)})
+    for verb in ('scene', 'recompute'):
+        assert main(['bag', verb, str(path)]) == 1
+        said = capsys.readouterr().err
+        assert 'forces.g.table' in said and 'only the file of a scene names' in said
+        assert said.count('\n') == 1
+    with pytest.raises(BagError, match='only the file of a scene'):     # of replay --inputs-only
+        origin_of(path)
+    assert main(['bag', 'info', str(path), '--check']) == 0
+
+
+@pytest.mark.parametrize('changes', [
+    {f'points.p{k}.link': 'output' for k in range(20_000)}, {'joint_names': ['a'] * 2000},
+    {'linkage.kind': 'machine', 'linkage.dyads': [f'd{k}' for k in range(5000)]},
+    {'frame_id': 'x' * 2**24}], ids=['points', 'joints', 'dyads', 'text'])
+def test_a_scene_in_a_bag_is_bounded(with_scene, capsys, changes):
+    path = with_scene(**changes)
+    for verb in ('scene', 'recompute'):
+        assert main(['bag', verb, str(path)]) == 1
+        said = capsys.readouterr().err
+        assert 'its scene cannot be read: a scene ' in said and 'a bag may have' in said
+        assert said.count('\n') == 1 and len(said) < 300
 
 
 def test_a_foreign_bag_is_not_recomputed_but_reported_as_foreign(mixed):

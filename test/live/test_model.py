@@ -287,7 +287,9 @@ def test_links_carry_the_state_and_read_back():
     ({'at': '-.inf'}, 'must be a finite number'), ({'at': '1e999'}, 'must be a finite number'),
     ({'at': '9' * 400}, 'must be a finite number'), ({'at': '9' * 5000}, 'finite number'),
     ({'acceleration': '.inf'}, 'must be a finite number'),
-    ({'nothing': '9' * 400}, 'unknown parameter')])
+    ({'nothing': '9' * 400}, 'unknown parameter'),
+    ({'forces.g.link': 'output', 'forces.g.acts': 'couple', 'forces.g.table': '/dev/null'},
+     'only the file of a scene names that of a table')])
 def test_bad_links_are_refused_and_read_no_file(query, why):
     with pytest.raises(InvalidParameter, match=re.escape(why)):
         shown(links.read(query, 'paper', load(find('paper')).values).values)

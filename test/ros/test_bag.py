@@ -13,9 +13,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.errors import BagError
 from fourbar_ros.ros.messages import resolve
+from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.schemas import channel as channel_of
 from fourbar_ros.ros.schemas import definition, type_hash
+from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, OUTPUTS, SCENE
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -213,6 +216,14 @@ def value_of(kind, numbers, nan_at):
     if kind == 'double':
         return math.nan if nan_at and number % nan_at == 0 else number + 0.1
     return number % 120 + 1
+
+
+def test_no_scene_is_recorded_that_no_reader_takes(tmp_path):
+    many = from_values({**PAPER, **{f'points.p{k}.link': 'output' for k in range(1000)}})
+    with pytest.raises(BagError, match='a scene with 10.. names .* a bag may have 1000'):
+        about_of(many, {}, '/fourbar')
+    most = from_values({**PAPER, **{f'points.p{k}.link': 'output' for k in range(980)}})
+    assert json.loads(about_of(most, {}, '/fourbar')['scene'])['points.p979.link'] == 'output'
 
 
 @pytest.fixture(scope='module')

@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
 from math import inf, isnan, nan, tau
+from shutil import copy
 
 from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import DriveState, LinkageState
 from fourbar_ros.bag.overview import info
 from fourbar_ros.dynamics import node_step
-from fourbar_ros.scene.files import read_values
+from fourbar_ros.scene.files import folder, read_values
 from geometry_msgs.msg import WrenchStamped
 import numpy as np
 import pytest
@@ -242,7 +243,10 @@ def test_silence_runs_on_simulated_time_that_may_pause_and_go_back(run_node, cli
 
 
 def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_path):
-    values = {**read_values('engine'), **recording_in(tmp_path)}
+    values = {**read_values('engine'), **recording_in(tmp_path), 'forces.gas.table': 'gas.csv'}
+    for name in ('places', 'place_unit', 'values', 'value_unit'):
+        del values[f'forces.gas.{name}']        # they stand in the file, beside that of the scene
+    copy(folder() / 'engine.csv', tmp_path / 'gas.csv')
     node, heard = run_node(values), states(client)
     client.until(lambda: heard and heard[-1].position > 3.0 * tau, 'three turns')
     assert set_parameters(client, {'forces.gas.factor': -0.003})[0].successful

@@ -13,8 +13,8 @@ from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene
-from fourbar_ros.scene.files import SceneError
-from fourbar_ros.scene.forces import _coordinates, read_table
+from fourbar_ros.scene.files import read_table, SceneError
+from fourbar_ros.scene.forces import _coordinates
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
@@ -201,6 +201,15 @@ def test_a_table_given_twice_is_refused(tmp_path):
     path = write(tmp_path, 'slide [m], force [N]\n0, 1\n1, 2\n', places='[0.0, 1.0]', over='slide')
     with pytest.raises(InvalidParameter, match='is in the file already'):
         scene.load(path)
+
+
+def test_a_scene_that_is_no_file_opens_none(tmp_path):
+    """Neither in Python nor from a bag, a link or a live change."""
+    (tmp_path / 'gas.csv').write_text('theta1 [deg], couple [N m]\n0, 1\n360, 1\n')
+    values = {**PUSHED, 'forces.push.places': [], 'forces.push.values': [],
+              'forces.push.acts': 'couple', 'forces.push.table': str(tmp_path / 'gas.csv')}
+    with pytest.raises(InvalidParameter, match='only the file of a scene names that of a table'):
+        scene.from_values(values)
 
 
 def test_files_are_found_beside_the_scene_from_anywhere(tmp_path, monkeypatch):

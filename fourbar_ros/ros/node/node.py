@@ -322,12 +322,11 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
         last = overrides(arguments, node.get_fully_qualified_name())
         given |= {name: last[name] for name in given if name in last}
     files = [file for option, file in zip(arguments, arguments[1:]) if option == '--params-file']
-    tables = {}
+    values: ParameterValues = given
     if any(name.startswith('forces.') for name in given):
-        from fourbar_ros.scene.files import table_files  # other scenes do without
-        tables = {name: str(path) for name in table_files(given) for file in files
-                  if (path := Path(file).parent / given[name]).exists()}
-    scene = from_values(given | tables)
+        from fourbar_ros.scene.files import with_tables  # other scenes do without
+        values = with_tables(given, [Path(), *(Path(file).parent for file in files)])
+    scene = from_values(values)
     for name in given:
         node.undeclare_parameter(name)
     for name, value in scene.values.items():
