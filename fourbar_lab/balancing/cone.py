@@ -249,6 +249,8 @@ def least_peak(places: Places, name: str, mass: float) -> Balance:
     inputs of these are added, and all is solved again.
     """
     loads, mass = places.loads, number('mass', mass, 'must be zero or more', least=0.0)
+    if loads.mechanism.flat_inputs:
+        loads.root((name,))                 # a BalanceError if the load has no bound there
     x, _ = nodes(loads.mechanism, INPUTS)
     for _ in range(ROUNDS):
         blocks = np.stack([*loads.matrices(x, name)], axis=1)       # one of each input
@@ -284,7 +286,8 @@ def full_force_balance(places: Places) -> Balance:
     counterweights on these links do it; the message says how much force remains.
     """
     loads = places.loads
-    root = loads.root(('force',))           # |root p|: the shaking force's root mean square
+    # |root p| is the shaking force's root mean square
+    root = loads.root(('force',), must_settle=False)
     _, sizes, directions = np.linalg.svd(root)
     equations = directions[sizes > RANK * sizes[0]]         # equations @ p = 0: no shaking force
     whole = float(loads.given[::NUMBERS].sum())

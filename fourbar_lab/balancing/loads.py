@@ -25,8 +25,8 @@ from math import isfinite
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quadrature import nodes
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.quadrature import mean_over_input, MOST_OF_RANGE, nodes
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import power_of_two
 import numpy as np
 
@@ -91,6 +91,12 @@ class Loads:
         self._weightless = without_weight(mechanism)
 
     @cached_property
+    def _most_points(self) -> int:
+        """Return the most inputs of a root mean square in each range."""
+        is_trapezoidal = self.mechanism.turns_fully and not self.mechanism.flat_inputs
+        return MOST_POINTS if is_trapezoidal else MOST_OF_RANGE
+
+    @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
         """Return {name of a load that can be balanced: its components, fields of the loads}."""
         drive = 'driving_force' if self.mechanism.is_driven_by_slide else 'driving_torque'
@@ -106,6 +112,13 @@ class Loads:
         if not isinstance(name, str) or name not in self.groups:
             raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
         return self.groups[name]
+
+    def _rounding(self, name: str, numbers: Array) -> float:
+        """Return the size [N or N m] of a load that is rounding alone: its terms cancel."""
+        size = max(map(abs, self.mechanism.lengths))
+        speed = self.rate * (1.0 if self.mechanism.is_driven_by_slide else size)
+        energy = float(numbers[::NUMBERS].sum()) * speed * speed
+        return 16.0 * EPS * energy / (1.0 if name in ('moment', 'torque') else size)
 
     def matrices(self, x: Array, name: str) -> Array:
         """
@@ -134,13 +147,14 @@ class Loads:
         return np.array([np.broadcast_to(value, x.shape)
                          for value in mechanism.step(x, self.rate, fields=fields)])
 
-    def root(self, names: Iterable[str]) -> Array:
+    def root(self, names: Iterable[str], must_settle: bool = True) -> Array:
         """
         Return R such that |R p| is the root mean square over the input of the loads by name.
 
         R is square, shape (4 links, 4 links): a norm of p makes it a problem of least distance. If
         there are several loads, each counts relative to its unbalanced value, and |R p|^2 is the
-        sum of their squares. Inputs are doubled until the size of R settles.
+        sum of their squares. Inputs are doubled until the size of R settles; BalanceError if it
+        does not, and ``must_settle``.
         """
         names, points, before = tuple(names), POINTS, np.inf
         if not names:
@@ -152,17 +166,36 @@ class Loads:
             for name in names:
                 block = np.concatenate(np.sqrt(weights)[:, None] * self.matrices(x, name))
                 size = float(np.linalg.norm(block @ self.given))
-                blocks.append(block / size if len(names) > 1 and size else block)
+                is_relative = len(names) > 1 and size > self._rounding(name, self.given)
+                blocks.append(block / size if is_relative else block)
             # B = Q R with |Q v| = |v|: R has the norms of B in few rows
             root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))
             size = float(np.linalg.norm(root))
-            if abs(size - before) <= AGREE * size or points >= MOST_POINTS:
-                return root
+            has_settled = abs(size - before) <= AGREE * size + max(
+                self._rounding(name, self.given) for name in names)
+            if has_settled or points >= self._most_points:
+                break
             points, before = 2 * points, size
+        if must_settle and not has_settled:
+            why = ('grows without bound at the flat positions of this change point'
+                   if self.mechanism.flat_inputs else
+                   f'does not settle with {points} inputs, so near to a change point')
+            raise BalanceError(f'{" and ".join(names)}: the root mean square {why}')
+        return root
 
     def rms(self, name: str, numbers: Array) -> float:
-        """Return the root mean square [N or N m] of a load with these numbers of all links."""
-        return float(np.linalg.norm(self.root((name,)) @ numbers))
+        """
+        Return the root mean square [N or N m] of a load with these numbers of all links.
+
+        NaN if it does not settle, as where the load has no bound.
+        """
+        def squares(x: Array) -> Array:
+            load = self.matrices(x, name) @ numbers
+            return np.asarray((load * load).sum(axis=0))[None]
+
+        rounding = self._rounding(name, numbers)
+        mean, = mean_over_input(self.mechanism, squares, least_size=rounding * rounding / AGREE)
+        return float(np.sqrt(mean))
 
     def balanced(self, numbers: Array) -> Mechanism:
         """

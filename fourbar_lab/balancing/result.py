@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf, isfinite
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,10 +33,18 @@ class Change(NamedTuple):
 
 def changes(loads: Loads, numbers: Array) -> list[Change]:
     """Return the :class:`Change` of each load; ``numbers``: of all links after balancing."""
-    return [Change(name, unit_of(loads, name),
-                   (loads.rms(name, loads.given), loads.rms(name, numbers)),
-                   (peak(loads, name, loads.given)[0], peak(loads, name, numbers)[0]))
-            for name in loads.groups]
+    def both(name: str, of_links: Array) -> tuple[float, float]:
+        """Return root mean square and peak; at a flat position both or none are infinite."""
+        largest, _ = peak(loads, name, of_links)
+        return (loads.rms(name, of_links), largest) if isfinite(largest) else (inf, inf)
+
+    results = []
+    for name in loads.groups:
+        (rms, largest), (rms_after, largest_after) = (both(name, of_links)
+                                                      for of_links in (loads.given, numbers))
+        results.append(Change(name, unit_of(loads, name), (rms, rms_after),
+                              (largest, largest_after)))
+    return results
 
 
 def unit_of(loads: Loads, name: str) -> str:

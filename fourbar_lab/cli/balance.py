@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from math import isnan
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, PICTURE_HELP, Verbs
@@ -139,7 +140,8 @@ def _tables(loads: Loads, balance: Balance) -> tuple[Table, Table]:
     weights = [(weight.link, *(f'{value:.7g}' for value in weight[1:]))
                for weight in balance.counterweights]
     of_loads = [(change.name, change.unit,
-                 *(f'{value:.6g}' for value in (*change.rms, *change.peak)))
+                 *('not certain' if isnan(value) else f'{value:.6g}'
+                   for value in (*change.rms, *change.peak)))
                 for change in changes(loads, balance.numbers)]
     return (make_table('counterweights, from the first joint of their link',
                        ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'), weights),

@@ -5,7 +5,7 @@ Means over the input of a mechanism: inputs and weights of sum one, and a mean t
 
 Over a full turn the trapezoidal rule, which is spectral there. Else Gauss's rule in the angle phi
 of x = middle + half sin(phi): roots of the distance to a toggle at an end, as angles have, are
-smooth in phi.
+smooth in phi. Ranges are cut at the flat positions of a change point, where loads jump.
 """
 from __future__ import annotations
 
@@ -31,16 +31,25 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(points)
 
 
+def smooth_ranges(mechanism: Mechanism) -> Ranges:
+    """Return the ranges of the input [rad or m], cut at the flat positions inside them."""
+    pieces = list[tuple[float, float]]()
+    for low, high in mechanism.input_ranges:
+        cuts = [low, *sorted({x for x in mechanism.flat_inputs if low < x < high}), high]
+        pieces += zip(cuts, cuts[1:])
+    return tuple(pieces)
+
+
 def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array, Array]:
     """
     Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
 
     ``ranges``: parts of the input [rad or m] instead, each without a toggle inside.
     """
-    if mechanism.turns_fully and not ranges:
+    if mechanism.turns_fully and not ranges and not mechanism.flat_inputs:
         return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
     places, weights = _gauss(min(points, MOST_OF_RANGE))
-    phi, ranges = 0.5 * pi * places, ranges or mechanism.input_ranges
+    phi, ranges = 0.5 * pi * places, ranges or smooth_ranges(mechanism)
     whole = sum(high - low for low, high in ranges)
     x = [0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi) for low, high in ranges]
     parts = [0.25 * pi * weights * np.cos(phi) * ((high - low) / whole) for low, high in ranges]
@@ -66,7 +75,7 @@ def mean_over_input(mechanism: Mechanism, values_at: Callable[[Array], Array],
         if (np.abs(mean - before) <= AGREE * size).all():
             return mean
         points *= 2
-    return _mean_by_parts(values_at, ranges or mechanism.input_ranges, np.array(least_size))
+    return _mean_by_parts(values_at, ranges or smooth_ranges(mechanism), np.array(least_size))
 
 
 def _mean_by_parts(values_at: Callable[[Array], Array], ranges: Ranges, least_size: Array

@@ -6,6 +6,7 @@ from math import inf, nan, pi
 
 from fourbar_lab.balancing import (
     BalanceError,
+    changes,
     Counterweight,
     front,
     full_force_balance,
@@ -16,6 +17,7 @@ from fourbar_lab.balancing import (
 from fourbar_lab.balancing.cone import peak
 from fourbar_lab.balancing.loads import Loads, numbers_of
 from fourbar_lab.balancing.result import scene_values
+from fourbar_ros import Bodies, FourBar
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
@@ -187,6 +189,43 @@ def test_the_least_peak_is_that_of_the_extrema_and_is_proven(scene, name):
     assert np.abs(scanned).max() <= found.value * (1.0 + 1e-9)
     rms = least_rms(places_of(loads), (name,), mass)
     assert found.value <= peak(loads, name, rms.numbers)[0] * (1.0 + 1e-9)
+
+
+def rod(length):
+    """Return a bar of 1 kg/m."""
+    return Body(length, cg_along=0.5 * length, inertia=length**3 / 12.0)
+
+
+CHANGE_POINTS = [(0.1, 0.1, 0.1, 0.1), (0.05, 0.05, 0.1, 0.1), (0.05, 0.1, 0.1, 0.05),
+                 (0.1, 0.1, 0.05, 0.05), (0.1, 0.05, 0.1, 0.05), (0.05, 0.1, 0.05, 0.1)]
+
+
+@pytest.mark.parametrize('lengths', CHANGE_POINTS, ids=str)
+def test_at_a_change_point_every_root_mean_square_is_a_number(lengths):
+    """Beside a mean of middles, whose error is of the second power of its step."""
+    loads = Loads(FourBar(*lengths, bodies=Bodies(*map(rod, lengths[:3]))), 2.0 * pi)
+    found = full_force_balance(places_of(loads))
+    x = 2.0 * pi * (np.arange(2**16) + 0.5) / 2**16
+    centrifugal = sum(lengths[:3]) * max(lengths) * loads.rate**2       # [N], at 1 kg/m
+    for change in changes(loads, found.numbers):
+        for numbers, rms in zip((loads.given, found.numbers), change.rms):
+            load = loads.matrices(x, change.name) @ numbers
+            expected = np.sqrt(np.mean(np.sum(load**2, axis=0)))
+            assert abs(rms - expected) <= 1e-7 * expected + 64 * EPS * centrifugal
+
+
+def test_a_counterweight_beside_the_coupler_has_no_finite_reactions_at_a_change_point():
+    lengths = (0.05, 0.1, 0.05, 0.1)
+    loads = Loads(FourBar(*lengths, bodies=Bodies(*map(rod, lengths[:3]))), 2.0 * pi)
+    places = places_of(loads)
+    added = places.numbers([Counterweight('coupler', 0.1, 0.0, 0.01)])
+    change = next(change for change in changes(loads, added) if change.name == 'f32')
+    assert change.rms[0] < change.peak[0] < inf
+    assert change.rms[1] == change.peak[1] == inf
+    for balanced in (lambda: least_rms(places, ['f32'], 1.0),
+                     lambda: least_peak(places, 'f32', 1.0)):
+        with pytest.raises(BalanceError, match='f32.* without bound at the flat positions'):
+            balanced()
 
 
 def test_gravity_and_loads_from_outside_stay_as_they_are():
