@@ -65,7 +65,7 @@ def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
 def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> DyadLengths:
     """Return the numbers of RRP: a rod a2 from a crank a1 to a line at this height [m]."""
     return DyadLengths((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
-                   (a1, height, 1.0, 0.0, 0.0, 0.0, 0.0))
+                       (a1, height, 1.0, 0.0, 0.0, 0.0, 0.0))
 
 
 def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> DyadLengths:

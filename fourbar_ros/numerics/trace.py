@@ -381,10 +381,10 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
 
 def _renamed(indices: NestedIndices, same: Sequence[int]) -> NestedIndices:
     return same[indices] if isinstance(indices, int) else tuple([_renamed(part, same)
-                                                               for part in indices])
+                                                                 for part in indices])
 
 
 def flat(indices: NestedIndices) -> list[int]:
     """Return the indices of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
     return [indices] if isinstance(indices, int) else [index for part in indices
-                                                     for index in flat(part)]
+                                                       for index in flat(part)]

@@ -34,7 +34,7 @@ def _shape(stage: Stage, lengths: DyadLengths, joints: KnownJoints, length: Func
     assert stage.pair is not None
     frame, moving = stage.pair.frame, moving_link(stage)
     (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
-                                else (lengths.q, lengths.p))
+                              else (lengths.q, lengths.p))
     if stage.pair.slides:
         (x, y), (c, s) = joints.slides[moving, frame]
         return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)

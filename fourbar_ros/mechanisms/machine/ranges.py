@@ -258,7 +258,7 @@ class _Search:
             if roots:
                 value[inner] = -1.0
         ends = changes() + [Limit(x, stage.name, len(set(roots)) == 1)
-                           for _, roots in flats for x in roots]
+                            for _, roots in flats for x in roots]
         ends.sort(key=lambda end: end.x)
         return (_open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])),
                 partial(_near, in_complex, path, phi, value, slope))

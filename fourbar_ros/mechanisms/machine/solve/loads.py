@@ -138,7 +138,7 @@ def forces_of_dyads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLe
     directions = [Vector(link.cosine, link.sine) for link in curves]
     fields: list[Scalar] = []
     for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
-                                                 sines)][::-1]:
+                                                sines)][::-1]:
         i = stage.link - 1
         forces = SOLVERS[stage.kind](lengths.sizes, directions[i], directions[i + 1], of_stage,
                                      sine, needs[i], needs[i + 1])

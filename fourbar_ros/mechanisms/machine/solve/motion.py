@@ -172,7 +172,7 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     for pair in rest:
         worst = n.where(pair[0].real < worst[0].real, pair, worst)
     fields.update(transmission_angle=worst[1], condition=condition, rate=rate,
-                 acceleration=acceleration)
+                  acceleration=acceleration)
     return tuple([fields[name] for name in motion_fields(layout)])
 
 

@@ -176,7 +176,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
                          *by_input(angle, bars.d_y, bars.dd_y))
     on_moving: Direction = (*turned_by((bars.cos_bx, bars.sin_bx), of_a),
-                           *by_input(angle, bars.d_bx, bars.dd_b))
+                            *by_input(angle, bars.d_bx, bars.dd_b))
     between: Direction = (bars.cos_mu, side * bars.sin_mu,
                           *by_input(angle, side * bars.d_mu, side * bars.dd_mu))
     directions = (coupler, output) if first else (output, coupler)
@@ -210,7 +210,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
     on_moving: Direction = (*turned_by((slider.cos_2, slider.sin_2), of_a),
-                           *by_input(angle, slider.d_theta2, slider.dd_b))
+                            *by_input(angle, slider.d_theta2, slider.dd_b))
     return DyadMotion(rod, block, (s - start, d_s, dd_s), slider.cos_b, slider.sin_b,
                       {(rod_link, moving): on_moving})
 
@@ -243,7 +243,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
                       *by_input(angle, block.d_y, block.dd_y))
     on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
-                           *by_input(angle, block.d_theta2, block.dd_y))
+                            *by_input(angle, block.d_theta2, block.dd_y))
     return _bar(stage, ends, bar,
                 (unit * block.l, *by_input(angle, unit * block.d_l, unit * block.dd_l)),
                 block.l * per, h * per, {pinned: on_moving})
@@ -263,12 +263,12 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
     per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
     sides = triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
-                  (slide[0] + shift) * per)
+                     (slide[0] + shift) * per)
     scaled = slide[1] * per, slide[2] * per
     of_frame: Direction = (*turned_by((sides.cos_x, sides.sin_x), line),
-                         *by_input(scaled, sides.d_x, sides.dd_x))
+                           *by_input(scaled, sides.d_x, sides.dd_x))
     of_moving: Direction = (*turned_by((-sides.cos_b, -sides.sin_b), line),
-                         *by_input(scaled, sides.d_b, sides.dd_b))
+                            *by_input(scaled, sides.d_b, sides.dd_b))
     between: Direction = (-sides.cos_2, side * sides.sin_2,
                           *by_input(scaled, -side * sides.d_theta2, -side * sides.dd_theta2))
     directions = (of_moving, of_frame) if first else (of_frame, of_moving)
