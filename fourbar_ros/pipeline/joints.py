@@ -12,12 +12,13 @@ sides, so the effort of the joint is the effort of the coordinate divided by the
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import inf, isnan, nan, pi, tau
+from math import inf, isfinite, isnan, nan, pi, tau
 from operator import itemgetter
 from typing import NamedTuple, TypeVar
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -37,6 +38,49 @@ class Scale(NamedTuple):
         """Return the coordinate's motion from the joint's motion [rad, s] or [m, s]; NaN stays."""
         return ((position - self.offset) / self.ratio, velocity / self.ratio,
                 acceleration / self.ratio)
+
+
+class GearedJoint:
+    """
+    Counts the turns of a joint behind a gear whose positions wrap, as those of many encoders.
+
+    Such a joint must count its turns: with joint = ratio * coordinate + offset a turn of it is
+    none of the coordinate. That it wraps shows where a step is a turn away from the one expected
+    at the rate so far, while all positions lie within a turn. From then on a position is in the
+    turn nearest to the one expected. ``wraps`` tells whether it does.
+    """
+
+    def __init__(self, gap: float) -> None:
+        """Begin without a sample; after a pause above the gap [s] no rate is expected."""
+        self._gap, self.wraps = nanoseconds(gap), False
+        self._low, self._high = inf, -inf
+        self._time, self._position, self._rate = 0, nan, nan     # of the newest sample
+
+    def counted(self, time: int, position: float, velocity: float) -> tuple[float, bool]:
+        """
+        Return (position with its turns [rad], whether they are in doubt) of a sample.
+
+        ``time`` is its stamp [ns]; ``velocity`` [rad/s] may be NaN. In doubt: after a pause.
+        """
+        if not isfinite(position):
+            return position, False
+        self._low, self._high = min(self._low, position), max(self._high, position)
+        passed, before = (time - self._time) * 1e-9, self._position
+        rate = velocity if isfinite(velocity) else self._rate
+        is_paused = abs(time - self._time) > self._gap       # or the clock was set
+        is_known = isfinite(before + rate) and not is_paused
+        due = before + rate * passed if is_known else before
+        is_within_a_turn = self._high - self._low <= tau * (1.0 + 1e-6)
+        self.wraps = is_within_a_turn and (self.wraps or (
+            is_known and abs(position - before) > pi
+            and abs(abs(position - due) - tau) < tau / 8.0))
+        found = continued(due, position) if self.wraps else position
+        if passed > 0.0 or is_paused or isnan(before):           # it is not late
+            step = found - before            # one of more than half a turn tells no rate
+            self._rate = velocity if isfinite(velocity) else (
+                step / passed if abs(step) <= pi and passed > 0.0 and not is_paused else nan)
+            self._time, self._position = time, found
+        return found, self.wraps and is_paused
 
 
 class SceneJoints:

@@ -4,7 +4,7 @@
 import math
 
 from fourbar_ros.description.model import model_of
-from fourbar_ros.pipeline.joints import Scale
+from fourbar_ros.pipeline.joints import GearedJoint, Scale
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
@@ -155,3 +155,53 @@ def test_a_driven_joint_counts_turns_where_its_input_wraps():
     as_it_came = positions(scenes.from_values(ROUND), wrapped)
     assert (as_it_came[:, 0] == wrapped).all()
     assert all(map(math.isfinite, positions(scene, [1e308, -1e308]).ravel()))
+
+
+# --- a geared input that wraps -------------------------------------------------------------------
+
+def wrapped(angles):
+    return (np.asarray(angles) + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def counted(angles, seconds, rates=None):
+    """Return (joint, positions counted, how many were in doubt)."""
+    joint, rates = GearedJoint(1.0), [math.nan] * len(angles) if rates is None else rates
+    found = [joint.counted(round(1e9 * t), float(x), float(v))
+             for t, x, v in zip(seconds, angles, rates)]
+    return joint, np.array([x for x, _ in found]), sum(is_in_doubt for _, is_in_doubt in found)
+
+
+@pytest.mark.parametrize('speed', [-30.0, -3.0, 3.0, 30.0])
+@pytest.mark.parametrize('has_rates', [False, True])
+def test_turns_of_an_encoder_that_wraps_are_counted(speed, has_rates):
+    t = np.arange(500) * 0.01
+    angles = 0.2 + speed * t + 2.0 * np.sin(t)
+    joint, found, in_doubt = counted(wrapped(angles), t, speed + 2.0 * np.cos(t)
+                                     if has_rates else None)
+    assert joint.wraps and not in_doubt and np.abs(found - angles).max() < 1e-12
+
+
+def test_an_encoder_that_stands_at_its_edge_stays_in_its_turn():
+    rng, t = np.random.default_rng(3), np.arange(300) * 0.01
+    angles = np.pi + 1e-3 * rng.normal(size=300)
+    joint, found, _ = counted(wrapped(angles), t)
+    assert joint.wraps and np.ptp(found[20:]) < 0.01
+
+
+def test_a_motor_that_counts_its_turns_is_taken_as_it_comes():
+    """Fast, back and forth, jumping from rest, late: none of them wraps."""
+    rng, t = np.random.default_rng(4), np.arange(400) * 0.01
+    for angles in (50.0 * t, -400.0 * t, 9.0 * np.sin(3.0 * t), 3.0 * np.sin(40.0 * t),
+                   np.where(t > 2.0, 5.0 + 300.0 * (t - 2.0), 0.0),
+                   np.cumsum(rng.normal(0.0, 0.5, 400))):
+        order = np.arange(400)
+        order[100:102] = 101, 100
+        joint, found, in_doubt = counted(angles[order], t[order])
+        assert (found == angles[order]).all() and not joint.wraps and not in_doubt
+
+
+def test_after_a_pause_the_turn_of_an_encoder_that_wraps_is_in_doubt():
+    t = np.r_[np.arange(300) * 0.01, 5.0, 5.01]
+    _, found, in_doubt = counted(wrapped(4.0 * t), t)
+    assert in_doubt == 1 and np.abs(found[:300] - 4.0 * t[:300]).max() < 1e-12
+    assert np.abs(np.diff(found[299:])).max() < np.pi

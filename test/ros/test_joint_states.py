@@ -3,9 +3,11 @@
 """Joints of a robot: a relay adds the passive ones on their topic; gears, prefix, what is held."""
 from collections import Counter
 from functools import partial
+from itertools import count
 import math
 
 from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_msgs.msg import Motion
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
@@ -230,3 +232,63 @@ def test_joints_go_on_through_bags_and_changes_and_recompute(run_node, client, t
     assert np.abs(found[:, 3] - 1.5 * theta4).max() < 1e-13
     assert recomputed(tmp_path / 'run150').inputs == 150
     assert recomputed(tmp_path / 'run400').inputs == 200
+
+
+def test_a_geared_encoder_that_wraps_goes_on(run_node, client, diagnosed):
+    """The crank of a motor with ratio -3 was 2.1 rad off after each turn, with STATUS_OK."""
+    node = run_node({**PAPER, 'drive.source': 'joint_state', 'drive.joint': 'motor',
+                     'drive.joint_ratio': -3.0, 'outputs': ['state']})
+    client.listen(['state'])
+    send = client.driving('joint_state', name=['motor'], position=[0.0])
+    motor = 0.05 * np.arange(400)
+    for k, angle in enumerate(motor):
+        message = joint_state({'motor': (angle + math.pi) % math.tau - math.pi}, (), 0)
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(10**10 + 10**7 * k, 10**9)
+        send(message)
+        client.until(lambda k=k: len(client.received['state']) > k, f'answer {k}')
+    states = client.received['state']
+    assert [state.theta1 for state in states] == pytest.approx(-motor / 3.0, abs=1e-12)
+    assert [state.omega1 for state in states[3:]] == pytest.approx([-5.0 / 3.0] * 397, abs=1e-9)
+    client.until(lambda: 'its turns are counted from the first message on' in node.said, 'the log')
+    assert 'top_speed' not in node.said
+
+
+def test_another_publisher_of_the_driven_joint_or_of_ours_is_said(run_node, client, diagnosed):
+    """As joint_state_publisher beside a broadcaster: zeros for all joints between the real."""
+    node = run_node({**PAPER, **RODS, **RELAY, 'joint_names': ['motor', 'a', 'b', 'c']},
+                    remaps=SAME_TOPIC)
+    robot, other, wheels = (client.node.create_publisher(JointState, '/joint_states', 100)
+                            for _ in range(3))
+    stamp = count(1)
+
+    def problems(*messages):
+        """Return the problems of the diagnostics that follow some rounds of messages."""
+        seen = len(diagnosed.messages)
+        while len(diagnosed.messages) < seen + 3:
+            for publisher, positions in messages:
+                publisher.publish(joint_state(positions, (0.0,) * len(positions), next(stamp)))
+                client.spin(0.02)
+        return diagnosed()[0].message
+    real, wheel = (robot, {'motor': 0.3}), (wheels, {'wheel': 7.0})
+    client.until(lambda: 'more than one' not in problems(real, wheel), 'a sound robot')
+    assert 'another publisher' not in problems(real, wheel)
+    zeros = (other, {'motor': 0.0, 'a': 0.0, 'b': 0.0, 'c': 0.0})
+    said = problems(real, wheel, zeros)
+    assert "more than one publisher sends joint 'motor' on /joint_states" in said
+    assert 'another publisher sends a, b, c on /joint_states, which this node computes' in said
+    assert 'more than one publisher' in problems(real, (other, {'motor': 0.0}))
+    assert 'another publisher sends a on' in problems(real, (other, {'a': 0.0}))
+    assert node.said.count('more than one publisher') >= 1
+
+
+def test_two_publishers_of_a_motion_are_said(run_node, client, diagnosed):
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']})
+    both = [client.publisher(), client.publisher()]
+
+    def is_said():
+        for publisher in both:
+            publisher.publish(Motion(position=0.1))
+        client.spin(0.02)
+        return ('more than one publisher sends on /fourbar/input' in diagnosed()[0].message
+                and diagnosed()[0].level == DiagnosticStatus.WARN)
+    client.until(is_said, 'the diagnostics')

@@ -29,11 +29,17 @@ class SequenceNumbers:
     def __init__(self, publishers: Callable[[], int]) -> None:
         self._publishers = publishers
         self._next: list[int] = []       # the number that each publisher will give next
+        self._heard: set[int] = set()    # places there of those that sent lately
         self.lost, self.is_numbered = 0, True
 
     def forget(self) -> None:
         """Start anew: publishers have come or gone."""
-        self._next = []
+        self._next, self._heard = [], set()
+
+    def heard(self) -> int:
+        """Return how many publishers sent since the last call."""
+        heard, self._heard = self._heard, set()
+        return len(heard)
 
     def take(self, number: int | None) -> None:
         """
@@ -46,14 +52,18 @@ class SequenceNumbers:
             return
         expected = self._next
         if number in expected:
-            expected[expected.index(number)] += 1
+            place = expected.index(number)
         elif len(expected) < self._publishers():
-            expected.append(number + 1)                  # the first of this publisher
+            place = len(expected)                        # the first of this publisher
+            expected.append(number)
         elif before := [other for other in expected if other < number]:
             self.lost += number - max(before)
-            expected[expected.index(max(before))] = number + 1
+            place = expected.index(max(before))
         else:
-            self._next = [number + 1]                    # a publisher that has started again
+            place, self._next = 0, [number]              # a publisher that has started again
+            self._heard.clear()
+        self._next[place] = number + 1
+        self._heard.add(place)
 
 
 def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: Troubles,

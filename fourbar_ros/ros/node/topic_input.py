@@ -3,6 +3,7 @@
 """Drive the input by the messages of a topic; missing rates are estimated."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan
 from traceback import format_exc
 from typing import Any
@@ -24,8 +25,8 @@ WATCH = 0.1            # [s] how often silence is looked for
 SILENT = 2.0           # [s] without a first message after which the diagnostics warn
 FUTURE = 1.0           # [s] stamps further ahead of our clock are counted and logged
 RESTARTED = ('the estimate of missing rates starts afresh: after a pause above drive.timeout, a '
-             'step above drive.jump (for positions that wrap after a turn give drive.top_speed), '
-             'or a clock set back')
+             'step above drive.jump{}, or a clock set back')
+WRAPS = ' (for positions that wrap after a turn give drive.top_speed)'
 UNHEARD = 20           # messages without the driven joint after which a relay warns
 
 
@@ -50,6 +51,19 @@ class TopicInput:
         self._is_relay = scene.joint_states.only_passive
         self._of_others: list[Message] = []  # first messages, while the driven joint never came
         self._estimator = estimator_of(scene)
+        is_geared = settings.source == 'joint_state' and abs(settings.joint_ratio) != 1.0
+        self._geared = joints.GearedJoint(settings.timeout or 1.0) if is_geared else None
+        takes_top_speed = not (is_geared or scene.linkage.is_driven_by_slide)
+        self._restarted = RESTARTED.format(WRAPS if takes_top_speed else '')
+        if is_geared:
+            troubles.expect('turns_in_doubt')
+        # since the last diagnostics: lists of names with the driven joint, and passive joints of
+        # ours that others sent; whether there were messages of others without the driven joint
+        self._name_lists: set[tuple[str, ...]] = set()
+        self._taken_joints: set[str] = set()
+        self._others_are_heard = False
+        self._names: Sequence[str] = ()      # of the last message with the driven joint
+        self._shown = scene.names_shown if self._is_relay else []
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
         self._subscription, self._sequence = subscribe(
@@ -74,7 +88,7 @@ class TopicInput:
         estimator = self._estimator
         self._counts['lost'] = self._sequence.lost
         values: dict[str, Any] = {}
-        problems = []
+        problems = self._who_else_sends()
         if not self._sequence.is_numbered:
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self._counts['of_other_joints'] and not self._counts['received']:
@@ -128,13 +142,16 @@ class TopicInput:
         self._note_arrival()
         self._stream.record_input(self._topic.name, message)
         if motion is None:
+            self._others_are_heard = True
             hint = '' if self._counts['without_joint'] else self._joint_hint([message])
             self._troubles.count('without_joint', 'no position of joint '
                                  f'{self._settings.joint!r} in the input message{hint}')
             return
         stamp, nanoseconds = self._stamp(message.header.stamp.sec, message.header.stamp.nanosec)
         if self._settings.source == 'joint_state':
-            motion = self._scale.to_input(*motion)
+            if message.name != self._names:
+                self._note_names(message.name)
+            motion = self._scale.to_input(*self._counted(nanoseconds, *motion))
         position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
@@ -154,12 +171,57 @@ class TopicInput:
         velocity, estimate = estimator.update(stamp, position, velocity)
         self._counts['late'] += estimator.late - late
         if estimator.restarts > restarts:
-            self._troubles.count('estimate_restarts', RESTARTED)
+            self._troubles.count('estimate_restarts', self._restarted)
         return velocity, estimate if isnan(acceleration) else acceleration
+
+    def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
+                 ) -> tuple[float, float, float]:
+        """Return the motion of the joint, behind a gear with the turns of its position counted."""
+        if self._geared:
+            wrapped = self._geared.wraps
+            position, is_in_doubt = self._geared.counted(stamp, position, velocity)
+            joint = f'joint {self._settings.joint!r}'
+            if self._geared.wraps and not wrapped:
+                self._troubles.log('wraps', f'{joint} wraps after a turn, which is none behind a '
+                                   'gear: its turns are counted from the first message on, which '
+                                   'is taken to be in turn 0')
+            if is_in_doubt:
+                self._troubles.count('turns_in_doubt', f'{joint}: a pause in positions that wrap; '
+                                     'it may have made turns')
+        return position, velocity, acceleration
+
+    def _note_names(self, names: Sequence[str]) -> None:
+        """Note the names of a message with the driven joint, to see who else sends it."""
+        self._names = names
+        self._name_lists.add(tuple(names))
+        self._taken_joints |= set(self._shown).intersection(names)
+
+    def _who_else_sends(self) -> list[str]:
+        """Return what is wrong with who sends the driven joint, or passive ones of ours."""
+        name, heard = self._subscription.topic_name, self._sequence.heard()
+        is_ours = self._is_relay and name in self._stream.topics()
+        others = self._subscription.get_publisher_count() - is_ours
+        problems = []
+        # others may send other joints: but not in two lists that hold the driven one
+        if others > 1 and (len(self._name_lists) > 1
+                           or heard - is_ours > 1 and not self._others_are_heard):
+            what = f' joint {self._settings.joint!r}' * (self._settings.source == 'joint_state')
+            problems.append(f'more than one publisher sends{what} on {name}')
+        if is_ours and self._taken_joints:
+            problems.append(f'another publisher sends {", ".join(sorted(self._taken_joints))} on '
+                            f'{name}, which this node computes')
+        for problem in problems:
+            self._troubles.log(problem[:12], problem)
+        self._name_lists, self._taken_joints, self._others_are_heard = set(), set(), False
+        self._names = ()
+        return problems
 
     def _note_other_joints(self, message: Message) -> None:
         """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""
         self._troubles.count('of_other_joints')
+        if message.name != self._shown:      # not our own answer
+            self._others_are_heard = True
+            self._taken_joints |= set(self._shown).intersection(message.name)
         if self._counts['received'] or len(self._of_others) >= UNHEARD:
             return
         self._of_others.append(message)
