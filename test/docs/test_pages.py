@@ -15,7 +15,9 @@ import subprocess
 import sys
 import time
 
+from fourbar_lab.studies.study import read as read_study
 from fourbar_ros.cli.main import main
+from fourbar_ros.scene.scene import load
 import pytest
 from support import bags, ROOT
 from support.scenes import PAPER, RODS
@@ -213,6 +215,21 @@ def test_a_page_runs_with_its_nodes_and_servers(page, folder, start):
     pytest.importorskip('rclpy')
     record(folder, 4.0, 'run')
     run_page(page, folder, start)
+
+
+def test_scenes_studies_and_forces_of_the_pages_are_accepted(folder):
+    (folder / 'engine.csv').write_text((ROOT / 'config' / 'engine.csv').read_text())
+    engine, = yaml.safe_load((ROOT / 'config' / 'engine.yaml').read_text()).values()
+    heads = set()
+    for text in (text for page in PAGES for language, text, _ in blocks(page)
+                 if language == 'yaml' and '.yaml\n' not in text):    # named ones are run
+        tree = yaml.safe_load(text)
+        heads.add(head := next(iter(tree)))
+        if head == 'forces':        # of a scene
+            text = yaml.dump({'/**': {'ros__parameters': engine['ros__parameters'] | tree}})
+        (folder / 'page.yaml').write_text(text)
+        (read_study if head == 'scene' else load)(folder / 'page.yaml')
+    assert heads == {'/**', 'scene', 'forces'}
 
 
 def test_every_line_of_a_page_is_run_or_is_in_the_list_of_those_that_are_not():
