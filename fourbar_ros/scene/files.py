@@ -330,17 +330,24 @@ def as_text(values: ParameterValues) -> str:
 
 
 class PlainYaml(yaml.SafeLoader):
-    """YAML with the numbers and truth values of rcl; a key that is given twice is an error."""
+    """YAML with the numbers and truth values of rcl; every key has one value."""
 
     yaml_implicit_resolvers = {}
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping whose keys differ."""
-        keys = [key.value for key, _ in node.value]
-        for place, (key, _) in enumerate(node.value):
+        """Return a mapping; {a1: 0,4} is refused, in which a1 is 0 and 4 has no value."""
+        keys, whole = [key.value for key, _ in node.value], ''
+        for place, (key, value) in enumerate(node.value):
+            is_plain = isinstance(value, yaml.ScalarNode) and not value.style
+            why = ''
             if key.value in keys[:place]:
-                raise yaml.MarkedYAMLError(problem=f'{key.value} is given twice',
-                                           problem_mark=key.start_mark)
+                why = f'{key.value} is given twice'
+            elif is_plain and not value.value:
+                why = (f'a comma is no decimal point: write {whole}.{key.value}'
+                       if whole and key.value[:1].isdecimal() else f'{key.value} has no value')
+            if why:
+                raise yaml.MarkedYAMLError(problem=why, problem_mark=key.start_mark)
+            whole = value.value if is_plain else ''
         values: dict[Any, Any] = super().construct_mapping(node, deep)
         return values
 
@@ -357,19 +364,7 @@ for _tag, _pattern in (
 
 
 class RosYaml(PlainYaml):
-    """The same for parameter files: ROS takes no empty value and no list of different types."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        """Return a mapping without empty values, as those of {a1: 0,4} are, which is a1 and 4."""
-        whole = ''
-        for key, value in node.value:
-            is_plain = isinstance(value, yaml.ScalarNode) and not value.style
-            if is_plain and not value.value:
-                why = (f'a comma is no decimal point: write {whole}.{key.value}'
-                       if whole and key.value[:1].isdecimal() else f'{key.value} has no value')
-                raise yaml.MarkedYAMLError(problem=why, problem_mark=key.start_mark)
-            whole = value.value if is_plain else ''
-        return super().construct_mapping(node, deep)
+    """The same for parameter files: ROS takes no list of different types."""
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
         """Return a list whose items are of one type."""

@@ -139,3 +139,34 @@ def test_a_grid_has_all_combinations_once():
 def test_the_shipped_studies_find_designs(file):
     chunk = compute(replace(read(file), rows=400), 0)
     assert not chunk.failures and chunk.counts['feasible'] >= 5, chunk.counts
+
+
+UNITS = """\
+scene: paper
+rows: 8
+vary:
+  linkage.a1: {list: [400mm, 41 cm]}
+  linkage.a2: {uniform: 0.5mm}
+  drive.speed: {uniform: [300rpm, 5 rpm]}
+quantities: [swing]
+constraints: {swing: {least: 45deg, most: 2.0}}
+"""
+
+
+def test_a_study_takes_units(tmp_path):
+    file = tmp_path / 'study.yaml'
+    file.write_text(UNITS)
+    rpm = np.pi / 30.0
+    plain = from_document({'scene': 'paper', 'rows': 8, 'quantities': ['swing'], 'vary': {
+        'linkage.a1': {'list': [0.4, 0.41]}, 'linkage.a2': {'uniform': 0.0005},
+        'drive.speed': {'uniform': [300.0 * rpm, 5.0 * rpm]}},
+        'constraints': {'swing': {'least': np.pi / 4.0, 'most': 2.0}}})
+    for found, expected in zip(read(file).vary, plain.vary):
+        assert np.allclose(found.values, expected.values, rtol=4.0 * 2.0**-52, atol=0.0)
+    assert read(file).bounds == plain.bounds
+    for old, new, why in (('0.5mm', '0,5mm', 'a comma is no decimal point: write 0.5mm'),
+                          ('0.5mm', '0.5kg', r'vary.linkage.a2.uniform.*units m, '),
+                          ('45deg', '45mm', 'constraints.swing.least')):
+        file.write_text(UNITS.replace(old, new))
+        with pytest.raises((StudyError, SceneError), match=why):
+            read(file)
