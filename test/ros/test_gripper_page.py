@@ -21,7 +21,7 @@ def test_the_node_and_the_script_of_the_page_give_its_numbers(run_node, client, 
     scene = tmp_path / 'gripper.yaml'
     scene.write_text(re.search(r'```yaml\n(.*?)```', PAGE, re.S)[1])
     run_node(read_values(scene), remaps=(re.search(r"fourbar_node .* -r '(\S+)'", PAGE)[1],))
-    script = re.search(r'```\n(import rclpy\n.*?)```', PAGE, re.S)[1]
+    script = re.search(r'```python\n(import rclpy\n.*?)```', PAGE, re.S)[1]
     with subprocess.Popen([sys.executable, '-u', '-c', script], text=True,
                           stdout=subprocess.PIPE) as hand:
         try:
