@@ -11,14 +11,14 @@ from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.given import number, records
 
 if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.mechanisms.geometry import MechanismGeometry
 
 LONGEST = 2.0**1000     # [m]
 SHORTEST = 1e-100       # of the longest length
 STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
 
 
-def checked(mechanism: Mechanism) -> dict[str, Any]:
+def checked(mechanism: MechanismGeometry) -> dict[str, Any]:
     """
     Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
 
@@ -41,7 +41,7 @@ def checked(mechanism: Mechanism) -> dict[str, Any]:
     return values
 
 
-def _lengths(mechanism: Mechanism) -> dict[str, float]:
+def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
     """Return {name: length [m]}, each checked; the signed ones, as an offset, may be negative."""
     values = {}
     for name, _, is_signed in mechanism.LENGTHS:
@@ -59,7 +59,7 @@ def _lengths(mechanism: Mechanism) -> dict[str, float]:
     return values
 
 
-def checked_stroke(mechanism: Mechanism) -> tuple[float, float] | None:
+def checked_stroke(mechanism: MechanismGeometry) -> tuple[float, float] | None:
     """Return the stroke; refuse a wrong one, or one in which the links cannot close anywhere."""
     stroke = mechanism.stroke
     if stroke is None:

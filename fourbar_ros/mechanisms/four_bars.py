@@ -20,10 +20,10 @@ from typing import NamedTuple, TYPE_CHECKING
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
 from fourbar_ros.mechanisms.closed_forms import four_bar_ranges, singular_angles, turned_ranges
+from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
-from fourbar_ros.mechanisms.mechanism import cached_by_lengths
 from fourbar_ros.mechanisms.parts import (
     BETA,
     CRANK,

@@ -21,6 +21,7 @@ from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
+from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kinds import all_loads, DERIVED
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
@@ -33,7 +34,7 @@ from fourbar_ros.mechanisms.machine.structure import (
     SLIDES,
     Stage,
 )
-from fourbar_ros.mechanisms.mechanism import cached_by_lengths, Mechanism
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import (
     BETA,
     Coordinate,

@@ -1,0 +1,306 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What follows from the statement of a mechanism without a pose: ranges, modes, copies."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields as fields_of
+from dataclasses import replace
+from decimal import Decimal
+from functools import cached_property
+from math import fsum, inf, nan, pi, remainder
+from typing import TypeVar
+
+from fourbar_ros.errors import OutOfRange
+from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
+from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
+from fourbar_ros.mechanisms.evaluation import Constants
+from fourbar_ros.mechanisms.parts import (
+    Coordinate,
+    find_link,
+    Link,
+    NamedFields,
+    OPEN,
+    Output,
+    Ranges,
+    SLIDE,
+    within_stroke,
+)
+from fourbar_ros.mechanisms.statement import StatedMechanism
+from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.number_types import Function, power_of_two, Scalar
+import numpy as np
+
+_Self = TypeVar('_Self', bound='MechanismGeometry')
+_T = TypeVar('_T')
+# Nearer to a limit that is a change point than this, in units of the input, accelerations are
+# noise: their error is some eps over the third power of the distance.
+BESIDE_FLAT_LIMITS = 2.0**-17
+
+
+class cached_by_lengths(cached_property[_T]):     # noqa: N801  (used as cached_property is)
+    """
+    A cached property of lengths, assembly mode, input and stroke alone.
+
+    Copies with other loads share its value, see :meth:`.Mechanism.with_external`; every other
+    cached property they compute again.
+    """
+
+
+class MechanismGeometry(StatedMechanism):
+    """Where a mechanism closes, which modes it has, and how it is checked and copied."""
+
+    @cached_by_lengths
+    def lengths(self) -> tuple[float, ...]:
+        """Return the lengths [m]."""
+        return tuple([getattr(self, length.name) for length in self.LENGTHS])
+
+    @property
+    def length_names(self) -> tuple[str, ...]:
+        """Return the names of the lengths."""
+        return tuple([length.name for length in self.LENGTHS])
+
+    @property
+    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+        """
+        Return the meaning of each number of ``constants.lengths``.
+
+        The name of a length, (i, j) for the size of the vector of numbers i and j, or '' for
+        anything else. Generated code can change those lengths at run time.
+        """
+        return self.length_names
+
+    @cached_by_lengths
+    def margins(self) -> tuple[float, ...]:
+        """Return the differences of sums of lengths [m] that are zero at change points."""
+        return tuple([fsum([sign * abs(length) for sign, length in zip(signs, self.lengths)])
+                      for signs in self.MARGIN_SIGNS])
+
+    @property
+    def change_point_margin(self) -> float:
+        """
+        Return the least size of :attr:`margins` over the sum of all lengths.
+
+        Zero is a change point: both assembly modes meet, and the linkage can leave its mode.
+        """
+        return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
+
+    @property
+    def is_flat_at_zero(self) -> bool:
+        """Return whether input 0 is a flat position of a change point: 0/0 in the formulas."""
+        return (self.change_point_margin == 0.0 and 0.0 in self.singular_inputs
+                and any(low < 0.0 < high for low, high in self.closing_ranges))
+
+    @property
+    def description(self) -> str:
+        """Return a short text: kind, type, input."""
+        return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
+
+    @cached_by_lengths
+    def input_ranges(self) -> Ranges:
+        """Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high."""
+        return within_stroke(self.closing_ranges, self.stroke)
+
+    def range_around(self, position: float) -> tuple[float, float]:
+        """
+        Return the range of the input with a position, shifted by whole turns so that it holds it.
+
+        Of an input that turns fully, half a turn to both sides. OutOfRange outside all ranges.
+        """
+        if self.turns_fully:
+            return position - pi, position + pi
+        rounding = 4.0 * EPS * abs(position)
+        for low, high in self.input_ranges:
+            turns = (0.0 if self.is_driven_by_slide
+                     else 2.0 * pi * round((position - 0.5 * (low + high)) / (2.0 * pi)))
+            low, high = low + turns, high + turns
+            if low - rounding <= position <= high + rounding:
+                return min(low, position), max(high, position)
+        raise OutOfRange(self.input_coordinate.position, position, self.input_ranges,
+                         self.input_coordinate.unit)
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return the outputs for the driven input; the first is published as ``output``."""
+        return self.OUTPUTS[self.input]
+
+    def link(self, name: str) -> Link:
+        """Return the :class:`Link` of this name."""
+        return find_link(self.LINKS, name)
+
+    @property
+    def reactions(self) -> tuple[str, ...]:
+        """Return the loads that are sizes of joint reactions: those with components _x, _y."""
+        fields = self.LOADS._fields
+        return tuple([name for name in fields if f'{name}_x' in fields and f'{name}_y' in fields
+                      and name != 'shaking_force'])
+
+    def loads_of_links(self) -> dict[str, tuple[Body, Applied]]:
+        """Return {name of a link: (its Body, its applied load)}; {} without masses."""
+        if not self.bodies:
+            return {}
+        return {name: (body, applied_to(self.external, name))
+                for name, body in self.bodies._asdict().items()}
+
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """Return the cache key of traced formulas: equal if mechanisms differ in numbers only."""
+        return type(self), self.input
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Return the :class:`Constants` of this mechanism."""
+        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external)
+
+    @property
+    def sign(self) -> float:
+        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
+        return 1.0 if self.mode == OPEN else -1.0
+
+    @property
+    def input_coordinate(self) -> Coordinate:
+        """Return the :class:`Coordinate` that is driven."""
+        return self.INPUTS[self.input]
+
+    @property
+    def is_driven_by_slide(self) -> bool:
+        """Return whether the input is a length, not an angle."""
+        return bool(self.input == SLIDE)
+
+    @property
+    def input_unit(self) -> float:
+        """Return the unit in which inputs are of the size of one: 1 rad, or a power of two [m]."""
+        return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
+
+    @property
+    def turns_fully(self) -> bool:
+        """Return whether the input is an angle that makes full turns."""
+        return not self.is_driven_by_slide and self.input_ranges == ((-pi, pi),)
+
+    def is_in_stroke(self, position: float) -> bool:
+        """Return whether an input is in the stroke, if there is one."""
+        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
+
+    @property
+    def reaches(self) -> Function | None:
+        """
+        Return a function input -> whether results may be given there; None if they always may.
+
+        They may not outside the stroke, nor so near to a limit that is a change point that
+        accelerations are noise. Inputs are floats or arrays, real or complex.
+        """
+        stroke, flats = self.stroke, set(self.flat_limits)
+        if stroke is None and not flats:
+            return None
+        low, high = (-inf, inf) if stroke is None else stroke
+        turn = inf if self.is_driven_by_slide else 2.0 * pi
+        near = BESIDE_FLAT_LIMITS * self.input_unit
+
+        def reaches(position: Scalar) -> bool:
+            x = position.real
+            inside = (low <= x) & (x <= high)
+            for flat in flats:
+                distance = x - flat
+                if turn < inf:
+                    distance = distance - turn * np.round(distance / turn)
+                inside = inside & (abs(distance) > near)
+            return inside
+        return reaches
+
+    def distance(self, first: float, second: float) -> float:
+        """Return the first input less the second, of angles the short way round [rad or m]."""
+        difference = first - second
+        return difference if self.is_driven_by_slide else remainder(difference, 2.0 * pi)
+
+    def crank_angle(self, motion: NamedFields) -> Scalar:
+        """Return the angle of the crank in a motion [rad]."""
+        angle: Scalar = motion.theta1
+        return angle
+
+    @property
+    def modes_passed(self) -> tuple[int, ...]:
+        """Return the modes between which a motion goes on at toggles and flat positions."""
+        return tuple(sorted(self.modes))
+
+    def mode_beyond(self, _limit: float) -> int:
+        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        return 3 - int(self.mode)
+
+    @property
+    def flat_limits(self) -> tuple[float, ...]:
+        """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
+        return ()
+
+    @property
+    def flat_inputs(self) -> tuple[float, ...]:
+        """Return the flat positions inside the ranges, and limits of the ranges [rad or m]."""
+        return tuple([z.real for z in self.singular_inputs if z.imag == 0.0])
+
+    def flat_place(self, position: float) -> Decimal:
+        """Return the input of a flat position [rad or m] in many digits."""
+        from fourbar_ros.numerics.digits import MANY_DIGITS, quarter_turn  # searches alone
+        quarters = 0 if self.is_driven_by_slide else round(position / (0.5 * pi))
+        return MANY_DIGITS.multiply(quarter_turn(), quarters)
+
+    def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
+        """Return a motion with the input alone and NaN else: a sample that cannot be computed."""
+        fields = dict.fromkeys(self.MOTION._fields, nan)
+        fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
+        return self.MOTION(**fields)
+
+    # --- made and copied ------------------------------------------------------------------------
+
+    def _check(self) -> None:
+        """Refuse impossible values, and keep the others as numbers and records."""
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
+
+    def _check_stroke(self) -> None:
+        """Refuse a wrong stroke, and keep a right one as two floats."""
+        object.__setattr__(self, 'stroke', checked_stroke(self))
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return the fields to be pickled: functions made of them can be neither sent nor kept."""
+        return {field.name: getattr(self, field.name) for field in fields_of(self)}
+
+    def in_mode(self: _Self, mode: int) -> _Self:
+        """Return the same mechanism in another assembly mode."""
+        return self if mode == self.mode else replace(self, mode=mode)
+
+    def without_stroke(self: _Self) -> _Self:
+        """Return the same mechanism without a stroke, so that poses beyond it are computed."""
+        return self if self.stroke is None else replace(self, stroke=None)
+
+    def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
+        """Return the same mechanism with other :attr:`lengths`."""
+        return replace(self, **dict(zip(self.length_names, lengths)))
+
+    def constants_of(self, lengths: Sequence[Scalar], _hypot: Function) -> Constants:
+        """Return its :attr:`constants` with other lengths, of any numbers."""
+        return self.constants._replace(lengths=tuple(lengths))
+
+    def with_external(self: _Self, external: External) -> _Self:
+        """
+        Return the same mechanism with other external loads, sharing what follows from geometry.
+
+        A node does this for each wrench message, so ranges and traces are not made again.
+        """
+        return self._copy(**self._geometry, external=external)
+
+    def with_base(self: _Self, base: Base) -> _Self:
+        """Return the same mechanism on a body that moves, which takes the place of gravity."""
+        return self._copy(**self._geometry, gravity=checked_gravity(base))
+
+    @property
+    def _geometry(self) -> dict[str, object]:
+        """Return what is known and follows from geometry alone."""
+        return {name: value for name, value in list(self.__dict__.items())
+                if isinstance(getattr(type(self), name, None), cached_by_lengths)}
+
+    def _copy(self: _Self, **changed: object) -> _Self:
+        """Return a copy with other fields, unchecked and without any cached property."""
+        copied = object.__new__(type(self))
+        fields = {name: value for name, value in self.__dict__.items()
+                  if not isinstance(getattr(type(self), name, None), cached_property)}
+        copied.__dict__.update(fields, **changed)
+        return copied
