@@ -220,7 +220,7 @@ class Bag:
                 elif isinstance(record, Schema):
                     schemas[record.id] = record
                 elif isinstance(record, Channel):
-                    schema = schemas.get(record.schema_id) or Schema(0, b'', 'none', '')
+                    schema = schemas.get(record.schema_id) or Schema(0, b'', '', '')
                     _, before = self._topics.get(record.topic, (record, schema))
                     if before.name != schema.name:
                         raise BagError(f'{file}: {record.topic} has two types, {schema.name} and '
@@ -256,30 +256,34 @@ class Bag:
         """Yield (rows, records) of messages of a topic, see :func:`.layout.arrays`."""
         _, schema = self._topics[topic]
         known = self._layouts.setdefault((schema.name, schema.data), [])
-        return arrays(self._store(schema), schema.name, messages, known)
+        return arrays(self.types_of(topic), schema.name, messages, known)
 
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""
-        _, schema = self._topics[raw.topic]
+        store = self.types_of(raw.topic)
         try:
             with suppress(SerdeError):
-                return self._store(schema).deserialize_cdr(raw.data, schema.name)
+                return store.deserialize_cdr(raw.data, raw.type)
             # behind an empty sequence of doubles at its end Fast CDR aligns: 4 bytes too many
-            return self._store(schema).deserialize_cdr(raw.data[:-4], schema.name)
+            return store.deserialize_cdr(raw.data[:-4], raw.type)
         except (SerdeError, ValueError, IndexError, AssertionError, KeyError) as error:
             raise BagError(f'{self.path}: {raw.topic}: a message does not fit its '
                            f'definition: {_reason(error)}') from None
 
-    def _store(self, schema: Schema) -> Typestore:
-        """Return the types that a schema defines; raises BagError."""
-        if schema.encoding != 'ros2msg':
-            raise BagError(f'{self.path}: {schema.name} is defined in {schema.encoding!r}; '
-                           'only ros2msg is decoded: rosbags-convert makes that')
+    def types_of(self, topic: str) -> Typestore:
+        """Return the types that define the messages of a topic; BagError if they are not known."""
+        if topic not in self._topics:
+            next(self.raw([topic]), None)
+        channel, schema = self._topics[topic]
+        if channel.message_encoding != 'cdr' or schema.encoding != 'ros2msg':
+            raise BagError(f'{self.path}: {topic}: {channel.message_encoding or "no"} messages '
+                           f'defined in {schema.encoding or "nothing"}; only cdr messages defined '
+                           'in ros2msg are decoded')
         try:
             return _types(schema.name, schema.data)
         except Exception as error:      # the library has no class of its own for bad texts
-            raise BagError(f'{self.path}: the definition of {schema.name} cannot be read: '
-                           f'{_reason(error)}') from None
+            raise BagError(f'{self.path}: {topic}: the definition of {schema.name} cannot be '
+                           f'read: {_reason(error)}') from None
 
     def definition_of(self, topic: str) -> str:
         """Return the text that defines the type of a topic met so far."""

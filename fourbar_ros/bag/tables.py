@@ -3,7 +3,7 @@
 """Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet."""
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 import csv
 from pathlib import Path
 from typing import Any
@@ -20,21 +20,22 @@ TopicTable = dict[str, Array]
 
 
 def export(path: str | Path, out: str | Path, kind: str | None = None,
-           topics: Collection[str] | None = None, progress: Progress | None = None
-           ) -> dict[str, int]:
+           topics: Collection[str] | None = None, progress: Progress | None = None,
+           tell: Callable[[str], object] | None = None) -> dict[str, int]:
     """
     Write each topic of a bag as a table; return {table: rows}.
 
     ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
     one topic; ``kind``: one of FORMATS, by default by the ending of ``out``, csv for a folder. The
     columns are log_time [ns], header.stamp [ns] and the fields, an array's one by one, but not
-    arrays of bytes. ``out`` stands there only when it is complete. Raises BagError;
-    MissingPackage without pyarrow.
+    arrays of bytes. ``out`` stands there only when it is complete. Topics that are not named and
+    whose messages are not known here, as JSON, are left out; ``tell`` is called with a line for
+    each. Raises BagError; MissingPackage without pyarrow.
     """
     bag, out = Bag(path, progress), Path(out)
     ending = out.suffix.removeprefix('.')
     kind = kind or (ending if ending in FORMATS else 'csv')
-    names = list(topics or bag.types)
+    names = list(topics) if topics else _decoded(bag, tell or (lambda text: None))
     for topic in names:
         if topic not in bag.types:
             raise BagError(f'{topic}: not in the bag; it has {", ".join(sorted(bag.types))}')
@@ -58,6 +59,22 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
                 write(folder / f'{name}.{kind}', table)
         (next(folder.iterdir()) if is_file else folder).rename(out)
     return {name: len(table['log_time']) for name, table in tables.items()}
+
+
+def _decoded(bag: Bag, tell: Callable[[str], object]) -> list[str]:
+    """Return the topics whose messages can be decoded; BagError if there are others alone."""
+    names, left_out = [], []
+    for topic in bag.types:
+        try:
+            bag.types_of(topic)
+            names.append(topic)
+        except BagError as error:
+            left_out.append(error)
+    if left_out and not names:
+        raise left_out[0]
+    for why in left_out:
+        tell(f'left out: {why}')
+    return names
 
 
 def _tables(bag: Bag, topics: Collection[str]) -> dict[str, TopicTable]:

@@ -52,6 +52,7 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
   recover    something could not be read
   recompute  a value differs by more than the tolerance, an output is missing,
              duplicated or without its input, or nothing could be compared
+  export     a topic was left out: its messages are not known here
   diff       the bags differ
 """
 
@@ -231,12 +232,17 @@ def _add_export(actions: Verbs) -> None:
     add_topics(export, 'export only these topics')
 
 
-def _export(arguments: Namespace) -> None:
+def _export(arguments: Namespace) -> int:
     from fourbar_ros.bag.tables import export
+    left_out: list[str] = []
     with reading(arguments.bag, 'exporting') as step:
-        written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step)
+        written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step,
+                         left_out.append)
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows')
+    for text in left_out:
+        print(text)
+    return BAD if left_out else 0
 
 
 def _add_plot(actions: Verbs) -> None:

@@ -17,6 +17,7 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 import matplotlib
+from mcap.writer import Writer
 import numpy as np
 import pytest
 from support import bags
@@ -90,6 +91,40 @@ def test_messages_of_several_layouts_are_one_table_in_the_order_of_the_bag(mixed
     second = found['joint_states/position[b]']
     assert np.isnan(second[::3]).all() and second[1::3].tolist() == list(range(2, 61, 3))
     assert set(found['joint_states/name[1]'].tolist()) == {'', 'b'}
+
+
+def test_a_topic_of_another_encoding_is_left_out_and_named(bag, tmp_path, capsys):
+    """JSON, no definition, ros2idl beside topics of ROS 2."""
+    file, kinds = tmp_path / 'mixed_0.mcap', Bag(bag).types
+    with open(file, 'wb') as stream:
+        writer = Writer(stream)
+        writer.start('', 'test')
+        known = {topic: writer.register_channel(topic, 'cdr', writer.register_schema(
+            kind, 'ros2msg', bags.text_of(kind).encode())) for topic, kind in kinds.items()}
+        others = [writer.register_channel('/json', 'json', writer.register_schema(
+                      'x', 'jsonschema', b'{}')), writer.register_channel('/free', 'json', 0),
+                  writer.register_channel('/idl', 'cdr', writer.register_schema(
+                      'a/msg/B', 'ros2idl', b'struct'))]
+        for raw in Bag(bag).raw():
+            writer.add_message(known[raw.topic], raw.time, raw.data, raw.time)
+            for channel in others:
+                writer.add_message(channel, raw.time, b'{"a": 1}', raw.time)
+        writer.finish()
+    assert main(['bag', 'export', str(file), '-o', str(tmp_path / 'out')]) == 3
+    said = capsys.readouterr().out
+    for topic, why in (('/json', 'json messages defined in jsonschema'),
+                       ('/free', 'json messages defined in nothing'),
+                       ('/idl', 'cdr messages defined in ros2idl')):
+        assert f'left out: {file}: {topic}: {why}; only cdr' in said
+    assert said.count('left out') == 3
+    assert len(list((tmp_path / 'out').iterdir())) == len(kinds)
+    assert main(['bag', 'export', str(file), '-o', str(tmp_path / 'one'), '--topics',
+                 '/json']) == 1
+    assert f'{file}: /json: json messages' in capsys.readouterr().err
+    assert not recompute(file).problems() and info(file, check=True).is_sound
+    assert main(['bag', 'diff', str(file), str(file), '--topics', '/fourbar/state']) == 0
+    assert recover(file, tmp_path / 'new').messages == sum(
+        topic.messages for topic in info(file).topics)
 
 
 def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path, capsys):

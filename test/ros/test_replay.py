@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 
+from bag.test_other_writers import by_mcap
 from fourbar_ros.bag.comparison import diff
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
@@ -70,6 +71,12 @@ def test_replay_sends_every_message_again_as_it_was(client, bag):
                                                                    theirs.alpha4)
             else:
                 assert (list(ours.position), ours.name) == (theirs.position.tolist(), theirs.name)
+
+
+def test_replay_sends_every_message_of_a_file_without_chunks(client, bag, tmp_path):
+    file = by_mcap(bag, tmp_path / 'run_0.mcap', use_chunking=False)
+    process = fourbar('replay', file, '--rate', '4', '--topics', '/fourbar/state')
+    assert finished(process, client) == (0, f'{STEPS} messages published\n')
 
 
 def test_the_clock_of_a_bag_of_simulated_time_is_simulated(client, bag):
