@@ -9,22 +9,36 @@ from typing import Any
 LINE = 100        # longest list of names or value [characters] that a one-line message quotes
 
 
-def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
+def nearest(name: str, known: Iterable[str]) -> str:
     """
     Return a hint that ends a message about an unknown name, as '; did you mean omega4?'.
 
-    It gives the known name that is spelt most alike, from the similarity ``cutoff`` (0 to 1) on;
-    if there is none, all known names, or the three most alike if all would fill more than a line.
+    It gives the known name that is at most two edits away, fewer than half of its letters; if
+    there is none, all known names if they fill no more than a line, or up to three that have the
+    name in them or are in it.
     """
-    from difflib import get_close_matches
-
     known = list(known)
-    close = get_close_matches(name, known, 1, cutoff)
-    if close:
-        return f'; did you mean {close[0]}?'
+    distance, close = min(((edits(name, each), each) for each in known), default=(0, ''))
+    if close and 2 * distance < len(close) and distance <= 2:
+        return f'; did you mean {close}?'
     if len(', '.join(known)) <= LINE:
         return f'; known: {", ".join(known)}'
-    return f'; nearest: {", ".join(get_close_matches(name, known, 3, 0.0))}'
+    alike = [each for each in known if len(name) >= 4 and name in each
+             or len(each) >= 4 and each in name]
+    return f'; there is {", ".join(alike[:3])}' if alike else ''
+
+
+def edits(one: str, other: str) -> int:
+    """Return how many letters must be put in, left out, changed or swapped with the next."""
+    rows = [list(range(len(other) + 1))]
+    for i, letter in enumerate(one, 1):
+        row = [i]
+        for j, second in enumerate(other, 1):
+            row.append(min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (letter != second)))
+            if i > 1 < j and letter == other[j - 2] and one[i - 2] == second:
+                row[j] = min(row[j], rows[-2][j - 2] + 1)
+        rows.append(row)
+    return rows[-1][-1]
 
 
 def one_of(choices: Iterable[str], given: object = '', some: bool = False) -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -12,9 +13,22 @@ PIPE_WIDTH = 10_000     # columns of a pipe or file: nothing is wrapped there
 LEAST_WIDTH = 100       # below it a terminal breaks the lines of a table itself
 
 
+class PlainConsole(Console):
+    """A console that prints no blanks at the end of a line into a pipe or file."""
+
+    def print(self, *objects: Any, **options: Any) -> None:      # noqa: A003
+        """Print as the base class does."""
+        if self.is_terminal:
+            super().print(*objects, **options)
+            return
+        with self.capture() as text:
+            super().print(*objects, **options)
+        self.file.write(''.join(f'{line.rstrip()}\n' for line in text.get().splitlines()))
+
+
 def make_console() -> Console:
     """Return the console that all verbs print to: as wide as the terminal, endless in a pipe."""
-    console = Console(highlight=False, markup=False)
+    console = PlainConsole(highlight=False, markup=False)
     console.width = max(console.width, LEAST_WIDTH) if console.is_terminal else PIPE_WIDTH
     return console
 

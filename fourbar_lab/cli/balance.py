@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from math import isnan
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.cli.common import add_output, add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of
 
@@ -55,12 +55,12 @@ def add(verbs: Verbs) -> None:
                       help='greatest distance of a counterweight from the first joint of its '
                            'link: M for every link that turns (default: half the longest '
                            'length), or instead LINK=M for each of those that get one')
-    verb.add_argument('-o', '--out', metavar='SCENE', help='scene file to write')
-    verb.add_argument('--plot', metavar='PICTURE',
-                      help=f'force, moment and torque before and after: {PICTURE_HELP}')
-    verb.add_argument('--front', metavar='PICTURE',
-                      help=f'with --minimize: what remains for each mass up to --mass: '
-                           f'{PICTURE_HELP}')
+    add_output(verb, '-o', '--out', metavar='SCENE', suffix='.yaml', help='scene file to write')
+    add_output(verb, '--plot', metavar='PICTURE', suffix='.png',
+               help=f'force, moment and torque before and after: {PICTURE_HELP}')
+    add_output(verb, '--front', metavar='PICTURE', suffix='.png',
+               help='with --minimize: what remains for each mass up to --mass: '
+                    f'{PICTURE_HELP}')
     verb.add_argument('--points', type=positive_integer, default=100, metavar='N',
                       help='points of --front (default 100)')
     verb.set_defaults(run=_run)
@@ -89,8 +89,7 @@ def _run(arguments: argparse.Namespace) -> None:
         console.print()
         console.print(table)
     if arguments.out:
-        with open(arguments.out, 'x', encoding='utf-8') as file:
-            file.write(scene_text(scene, balance, how))
+        arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:
         draw_changes(loads, balance.numbers, arguments.plot)
 

@@ -7,7 +7,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.cli.common import add_output, add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.errors import InvalidParameter
 
 if TYPE_CHECKING:      # verbs import when they run
@@ -40,7 +40,8 @@ def add(verbs: Verbs) -> None:
                            'forces on the ground as vectors; axis: the collineation axis with '
                            'its poles, at --at or where the output is fastest, and its angle to '
                            'the coupler over a cycle')
-    draw.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    add_output(draw, '-o', '--out', metavar='FILE', required=True, suffix='.png',
+               help=PICTURE_HELP)
     draw.set_defaults(run=_draw)
 
 

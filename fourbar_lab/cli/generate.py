@@ -7,7 +7,7 @@ from argparse import Namespace
 from pathlib import Path
 import sys
 
-from fourbar_ros.cli.common import add_scene, add_verb, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, refuse_overwriting, Verbs
 
 EPILOG = """\
 examples:
@@ -36,12 +36,15 @@ def add(verbs: Verbs) -> None:
     verb.add_argument('--parameters', metavar='NAME', nargs='*',
                       help='numbers that can be changed at run time, e.g. a1 bodies.crank.mass; '
                            'default: all but those that are left out, as zero; none: without NAME')
+    verb.add_argument('--force', action='store_true', help='overwrite files that exist')
     verb.set_defaults(run=_generate)
 
 
 def _generate(arguments: Namespace) -> None:
     """Write the code of a scene; print its files and cost, and notes on stderr."""
-    from fourbar_lab.export import generate
+    from fourbar_lab.export.files import generate, paths_of
+    refuse_overwriting(paths_of(Path(arguments.scene).stem, arguments.out, arguments.format),
+                       arguments.force)
     written = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
                        arguments.parameters)
     for path in written.files:

@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Mapping
-from pathlib import Path
 import re
 
-from fourbar_ros.cli.common import add_verb, assembly_mode, Verbs
+from fourbar_ros.cli.common import add_output, add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.scene.units import of, UNITS
@@ -38,7 +37,7 @@ BODIES = """\
 """
 DESCRIPTION = """\
 Write a scene from a few numbers: lengths, speed, and bars or rods of one section. The scene is
-in SI, with comments; change it as you like. No file is overwritten.
+in SI, with comments; change it as you like.
 """
 EPILOG = """\
 examples:
@@ -57,7 +56,7 @@ then:
 def add(verbs: Verbs) -> None:
     """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
-    new.add_argument('file', metavar='FILE', help='scene to write, e.g. my.yaml')
+    add_output(new, 'file', metavar='FILE', suffix='.yaml', help='scene to write, e.g. my.yaml')
     new.add_argument('--kind', choices=FACTS, default='four_bar', metavar='KIND',
                      help=f'{", ".join(FACTS)} (default four_bar)')
     for name in NAMES:
@@ -101,20 +100,17 @@ def _density(text: str) -> float:
 
 
 def _new(arguments: Namespace) -> None:
-    """Write the scene file, unless there is one or it would not load, as with wrong lengths."""
+    """Write the scene file, unless it would not load, as with wrong lengths."""
     from fourbar_ros.scene.files import flatten, parse
     from fourbar_ros.scene.scene import from_values, give_warnings
-    path = Path(arguments.file)
-    if not path.suffix:
-        path = path.with_suffix('.yaml')
+    path = arguments.file
     if path.suffix not in ('.yaml', '.yml'):
-        raise InvalidParameter('FILE', arguments.file, 'must end in .yaml')
+        raise InvalidParameter('FILE', str(path), 'must end in .yaml')
     lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
     text = scene_text(arguments.kind, lengths, arguments.mode, arguments.speed,
                       arguments.bar or arguments.rod or '', arguments.material)
     scene = from_values(flatten(parse(text)['/**']['ros__parameters'], path))
-    with open(path, 'x', encoding='utf-8') as file:
-        file.write(text)
+    path.write_text(text, encoding='utf-8')
     print(f'{path}: {scene.linkage.description}')
     print(f'next:  fourbar show {path}')
     give_warnings(scene, path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from fourbar_ros.cli.common import add_verb, BAD, Verbs
+from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
 
 EPILOG = """\
 verdicts:
@@ -30,8 +30,8 @@ def add(verbs: Verbs) -> None:
         'Recompute every number printed in the lecture slides (set 7) and in the paper of Hayes, '
         'Hninn and\nIrani: printed value, computed value, difference, verdict.',
         EPILOG.format(verdicts=verdicts))
-    verb.add_argument('--html', metavar='FILE', help='also write one self-contained page with the '
-                                                     'figures')
+    add_output(verb, '--html', metavar='FILE', suffix='.html',
+               help='also write one self-contained page with the figures')
     verb.set_defaults(run=_reproduce)
 
 

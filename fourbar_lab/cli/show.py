@@ -69,8 +69,7 @@ def _show(arguments: Namespace) -> None:
         scene.linkage_at(position_of(linkage, arguments.at), speed, linkage.mode),
         arguments.at, speed, acceleration))
     extrema = _extrema(scene, linkage, speed, within, arguments)
-    why_no_loads = (scene.why_no_loads if scene.has_loads else
-                    'no masses given, so no loads: see bodies.* in docs/reference.md')
+    why_no_loads = scene.why_no_loads
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
               if scene.tells_loads else None)
     with_masses = scene.bare_linkage.in_mode(linkage.mode)      # for what it is

@@ -10,7 +10,15 @@ import sys
 import time
 
 from fourbar_lab.cli import tolerances
-from fourbar_ros.cli.common import add_verb, BAD, bar, HelpFormatter, Verbs
+from fourbar_ros.cli.common import (
+    add_output,
+    add_verb,
+    BAD,
+    bar,
+    HelpFormatter,
+    Verbs,
+    write_or_print,
+)
 from fourbar_ros.scene.arguments import positive_integer
 
 ACTIONS = ('run', 'show', 'pick', 'tolerances')
@@ -93,7 +101,8 @@ def _add_queries(actions: Verbs) -> None:
         parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
     pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
     pick.add_argument('--by', metavar='OBJECTIVE', help='objective to rank by; default: the first')
-    pick.add_argument('-o', '--out', metavar='SCENE', help='file to write; default: print it')
+    add_output(pick, '-o', '--out', metavar='SCENE', suffix='.yaml',
+               help='file to write; default: print it')
     show.set_defaults(run=_show)
     pick.set_defaults(run=_pick)
 
@@ -154,12 +163,9 @@ def _pick(arguments: argparse.Namespace) -> None:
     else:
         raise StudyError(f'{which}: must be best, worst or the number of a row')
     text = results.scene_text(row)
-    if arguments.out is None:
-        print(text, end='')
-    else:
-        with open(arguments.out, 'x', encoding='utf-8') as file:
-            file.write(text)
-        print(f'row {row}: {arguments.out}')
+    write_or_print(text, arguments.out)
+    if arguments.out:
+        print(f'row {row}')
 
 
 def _run(arguments: argparse.Namespace) -> int:

@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
-from pathlib import Path
 import sys
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_rates, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.cli.common import add_output, add_rates, add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
@@ -37,7 +36,7 @@ def add(verbs: Verbs) -> None:
     table = add_verb(verbs, 'table', 'quantities over the input as CSV',
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)
-    _add_arguments(table, 'table to write: .csv', 'default all')
+    _add_arguments(table, 'table to write: .csv', '.csv', 'default all')
     table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
@@ -46,12 +45,12 @@ def add(verbs: Verbs) -> None:
     plot = add_verb(verbs, 'plot', 'quantities over the input as a picture',
                     'Draw quantities over all of the input, one pair of axes for each unit.\n'
                     'Requires matplotlib.', PLOT)
-    _add_arguments(plot, PICTURE_HELP, 'default: rates, accelerations and loads')
+    _add_arguments(plot, PICTURE_HELP, '.png', 'default: rates, accelerations and loads')
     plot.set_defaults(run=_plot)
 
 
-def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
-    """Add what both verbs take; ``out``: help of ``--out``, ``default``: of no QUANTITY."""
+def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) -> None:
+    """Add what both take; ``out``, ``suffix``: of ``--out``, ``default``: of no QUANTITY."""
     add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help='e.g. omega4, f41, inertia and bias of the drive, middle.speed of a '
@@ -59,7 +58,7 @@ def _add_arguments(verb: ArgumentParser, out: str, default: str) -> None:
     add_rates(verb)
     verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')
-    verb.add_argument('-o', '--out', metavar='FILE', required=True, help=out)
+    add_output(verb, '-o', '--out', metavar='FILE', required=True, suffix=suffix, help=out)
 
 
 def _table(arguments: Namespace) -> None:
@@ -75,7 +74,7 @@ def _table(arguments: Namespace) -> None:
     else:
         curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
                            arguments.samples)
-    write_table(curves, Path(arguments.out))
+    write_table(curves, arguments.out)
     print(arguments.out)
     _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
 

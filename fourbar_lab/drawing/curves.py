@@ -55,8 +55,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     ``names``: fields of motion or loads, NAME.speed and NAME.acceleration of the scene's points,
     or J and b of the drive's T = J alpha + b as ``inertia`` and ``bias``; empty: all but these,
     loads only with masses. ``linkage`` is the scene's in the assembly mode wanted; ``samples`` are
-    the inputs in each range. UnknownQuantity, with the nearest name; MissingBodies for a load
-    without masses; InvalidParameter if a quantity overflows.
+    the inputs in each range. UnknownQuantity, with the nearest name; InvalidParameter for a load
+    without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_points = linkage.LOADS._fields, {one.name: one for one in scene.point_quantities}
@@ -66,7 +66,9 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
             raise UnknownQuantity(name, units)
     wanted = wanted or [name for name in units if name not in OF_DRIVE
                         and (name not in of_loads or scene.tells_loads)]
-    needs_loads = any(name in of_loads for name in wanted)
+    loads_wanted = [name for name in wanted if name in of_loads]
+    if loads_wanted and not scene.has_loads:
+        raise InvalidParameter(loads_wanted[0], None, scene.why_no_loads)
 
     def values_of(name: str, inputs: Array, motion: NamedFields, loads: NamedFields | None
                   ) -> Array:
@@ -80,9 +82,9 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
     parts: list[Array] = []
-    for inputs in cycles(linkage, samples, True, scene.turns if needs_loads else 1):
+    for inputs in cycles(linkage, samples, True, scene.turns if loads_wanted else 1):
         motion = linkage.motion(inputs, speed, acceleration)
-        loads = scene.loads(inputs, speed, acceleration, linkage.mode) if needs_loads else None
+        loads = scene.loads(inputs, speed, acceleration, linkage.mode) if loads_wanted else None
         rows = [inputs, *(values_of(name, inputs, motion, loads) for name in wanted)]
         gap = [np.full((len(rows), 1), np.nan)] if parts else []
         parts += [*gap, np.array([np.broadcast_to(row, inputs.shape) for row in rows])]

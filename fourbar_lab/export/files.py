@@ -23,6 +23,12 @@ class Generated(NamedTuple):
     notes: tuple[str, ...]      # for the user: a changed name, omissions; a line each
 
 
+def paths_of(stem: str, directory: Path, as_: str) -> list[Path]:
+    """Return the files that :func:`generate` writes in a format, under a name."""
+    return [directory / (word(stem) + ending)
+            for ending in (('.h', '.c') if as_ == 'c' else ('.fmu',))]
+
+
 def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
              outputs: Sequence[str] | None = None, parameters: Sequence[str] | None = None,
              name: str = '') -> Generated:
@@ -56,8 +62,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
         path, more, operations = write(model, directory)
         return Generated((path,), operations, (*notes, *more))
     code = Code(model)
-    texts = {'.h': code.header(), '.c': code.source()}
-    paths = [directory / (model.name + ending) for ending in texts]
-    for path, text in zip(paths, texts.values()):
+    paths = paths_of(stem, directory, as_)
+    for path, text in zip(paths, (code.header(), code.source())):
         path.write_text(text, encoding='utf-8')
     return Generated(tuple(paths), max(code.operations.values()), tuple(notes))

@@ -107,7 +107,7 @@ def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
     entry, parameter = f'vary.{name}', find_parameter(name)
     if parameter is None:
         known = list(PARAMETERS)
-        raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known, 0.75)}')
+        raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known)}')
     if (not name.startswith(ACTING) or not (parameter.type == 'double' or name in LISTED)
             or name.startswith('cylinder.') and values['linkage.input'] != 'cylinder'):
         raise InvalidParameter(entry, None, 'cannot vary in this study: numbers of '

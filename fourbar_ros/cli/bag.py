@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.cli.common import (
     add_json,
     add_node,
+    add_output,
     add_tolerance,
     add_topics,
     add_verb,
@@ -33,8 +34,8 @@ if TYPE_CHECKING:      # verbs import when they run
 PLACES = 50     # damaged places that are printed one by one
 DESCRIPTION = """\
 Inspect, repair, check and convert a recorded run. BAG is the folder of a bag or its .mcap file:
-finished, cut off by a crash, or still being written. No action changes a bag or overwrites a
-file.
+finished, cut off by a crash, or still being written. No action changes a bag, or overwrites a
+file without --force.
 """
 EPILOG = """\
 examples:
@@ -253,7 +254,8 @@ def _add_plot(actions: Verbs) -> None:
     plot.add_argument('--x', metavar='TOPIC.FIELD',
                       help='field of the horizontal axis, e.g. state.theta1; values of the same '
                            'stamp belong together (default: time)')
-    plot.add_argument('-o', '--out', metavar='FILE', required=True, help=PICTURE_HELP)
+    add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
+               help=PICTURE_HELP)
 
 
 def _plot(arguments: Namespace) -> None:

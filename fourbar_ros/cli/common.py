@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from itertools import groupby
 import json
@@ -14,6 +14,7 @@ import sys
 from textwrap import fill
 from typing import Any, Protocol
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.settings import MODES
 from fourbar_ros.scene.units import of
 
@@ -146,6 +147,34 @@ def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
     from fourbar_ros.bag.metadata import files_of
     with bar(text, sum(file.stat().st_size for file in files_of(Path(path)))) as step:
         yield step
+
+
+def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', **options: Any
+               ) -> None:
+    """
+    Add an argument that names a file to write, and ``--force``, without which none is overwritten.
+
+    A name without a suffix gets ``suffix``.
+    """
+    written = parser.get_default('written')
+    if written is None:
+        parser.add_argument('--force', action='store_true', help='overwrite files that exist')
+
+    def path_of(text: str) -> Path:
+        return Path(text if Path(text).suffix else text + suffix)
+    action = parser.add_argument(*names, type=path_of, **options)
+    parser.set_defaults(written=(*(written or ()), action.dest))
+
+
+def refuse_overwriting(paths: Iterable[Path], force: bool) -> None:
+    """Raise FileExists for a file that exists, unless ``--force`` is given."""
+    for path in paths:
+        if path.is_file() and not force:
+            raise FileExists(f'{path}: exists already; --force overwrites it')
+
+
+class FileExists(FourBarError):
+    """A file that a verb is to write exists; the message names it."""
 
 
 def write_or_print(text: str, path: Path | None) -> None:

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
 
-from fourbar_ros.cli.common import add_scene, add_verb, Verbs, write_or_print
+from fourbar_ros.cli.common import add_output, add_scene, add_verb, Verbs, write_or_print
 
 SUFFIXES = {'.urdf': 'urdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
@@ -31,8 +30,8 @@ def add(verbs: Verbs) -> None:
     add_scene(verb)
     verb.add_argument('--as', dest='format', choices=('urdf', 'mjcf'),
                       help='format; default: that of the file name, else urdf')
-    verb.add_argument('-o', '--out', metavar='FILE', type=Path,
-                      help='file to write (.urdf, .mjcf, .xml); default: print it')
+    add_output(verb, '-o', '--out', metavar='FILE',
+               help='file to write (.urdf, .mjcf, .xml); default: print it')
     verb.set_defaults(run=_describe)
 
 

@@ -21,7 +21,7 @@ import warnings
 
 from fourbar_ros import __version__
 from fourbar_ros.cli import bag, describe, replay, scene, simulate
-from fourbar_ros.cli.common import HelpFormatter
+from fourbar_ros.cli.common import HelpFormatter, refuse_overwriting
 from fourbar_ros.errors import FourBarError, SceneWarning
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
@@ -94,6 +94,8 @@ def main(args: Sequence[str] | None = None) -> int:
     arguments = command.parse_args(args)
     try:
         with _terminable(), _warnings_at_the_end():
+            outputs = [getattr(arguments, name) for name in getattr(arguments, 'written', ())]
+            refuse_overwriting(filter(None, outputs), getattr(arguments, 'force', False))
             return arguments.run(arguments) or 0
     except FourBarError as error:
         print(f'fourbar: {error}', file=sys.stderr)
@@ -106,7 +108,7 @@ def main(args: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:                 # the reader of our output is gone: head, less
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         print(f'fourbar: {error.filename or arguments.verb}: {error.strerror or error}',
               file=sys.stderr)

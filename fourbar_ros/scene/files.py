@@ -58,7 +58,8 @@ def find(name: str | Path) -> Path:
     if is_folder:
         return path
     known = sorted(files)
-    raise SceneError(f'{name}: neither a file nor the name of a scene{nearest(str(name), known)}')
+    raise SceneError(f'{name}: neither a file nor the name of a scene'
+                     + (nearest(str(name), known) or '; fourbar list shows all'))
 
 
 def shipped() -> dict[str, Path]:
@@ -240,8 +241,8 @@ def refuse_robot(path: str | Path, text: str) -> None:
     """Raise SceneError for a robot description, which users take for a scene."""
     root = ROOT.match(text)
     if root and root[1] in DESCRIPTIONS:
-        raise SceneError(f'{path}: is no scene but a robot description, {DESCRIPTIONS[root[1]]}: '
-                         'fourbar describe writes these, reading them is not possible yet')
+        raise SceneError(f'{path}: is no scene but a robot description, {DESCRIPTIONS[root[1]]}; '
+                         'reading it is not possible yet, fourbar describe writes URDF and MJCF')
 
 
 def _why_no_yaml(text: str, error: Exception) -> str:

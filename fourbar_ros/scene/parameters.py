@@ -30,6 +30,8 @@ VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings
           'doubles': list}
 IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
+LISTED = '; docs/reference.md lists all'
+ABSENT = 'gears', 'friction', 'cams'       # of linkages elsewhere
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -126,6 +128,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
                 'digits and _, starting with a letter')
     if family == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
+    if family in ABSENT:
+        return f'fourbar_ros has no {", ".join(ABSENT[:-1])} or {ABSENT[-1]}'
     known = ([each.name for each in _parameters_of(family, rest[0])] if is_member
              else [*PARAMETERS, *FAMILIES['points']])
     group, _, last = name.rpartition('.')
@@ -135,8 +139,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     if below:
         return f'is a group of parameters, not a value{nearest("", below)}'
     if beside:
-        return f'unknown parameter of {group}{nearest(last, beside)}'
-    return f'unknown parameter{nearest(name, known)}'
+        return f'unknown parameter of {group}{nearest(last, beside) or LISTED}'
+    return f'unknown parameter{nearest(name, known) or LISTED}'
 
 
 def _below(group: str, known: Iterable[str]) -> list[str]:

@@ -7,7 +7,8 @@ Read from a ROS 2 parameter file, without ROS.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 import json
@@ -22,7 +23,7 @@ from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in
+from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in, unit_in
 from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
@@ -278,7 +279,7 @@ class Scene:
     def why_no_loads(self) -> str:
         """Return why :attr:`linkage` has no loads of its own, for a user; empty if it has."""
         if not self.has_loads:
-            return 'the scene gives no masses'
+            return 'the scene gives no masses: see bodies.* in docs/reference.md'
         if self.base.topic:
             return ('the motion of the base comes from a topic: no loads but those that the node '
                     'publishes, or of bare_linkage.loads(..., base=Base(...)) in Python')
@@ -419,9 +420,29 @@ def load(path: str | Path) -> Scene:
     not allowed. A value that is allowed but probably not meant is warned of, as a SceneWarning.
     """
     from fourbar_ros.scene.files import read_values
-    scene = from_values(read_values(path))
+    values = read_values(path)
+    with naming_nan(values):
+        scene = from_values(values)
     give_warnings(scene, path)
     return scene
+
+
+@contextmanager
+def naming_nan(values: ParameterValues) -> Iterator[None]:
+    """
+    Say of a parameter that a user gave as NaN, where it must be given, that NaN is no number.
+
+    In the values of a scene NaN stands for "not given", so checks speak of that.
+    """
+    try:
+        yield
+    except InvalidParameter as error:
+        value = values.get(error.name)
+        if isinstance(value, float) and isnan(value):
+            unit = unit_in(of_name(error.name), values)
+            raise InvalidParameter(error.name, value, 'NaN is not a number'
+                                   + f' in {unit}' * bool(unit)) from None
+        raise
 
 
 def give_warnings(scene: Scene, path: str | Path) -> None:

@@ -4,6 +4,8 @@
 import csv
 from math import degrees, pi
 from pathlib import Path
+import subprocess
+import sys
 from xml.etree import ElementTree
 
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
@@ -78,11 +80,28 @@ def test_help_fits_eighty_columns_without_a_lost_word(verb, capsys, monkeypatch)
     assert words['80'] == words['300'] and (verb or 'examples:' in text)
 
 
-def test_a_file_that_is_there_is_not_written_over(capsys):
-    Path('there.yaml').write_text('mine')
-    assert main(['new', 'there.yaml', *GIVEN]) == 1
-    assert 'there.yaml: File exists' in capsys.readouterr().err
-    assert Path('there.yaml').read_text() == 'mine'
+@pytest.mark.parametrize(('line', 'file'), [
+    ('new there ' + ' '.join(GIVEN), 'there.yaml'), ('table paper theta4 -o there', 'there.csv'),
+    ('plot paper theta4 -o there.svg', 'there.svg'), ('draw paper --at 60 -o there', 'there.png'),
+    ('draw jansen --animate -o there.gif', 'there.gif'),
+    ('describe paper -o there.urdf', 'there.urdf'), ('generate paper -o .', 'paper.c'),
+    ('generate paper -o . --as fmu2', 'paper.fmu'), ('balance paper -o there', 'there.yaml'),
+    ('balance paper --plot there.svg', 'there.svg'),
+    ('balance paper --minimize moment --mass 1 --front there.svg', 'there.svg'),
+    ('study pick nosuch best -o there.yaml', 'there.yaml'),
+    ('reproduce --html there', 'there.html'),
+    ('bag plot nosuch state.theta4 -o there', 'there.png')])
+def test_a_file_that_is_there_is_not_written_over_without_force(line, file, capsys):
+    Path(file).write_text('mine')
+    assert main(line.split()) == 1
+    assert capsys.readouterr() == ('', f'fourbar: {file}: exists already; --force overwrites it\n')
+    assert Path(file).read_text() == 'mine'
+    if line.split()[0] in ('new', 'table', 'describe'):
+        assert main([*line.split(), '--force']) == 0
+        assert Path(file).read_text() != 'mine'
+    with pytest.raises(SystemExit):
+        main([*line.split()[:1 + (line.split()[0] in ('study', 'bag'))], '--help'])
+    assert '--force' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'watt', 'engine'])
@@ -128,10 +147,20 @@ def test_units_mean_what_they_say(given, same, capsys):
 def test_the_list_has_every_scene_that_a_verb_takes(capsys):
     from fourbar_ros.scene.files import folder
     assert main(['list']) == 0
-    listed = {line.split()[0] for line in capsys.readouterr().out.splitlines() if line}
+    lines = capsys.readouterr().out.splitlines()
+    assert lines == [line.rstrip() for line in lines]       # no blanks that fill a column
+    listed = {line.split()[0] for line in lines if line}
     names = {path.stem for below in ('.', 'classics')
              for path in (folder() / below).glob('*.yaml')}
     assert names <= listed
+
+
+def test_a_reader_that_ends_early_is_no_error():
+    with subprocess.Popen([sys.executable, '-m', 'fourbar_ros', 'list'], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b''
+    assert process.returncode == 0
 
 
 @pytest.mark.parametrize('words, root', [

@@ -50,8 +50,8 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
     assert 'weight: left out' in capsys.readouterr().err
     for given, why in ((['f41', '--speeds', '0', '1'], 'not with --speeds'),
                        (['--speeds', '0', '1e200'], 'overflow'),
-                       (['--speeds', '0', '1m/s'], '--speeds has a unit of speed')):
-        assert main(['table', 'paper', *given, '-o', str(file)])
+                       (['--speeds', '0', '1m/s'], '--speeds has a unit of the kind m/s')):
+        assert main(['table', 'paper', *given, '--force', '-o', str(file)])
         assert why in capsys.readouterr().err
 
 

@@ -145,6 +145,7 @@ def test_parameters_and_outputs_change_between_two_steps_or_are_refused_with_the
     assert (state.theta4
             == scene.from_values({**PAPER, 'linkage.a1': 0.45}).linkage.motion(0.2).theta4)
     for bad, reason in (({'linkage.a1': -1.0}, 'must be positive'),
+                        ({'linkage.a1': math.nan}, 'NaN is not a number in m'),
                         ({'linkage.a1': '0,4'}, 'must be written 0.4'),
                         ({'linkage.a1': '3kg'}, 'must be a number in m, or with one of'),
                         ({'linkage.a4': 9.0}, 'cannot close'),

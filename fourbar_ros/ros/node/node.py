@@ -26,7 +26,7 @@ from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import check_value, find_parameter, of_name
-from fourbar_ros.scene.scene import check_for_node, from_values, Scene
+from fourbar_ros.scene.scene import check_for_node, from_values, naming_nan, Scene
 from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import SERVICES
 from rcl_interfaces.msg import (
@@ -326,7 +326,8 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
     if any(name.startswith('forces.') for name in given):
         from fourbar_ros.scene.files import with_tables  # other scenes do without
         values = with_tables(given, [Path(), *(Path(file).parent for file in files)])
-    scene = from_values(values)
+    with naming_nan(given):
+        scene = from_values(values)
     for name in given:
         node.undeclare_parameter(name)
     for name, value in scene.values.items():
@@ -351,7 +352,8 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
             elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
-            apply(current().with_values(changes, let_inputs_pass))
+            with naming_nan(changes):
+                apply(current().with_values(changes, let_inputs_pass))
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
