@@ -302,9 +302,8 @@ class _MeasureDerivatives:
                f'{self._design.linkage.input_coordinate.unit}')
         of_values, of_places = zip(*[self._of_extremum(extremum) for _, extremum in tied])
         of_score = self._agreed([sign * slopes for (sign, _), slopes in zip(tied, of_values)], why)
-        # the largest may be at another input as soon as one of them wins
-        of_place = self._agreed(of_places, why, self._design.linkage.input_unit)
-        return of_score, np.where(np.isnan(of_score), nan, of_place)
+        # which of several inputs counts is a choice of rounding
+        return of_score, of_places[0] if len(tied) == 1 else self._unknown(why)
 
     def _of_extremum(self, extremum: Extremum) -> tuple[Array, Array]:
         """Return the derivatives of value and place of an extremum; of dyads, what they share."""
