@@ -215,7 +215,7 @@ ROOMS = {
             'test/studies/test_measures.py'),
         Bug('studies/measures.py', 'slow / fast, nan)', 'fast / slow, nan)',
             'test/studies/test_measures.py'),
-        Bug('studies/design.py', 'remainder(away, tau)', 'away',
+        Bug('studies/design.py', 'min(linkage.input_ranges', 'max(linkage.input_ranges',
             'test/studies/test_measures.py'),
         Bug('studies/variation.py', 'centre - size, 2.0 * size', 'centre - size, size',
             'test/studies/test_study.py'),

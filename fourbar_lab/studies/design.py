@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import nan, remainder, tau
+from math import nan
 
 from fourbar_lab.studies.measures import (
     CHANGE_POINT,
@@ -22,6 +22,7 @@ from fourbar_lab.studies.measures import (
     SWING,
     TIME_RATIO,
 )
+from fourbar_ros.errors import OutOfRange
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
 from fourbar_ros.scene.scene import Scene
@@ -41,8 +42,7 @@ class Design:
         # the mean square over a full turn is an integral of something smooth; in a range, infinite
         # extrema at toggles tell that it diverges
         names = [self._measures.source(measure) for measure in measures
-                 if measure.part not in (SWING, STROKE)
-                 and (measure.part != 'rms' or not self.linkage.turns_fully)]
+                 if measure.part != 'rms' or not self.linkage.turns_fully]
         new = [name for name in dict.fromkeys(names) if name and name not in self.extrema]
         if new:
             self.extrema |= {name: [] for name in new}
@@ -86,18 +86,17 @@ class Design:
     @property
     def input_range(self) -> tuple[float, float]:
         """Return the range of the input [rad or m] with ``drive.start``, or else the widest."""
-        ranges, start = self.linkage.input_ranges, self.scene.drive.start
-        held = []
-        for low, high in ranges:
-            away = start - 0.5 * (low + high)
-            if not self.linkage.is_driven_by_slide:
-                away = remainder(away, tau)
-            if abs(away) <= 0.5 * (high - low):
-                held.append((low, high))
-        return max(held or ranges, key=lambda bounds: bounds[1] - bounds[0])
+        linkage = self.linkage
+        try:
+            start, _ = linkage.range_around(self.scene.drive.start)
+        except OutOfRange:
+            return max(linkage.input_ranges, key=lambda bounds: bounds[1] - bounds[0])
+        return min(linkage.input_ranges,
+                   key=lambda bounds: abs(linkage.distance(bounds[0], start)))
 
     @cached_property
     def output_range(self) -> OutputRange:
         """Return what the output sweeps over :attr:`input_range`."""
-        return next(swept for swept in output_ranges(self.linkage)
+        known = self.extrema.get(self._measures.output)
+        return next(swept for swept in output_ranges(self.linkage, extrema=known)
                     if swept.inputs == self.input_range)

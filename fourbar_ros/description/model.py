@@ -11,22 +11,22 @@ and each joint beyond that closes a loop.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isnan, nan, pi
+from math import isnan, nan
 from typing import NamedTuple
 
 from fourbar_ros.description.connections import Connection, connections_of
 from fourbar_ros.description.shapes import Shape, shapes_of
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.extrema.over_input import output_ranges
 from fourbar_ros.mechanics.bodies import Body, field_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.pipeline.joints import start_of
 from fourbar_ros.scene.scene import Scene
-import numpy as np
 
-SAMPLES = 721          # over a range of the input, for the limits of passive slides
-MARGIN = 0.01          # share by which these limits are wider than the samples show
+MARGIN = 0.01          # share by which the limits of passive slides are wider than they are
+FAR = 1e6              # of the longest length: the limit of a slide without one
 Vector = tuple[float, float, float]
 LEAST = 1e-9           # [kg], or times mass and size squared: for a body without mass or inertia
 
@@ -190,8 +190,8 @@ def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate
     """
     Return (low, high) of a joint's coordinate, None if it may turn without end.
 
-    Those of the input are the exact ends of the range of its ``start``, in the same turn, so that
-    the start lies between them. A passive slide's limits are sampled in that range, with a margin;
+    Those of the input are the ends of the range of its ``start``, in the same turn, so that the
+    start lies between them. A passive slide's are what it sweeps in that range, with a margin;
     pins have none.
     """
     low, high = mechanism.range_around(start)
@@ -199,12 +199,12 @@ def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate
         return None if mechanism.turns_fully else (low, high)
     if connection.axis is None:
         return None
-    # dense at the ends of the range: at a toggle a slide moves as the root of the distance
-    shares = 0.5 + 0.5 * np.sin(np.linspace(-0.5 * pi, 0.5 * pi, SAMPLES)[1:-1])
-    positions, = mechanism.motion(low + (high - low) * shares, fields=(coordinate.position,))
-    low, high = np.nanmin(positions), np.nanmax(positions)
+    swept = min(output_ranges(mechanism, coordinate),
+                key=lambda swept: abs(mechanism.distance(swept.inputs[0], low)))
+    far = FAR * max(map(abs, mechanism.lengths))        # where links run to infinity
+    low, high = max(swept.low, -far), min(swept.high, far)
     margin = MARGIN * (high - low)
-    return float(low - margin), float(high + margin)
+    return low - margin, high + margin
 
 
 def _radius(scene: Scene) -> float:

@@ -30,7 +30,7 @@ import numpy as np
 INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
-KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
+_KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 # A condition larger than this belongs to a change point, where values on both sides differ.
 TRUSTED = 1e6
@@ -242,7 +242,7 @@ def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], pro
               'not certain: rounding errors hide which is the most extreme' if i in in_doubt
               else proof for i, one in enumerate(found)]
     angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
-    return [Extremum(name, symbol, mode, KINDS[one.sense], theta1, one.value,
+    return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
                      i in first,
                      INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
                      else LIMIT,

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import inf, isfinite, isinf, nan, pi, sqrt, tau
+from math import inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
 from typing import NamedTuple
 
 from fourbar_ros.extrema.find import (
@@ -25,17 +25,14 @@ from fourbar_ros.extrema.find import (
     Extremum,
     find_extrema,
     INERTIA,
-    KINDS,
     resolve,
 )
 from fourbar_ros.extrema.input_paths import input_paths
-from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.extrema.search import SAMPLES
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate, Ranges
+from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
 from fourbar_ros.mechanisms.quadrature import mean_over_input, nodes
-from fourbar_ros.mechanisms.quantities import positions
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -167,41 +164,62 @@ class OutputRange(NamedTuple):
         return self.high - self.low
 
 
-def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None) -> list[OutputRange]:
+def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
+                  extrema: Sequence[Extremum] | None = None) -> list[OutputRange]:
     """
     Return what a coordinate sweeps in the mode of a linkage, for each range of the input.
 
-    ``coordinate``: by default that of the first output. Angles are continuous; the middle of each
-    range lies within half a turn of zero.
+    ``coordinate``: by default that of the first output; ``extrema``: of its position, if they are
+    known. Angles are continuous; the middle of each range lies within half a turn of zero.
     """
     coordinate = coordinate or linkage.outputs[0].coordinate
-    quantity = positions(linkage, linkage.input)[coordinate.position]
-    sampler, paths = Sampler(linkage, [quantity], (0.0, 0.0)), input_paths(linkage, SAMPLES)
-    unit, is_angle = linkage.input_unit, coordinate.unit == 'rad'
+    quantity = Quantity(coordinate.position, coordinate.unit, '', False)
+    if extrema is None:
+        extrema = find_extrema(linkage, quantity, conditions=False)
+    ranges, is_angle = linkage.input_ranges, coordinate.unit == 'rad'
+    if linkage.turns_fully and is_angle and (not extrema or _turns_on(linkage, quantity)):
+        return [OutputRange(ranges[0], -pi, pi, True, ())]
+
+    def place_in(bounds: tuple[float, float], extremum: Extremum) -> float:
+        """Return the input of an extremum, in the turn of a range, on its side of an end."""
+        middle, width = 0.5 * (bounds[0] + bounds[1]), bounds[1] - bounds[0]
+        away = extremum.input + NEAR_END * width * extremum.side - middle
+        return middle + (away if linkage.is_driven_by_slide else remainder(away, tau))
+
+    def is_outside_by(bounds: tuple[float, float], extremum: Extremum) -> float:
+        """Return how far an extremum lies outside a range, less than zero inside."""
+        place = place_in(bounds, extremum)
+        return max(bounds[0] - place, place - bounds[1])
 
     def whole_turns(angle: float) -> float:
         """Return the whole turns [rad] nearest to an angle; none of a slide."""
         return tau * round(angle / tau) if is_angle else 0.0
 
-    ranges = []
-    for low, high in linkage.input_ranges:
-        extrema, start, end = list[PathExtremum](), nan, nan
-        for path in paths:              # several where flat positions lie within the range
-            if linkage.turns_fully or low < unit * path.x[path.x.size // 2] < high:
-                first, last = sampler.along(path).values[0, [0, -1]].tolist()
-                turns = whole_turns(end - first) if end == end else 0.0
-                start, end = first if start != start else start, last + turns
-                extrema += [one._replace(value=one.value + turns)
-                            for one in search_path(sampler, path, False)]
-        if linkage.turns_fully and whole_turns(end - start):
-            ranges.append(OutputRange((low, high), -pi, pi, True, ()))
-            continue
-        lowest, highest = (choose(one.value for one in extrema) for choose in (min, max))
-        turns, is_slide = whole_turns(0.5 * (lowest + highest)), linkage.is_driven_by_slide
-        found = [Extremum(quantity.name, quantity.unit, linkage.mode, KINDS[one.sense],
-                          nan if is_slide else one.place, one.value - turns,
-                          one.value in (lowest, highest), side=one.side,
-                          slide=unit * one.place if is_slide else nan) for one in extrema]
-        ranges.append(OutputRange((low, high), lowest - turns, highest - turns, False,
-                                  tuple(found)))
-    return ranges
+    by_range: dict[tuple[float, float], list[Extremum]] = {bounds: [] for bounds in ranges}
+    for extremum in extrema:
+        by_range[min(ranges, key=lambda bounds: is_outside_by(bounds, extremum))].append(extremum)
+    swept = []
+    for bounds, inside in by_range.items():
+        inside.sort(key=lambda extremum: place_in(bounds, extremum))
+        values, turns = list[float](), 0.0
+        for extremum in inside:     # each part between two flat positions has a turn of its own
+            if values and extremum.side > 0:
+                turns = whole_turns(values[-1] - extremum.value)
+            values.append(extremum.value + turns)
+        turns = whole_turns(0.5 * (min(values) + max(values)))
+        swept.append(OutputRange(
+            bounds, min(values) - turns, max(values) - turns, False,
+            tuple([extremum._replace(value=value - turns)
+                   for extremum, value in zip(inside, values)])))
+    return swept
+
+
+def _turns_on(linkage: Mechanism, quantity: Quantity) -> bool:
+    """Return whether an angle is on by whole turns after one turn of the input."""
+    sampler = Sampler(linkage, [quantity], (0.0, 0.0))
+    # a path that closes lacks its last step, less than half a turn
+    way = 0.0
+    for path in input_paths(linkage, SAMPLES):
+        angles = sampler.along(path).values[0]
+        way += angles[-1] - angles[0]
+    return round(way / tau) != 0

@@ -11,7 +11,7 @@ from fourbar_ros.extrema import find_extrema
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.scene import load
 import pytest
-from support.samples import more
+from support.samples import more, some
 
 CASES = [('paper', '60'), ('slides_7_6', '60'), ('slider_crank', '40'), ('cylinder', '1.5'),
          ('watt', '20'), ('engine', '30'), ('quick_return', '75')]
@@ -93,7 +93,7 @@ def test_extrema_of_a_part_of_the_input_have_its_ends(capsys):
         assert why in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('name', more(['paper', 'roberts', 'engine', 'bucket'], SCENES))
+@some('name', SCENES, ['paper', 'roberts', 'engine', 'bucket'])
 def test_printed_peaks_are_the_extrema_or_say_that_they_are_sampled(name, tmp_path, capsys):
     """Of the drive in show and table --speeds, and of the inertia; 24 shipped scenes have both."""
     scene = load(name)
