@@ -12,13 +12,24 @@ of the output, relative errors of the lengths -> its error [rad or m], is exact:
     (C3)  inverted one: (a1 |sin theta2| + a4 |sin theta4| + |offset|) / |slide|; of a driven slide
           (a1 |a1 - a4 cos theta1| + a4 |a4 - a1 cos theta1| + offset^2) / (a1 a4 |sin theta1|)
     (C4)  yoke: a1 |cos theta1|; of a driven slide 1 / |tan theta1|
+
+Reactions of an inverted one whose slide is driven come from the ground: in the frame of the bar,
+joint forces that grow as one over the sine of the toggle would cancel in the guide force. Block
+and bar are one rod r2 e2 from O4 to A. It and the crank need the moments m2 about O4 and m1 about
+O1, and the force F of the block on the crank follows as of RRR. Along and across the bar, with the
+slide s, the offset h, the force f that the block needs, and the moment m of block and bar each
+about its own joint, so that m2 = m + s f_across - h f_along,
+
+    (I1)  p = r2 F.e2 = ((m1 + m2/2) r2^2 + m2/2 (a1^2 - a4^2)) / (a1 a4 sin theta1)
+          r2^2 F = (s p + h m2, h p - s m2),   r2^2 = s^2 + h^2
+    (I2)  guide force = (h (h f_across + s f_along + p) - s m) / r2^2
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, fsum, pi, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
@@ -32,7 +43,7 @@ from fourbar_ros.mechanisms.closed_forms import (
     slide_ranges,
 )
 from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
+from fourbar_ros.mechanisms.kind import DrivenMachine, FORCES, FORWARD, Kind, LINKS, results
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import (
@@ -53,6 +64,9 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
 from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanics.newton_euler import Needs
 
 AT_O = (0.0, 0.0)      # as a place
 
@@ -195,6 +209,33 @@ class InvertedDeadPoint(NamedTuple):
     theta4: float     # [rad]
 
 
+class DrivenCylinder(DrivenMachine):
+    """The inverted slider-crank that is driven at its slide; its reactions by (I1) and (I2)."""
+
+    def forces(self, n: NumberType, numbers: DyadLengths, lengths: Mapping[str, Scalar],
+               links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
+               slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
+        """Return {field: reaction} at all joints."""
+        # of linkages with masses alone
+        from fourbar_ros.numerics.vectors import Vector
+        (f1, m1), (f, m_block), (f_bar, m_bar) = [needs[link] for link in LINKS]
+        a1, a4, (s,), h = lengths['crank'], lengths[GROUND], slides, numbers.shape[1]
+        crank, bar = links['crank'], Vector(links['output'].cosine, links['output'].sine)
+        f_along, f_across, m, square = f.dot(bar), bar.cross(f), m_bar + m_block, s * s + h * h
+        m2 = m + s * f_across - h * f_along
+        half = 0.5 * m2
+        p = (m1 + half) * square + half * ((a1 - a4) * (a1 + a4))                          # (I1)
+        p = p / (a1 * a4 * crank.sine)
+        on_crank = (bar * (s * p + h * m2) + bar.normal * (h * p - s * m2)) / square
+        guide = (h * (h * f_across + s * f_along + p) - s * m) / square                    # (I2)
+        on_block = bar * drive + bar.normal * guide
+        forces = dict(zip(FORCES, (f1 - on_crank, on_crank, on_block, f_bar + on_block)))
+        found = {'guide_force': guide, 'guide_couple': m_block}
+        for name, force in forces.items():
+            found |= {f'{name}_x': force.x, f'{name}_y': force.y, name: n.hypot(force.x, force.y)}
+        return {name: found[name] for name in self.fields_of_loads()}
+
+
 @dataclass(frozen=True)
 class InvertedSlider(OffsetSlide):
     """
@@ -265,7 +306,7 @@ class InvertedSlider(OffsetSlide):
             ('', 1.0), lambda f, a, d, s: (                                             # (C3)
                 a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / f(s[TRAVEL][0]),
             slides=(TRAVEL,)),
-        SLIDE: DrivenMachine(
+        SLIDE: DrivenCylinder(
             ('output', 'coupler', 'crank', GROUND), 'RRR',
             lambda lengths: rods_of_slide(lengths[2], lengths[0], lengths[1]),
             slide_ranges, singular_slides,
@@ -276,7 +317,8 @@ class InvertedSlider(OffsetSlide):
                 a[0] * f(a[0] - a[1] * d[THETA1][0]) + a[1] * f(a[1] - a[0] * d[THETA1][0])
                 + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1])),
             lambda f, a, d: (a[1] * f(d[THETA1][1]), a[0] - a[1] * d[THETA1][0]),
-            reversed=('crank', GROUND), start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
+            slides=(TRAVEL,), reversed=('crank', GROUND),
+            start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
 
     @property
     def dead_points(self) -> tuple[InvertedDeadPoint, ...]:

@@ -1,12 +1,25 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Motion and loads against Cartesian coordinates of all links, in eps times condition."""
+from dataclasses import replace
+
 from flint import arb, ctx
-from fourbar_ros import FourBar
+from fourbar_ros import Bodies, Body, FourBar, InvertedSlider
 import numpy as np
 import pytest
 from support import contract
-from support.cartesian import ANGLES, beside, BITS, errors, exact, kept_at, MANY_BITS
+from support.cartesian import (
+    ANGLES,
+    beside,
+    BITS,
+    conditions,
+    EPS,
+    errors,
+    exact,
+    kept_at,
+    MANY_BITS,
+    off,
+)
 from support.contract import CASES, every_case, every_family, families_of
 from support.samples import more
 
@@ -52,6 +65,54 @@ def test_loads(case):
         assert set(found) | {f'{name}_{axis}' for name in found for axis in 'xy'} >= set(
             case.kind.LOADS._fields)
         assert beyond(found, LOADS_BOUND) == {}, (family, lengths, given)
+
+
+def near_toggles(rng, count, driven, centres):
+    """Yield inverted slider-cranks, 1e-4 to a half of their range from a toggle; see ``centres``.
+
+    Each body is heavy or not, turns hard or not; ``centres``: lengths -> where its mass may be.
+    """
+    while count:
+        a1, a4 = (10.0**rng.uniform(-1.5, 0.0, 2)).tolist()
+        offset = float(rng.choice([0.0, rng.uniform(-0.5, 0.5) * min(a1, a4)]))
+        mass, inertia = (10.0**rng.uniform(-1.0, 1.0, (2, 3))
+                         * rng.integers(0, 2, (2, 3))).tolist()
+        bodies = Bodies(*[Body(m, cg_along=float(rng.choice(places)), inertia=0.01 * i)
+                          for m, i, places in zip(mass, inertia, centres(a1))])
+        linkage = InvertedSlider(a1, a4, offset, mode=int(rng.integers(1, 3)), input=driven,
+                                 bodies=bodies, gravity=(1.3, -9.81 * int(rng.integers(0, 2))))
+        low, high = linkage.input_ranges[-1]
+        aside = 0.5 * 10.0**rng.uniform(-4.0, 0.0) * (high - low)
+        position = low + aside if rng.random() < 0.5 else high - aside
+        yield linkage, (float(position), *rng.normal(0.0, (10.0, 40.0)).tolist())
+        count -= 1
+
+
+def test_loads_of_a_cylinder_next_to_its_toggles(count=more(100, 1000)):
+    """Forces of 1e8 N that cancel do not spoil the guide force: 137 eps cond before, and more."""
+    for linkage, given in near_toggles(np.random.default_rng(204), count, 'slide',
+                                       lambda a1: ((0.0, a1, 0.03), (0.0, 0.02), (0.0, -0.05))):
+        with ctx.workprec(BITS):
+            found = exact(linkage, given)
+            for name, (truth, condition) in conditions(found, given)[1].items():
+                error = float(abs(off(name, linkage.loads(*given), truth)))
+                # the reference of what is zero is its rounding
+                assert error <= max(LOADS_BOUND * EPS * condition, 1e-30), (name, linkage, given)
+
+
+def test_the_torque_of_masses_at_pins_is_as_good_as_forces_times_arms(count=more(60, 600)):
+    """At steady speed they need none; what is left is the rounding of their forces."""
+    for linkage, given in near_toggles(np.random.default_rng(205), count, 'crank',
+                                       lambda a1: ((0.0, a1), (0.0,), (0.0,))):
+        linkage = replace(linkage, gravity=(0.0, 0.0))
+        with ctx.workprec(BITS):
+            found = exact(linkage, given)
+            sizes = conditions(found, given)[1]
+            largest = max(linkage.lengths) * max(
+                float(abs(sizes[name][0])) for name in ('f41', 'f21', 'f32', 'f43'))
+            truth, condition = sizes['driving_torque']
+            error = float(abs(off('driving_torque', linkage.loads(*given), truth)))
+            assert error <= LOADS_BOUND * EPS * (condition + largest), (linkage, given)
 
 
 @pytest.mark.parametrize('case', [case for case in CASES if case.name != 'scotch_yoke'],
