@@ -40,13 +40,16 @@ class Scale(NamedTuple):
                 acceleration / self.ratio)
 
 
+SURE = 0.02            # [rad] so near to a whole turn is a step from rest that wraps
+
+
 class GearedJoint:
     """
     Counts the turns of a joint behind a gear whose positions wrap, as those of many encoders.
 
     Such a joint must count its turns: with joint = ratio * coordinate + offset a turn of it is
     none of the coordinate. That it wraps shows where a step is a turn away from the one expected
-    at the rate so far, while all positions lie within a turn. From then on a position is in the
+    at the rate so far, to half of that, while all positions lie within a turn. From then on a position is in the
     turn nearest to the one expected. ``wraps`` tells whether it does.
     """
 
@@ -73,7 +76,7 @@ class GearedJoint:
         is_within_a_turn = self._high - self._low <= tau * (1.0 + 1e-6)
         self.wraps = is_within_a_turn and (self.wraps or (
             is_known and abs(position - before) > pi
-            and abs(abs(position - due) - tau) < tau / 8.0))
+            and abs(abs(position - due) - tau) < SURE + 0.5 * abs(due - before)))
         found = continued(due, position) if self.wraps else position
         if passed > 0.0 or is_paused or isnan(before):           # it is not late
             step = found - before            # one of more than half a turn tells no rate

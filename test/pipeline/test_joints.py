@@ -193,6 +193,7 @@ def test_a_motor_that_counts_its_turns_is_taken_as_it_comes():
     rng, t = np.random.default_rng(4), np.arange(400) * 0.01
     for angles in (50.0 * t, -400.0 * t, 9.0 * np.sin(3.0 * t), 3.0 * np.sin(40.0 * t),
                    np.where(t > 2.0, 5.0 + 300.0 * (t - 2.0), 0.0),
+                   np.where(t > 2.0, 3.0, -3.0), np.where(t > 2.0, -3.0, 2.9 + 0.02 * t),
                    np.cumsum(rng.normal(0.0, 0.5, 400))):
         order = np.arange(400)
         order[100:102] = 101, 100
