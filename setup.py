@@ -40,8 +40,8 @@ setup(
         'live': ['nicegui>=3.5,<4', 'starlette'],
         # tests, benchmarks, the pictures of the docs
         'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
-                 'mcap-ros2-support>=0.6,<1', 'matplotlib', 'python-flint', 'yourdfpy',
-                 'mujoco', 'pyarrow', 'distributed',
+                 'mcap-ros2-support>=0.6,<1', 'foxglove-sdk', 'matplotlib', 'python-flint',
+                 'yourdfpy', 'mujoco', 'pyarrow', 'distributed',
                  'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4', 'starlette',
                  'selenium', 'axe-core-python', 'resvg-py'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],

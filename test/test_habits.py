@@ -10,7 +10,7 @@ import sys
 ROOT = Path(__file__).parent.parent
 # Distribution or package.xml name of each import that has another name than its package.
 NAMES = {'yaml': 'pyyaml', 'flint': 'python-flint', 'mcap_ros2': 'mcap-ros2-support',
-         'axe_core_python': 'axe-core-python'}
+         'foxglove': 'foxglove-sdk', 'axe_core_python': 'axe-core-python'}
 OURS = ('fourbar_ros', 'fourbar_lab', 'bench', 'support')
 
 

@@ -14,6 +14,7 @@ metadata.yaml count is compared with what was read.
 from __future__ import annotations
 
 from bisect import bisect
+from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
@@ -357,7 +358,8 @@ class Bag:
         file with metadata.yaml.
         """
         file, summary = self.files[place], self.summaries[place]
-        before, messages = sum(other.stat().st_size for other in self.files[:place]), 0
+        before = sum(other.stat().st_size for other in self.files[:place])
+        counts: Counter[int] = Counter()        # messages of each channel
         with open(file, 'rb') as stream:
             if summary:
                 yield [*summary.schemas.values(), *_described_in(summary)]
@@ -371,14 +373,18 @@ class Bag:
                 except Exception as error:      # whatever a library makes of wrong bytes
                     self._note(place, f', at byte {begin}: {_reason(error)}')
                     continue
-                messages += sum(isinstance(each, Message) for each in content)
+                counts.update([each.channel_id for each in content if isinstance(each, Message)])
                 self._progress(before + stream.tell())
                 yield content
+        self._messages[place] = messages = sum(counts.values())
         statistics = summary.statistics if summary else None
         if statistics and statistics.message_count != messages:
             self._note(place, f': holds {messages} messages that can be read, its statistics '
                               f'count {statistics.message_count}')
-        self._messages[place] = messages
+        for channel, count in statistics.channel_message_counts.items() if statistics else ():
+            if counts[channel] != count:
+                self._note(place, f': holds {counts[channel]} messages of channel {channel} that '
+                                  f'can be read, its statistics count {count}')
         read = sum(self._messages.values())
         if len(self._messages) == len(self.files) and read < self._stated:
             self.damage.append(f'{self.path.name}: holds {read} messages that can be read, '
@@ -419,10 +425,10 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
     begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
     while begin + HEAD.size <= end:
         after = bisect(starts, begin)
-        limit = starts[after] if after < len(starts) else end       # where this record ends
+        limit = starts[after] if after < len(starts) else end       # no record goes beyond it
         if begin in known:
             opcode, size, behind = known[begin]
-            limit = end             # an index that is wrong may overlap
+            limit = end             # ... but those that a wrong index tells
         else:
             stream.seek(begin)
             opcode, length = HEAD.unpack(stream.read(HEAD.size))
@@ -474,6 +480,8 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
     while begin < size:
         opcode, length = HEAD.unpack_from(content, begin)
         begin, end = begin + HEAD.size, begin + HEAD.size + length
+        if end > size:
+            raise ValueError('a record that goes beyond its chunk')
         if opcode in KINDS:
             found.append(_parsed(opcode, content, begin, end))
         begin = end

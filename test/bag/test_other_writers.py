@@ -213,6 +213,21 @@ def test_statistics_that_say_something_else_are_found(run, tmp_path, capsys, opt
                                  f'{count + more}', tmp_path, capsys)
 
 
+def test_statistics_of_channels_that_say_something_else_are_found(run, tmp_path, capsys):
+    """As many messages in all, but one of another channel."""
+    def change(data, begin):
+        first, second = begin + 48, begin + 58      # behind the number of a channel, 2 bytes
+        for at, more in ((first, 1), (second, -1)):
+            pack_into('<Q', data, at, int.from_bytes(data[at:at + 8], 'little') + more)
+
+    path = spoilt(by_mcap(run, tmp_path / 'run_0.mcap'), Opcode.STATISTICS, change)
+    assert main(['bag', 'info', str(path), '--check']) == 3
+    assert main(['bag', 'export', str(path), '-o', str(tmp_path / 'out')]) == 1
+    said = ' '.join(''.join(capsys.readouterr()).split())
+    assert said.count('holds 1 messages of channel 2 that can be read, its statistics count 2') \
+        == said.count('(and 1 more)') == 2
+
+
 def test_metadata_yaml_that_counts_more_is_found(run, tmp_path, capsys):
     folder = by_rosbags(run, tmp_path / 'run', CompressionMode.NONE, 9)
     text, count = (folder / 'metadata.yaml').read_text(), len(content(run))
