@@ -49,8 +49,8 @@ class GearedJoint:
 
     Such a joint must count its turns: with joint = ratio * coordinate + offset a turn of it is
     none of the coordinate. That it wraps shows where a step is a turn away from the one expected
-    at the rate so far, to half of that, while all positions lie within a turn. From then on a position is in the
-    turn nearest to the one expected. ``wraps`` tells whether it does.
+    at the rate so far, to half of that, while all positions lie within a turn. From then on a
+    position is in the turn nearest to the one expected. ``wraps`` tells whether it does.
     """
 
     def __init__(self, gap: float) -> None:
