@@ -42,7 +42,7 @@ def _set_limits(mechanism: Mechanism, inputs: Sequence[Array], rows: Sequence[Ar
             row[samples] = fields[i]
 
 
-def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
+def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
              with_loads: bool) -> list[Array]:
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
@@ -52,23 +52,23 @@ def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[i
     Parameters
     ----------
     mechanism : Mechanism
-    given : tuple of 3
+    inputs : tuple of 3
         Position, rate, acceleration; array_like. Complex for a derivative by a complex step.
     wanted : tuple of int, optional
-        Numbers of the fields; None: all.
+        Indices of the fields; None: all.
     with_loads : bool
         Whether the fields are those of motion and loads together.
 
     """
-    inputs, shape = _inputs(mechanism.input_coordinate, given)
-    position, reaches = inputs[0], mechanism.reaches
+    arrays, shape = _inputs(mechanism.input_coordinate, inputs)
+    position, reaches = arrays[0], mechanism.reaches
     if reaches is not None:
-        inputs[0] = np.where(reaches(position), position, np.nan)
+        arrays[0] = np.where(reaches(position), position, np.nan)
     with np.errstate(all='ignore'):
-        if any(v.dtype.kind == 'c' for v in inputs):
-            rows = _complex_rows(mechanism, inputs, shape, wanted, with_loads)
+        if any(v.dtype.kind == 'c' for v in arrays):
+            rows = _complex_rows(mechanism, arrays, shape, wanted, with_loads)
         else:
-            flattened = [np.broadcast_to(v, shape).reshape(-1) for v in inputs]
+            flattened = [np.broadcast_to(v, shape).reshape(-1) for v in arrays]
             trace, constants, zeros = (mechanism.record_with_loads if with_loads
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
@@ -76,23 +76,23 @@ def evaluate(mechanism: Mechanism, given: tuple[ArrayLike, ...], wanted: tuple[i
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, flattened, rows, wanted, with_loads)
     if reaches is not None:             # the position itself is known out of reach too
-        place = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
+        of_input = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
-            if i == place:
+            if i == of_input:
                 row[...] = np.broadcast_to(position, shape).reshape(-1)
     return [row.reshape(shape) for row in rows]
 
 
 @cache
 def range_of(trace: Trace) -> tuple[int, ...]:
-    """Return the numbers of all results of a trace."""
+    """Return the indices of all results among each other."""
     return tuple(range(len(flat(trace.results))))
 
 
-def _inputs(names: Sequence[str], given: Sequence[ArrayLike]
+def _inputs(names: Sequence[str], values: Sequence[ArrayLike]
             ) -> tuple[list[Array], tuple[int, ...]]:
-    """Return position, rates and others as arrays, and the shape to which they broadcast."""
-    inputs = [array(name, value, name == names[0]) for name, value in zip(names, given)]
+    """Return inputs, and the motion of a base, as arrays, and their common shape."""
+    inputs = [array(name, value, name == names[0]) for name, value in zip(names, values)]
     try:
         return inputs, np.broadcast_shapes(*(v.shape for v in inputs))
     except ValueError:
@@ -104,21 +104,21 @@ def _inputs(names: Sequence[str], given: Sequence[ArrayLike]
 def order_of(trace: Trace, wanted: tuple[int, ...]
              ) -> tuple[list[int], list[int], list[int], dict[int, list[int]]]:
     """
-    Return the places of some results, and of the steps they need: of data alone, and of inputs.
+    Return the indices of some results, and of the operations they need: of data alone, of inputs.
 
-    And what is done with, of inputs: {place of a step: places that it is the last one to need}.
+    And what is not needed any more: {index of an operation: indices that it needs as the last}.
     """
     results = flat(trace.results)
-    places = [results[i] for i in wanted]
-    steps = [i for i in trace.needed(places) if not trace.steps[i].is_given]
+    indices = [results[i] for i in wanted]
+    steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
     once, varying = [[i for i in steps if (i in trace.varies) is varies]
                      for varies in (False, True)]
-    last = {i: place for place in varying for i in trace.steps[place].arguments
+    last = {i: index for index in varying for i in trace.steps[index].arguments
             if i in trace.varies}
     done: dict[int, list[int]] = {}
-    for i in last.keys() - places:
+    for i in last.keys() - indices:
         done.setdefault(last[i], []).append(i)
-    return places, once, varying, done
+    return indices, once, varying, done
 
 
 def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
@@ -127,13 +127,13 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
 
     Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy.
-    ``data``: columns in place of the mechanism's own :attr:`constants`, of many like it.
-    ``wanted``: numbers of the fields, by default all; no others are computed, they are NaN.
+    ``data``: columns for the :attr:`constants` of many mechanisms like this.
+    ``wanted``: indices of the fields, by default all; the rest is not computed, it is NaN.
     """
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else wanted
-    places, once, steps, done = order_of(trace, tuple(wanted))
+    indices, once, steps, done = order_of(trace, tuple(wanted))
     if data is not None:
         known = [trace.steps[i].value for i in range(len(known))]
         known[trace.count:trace.count + trace.size] = numbers_of(
@@ -144,15 +144,15 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     def step(*inputs: Values) -> list[Values]:
         values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
         fields: list[Values] = [nan] * count
-        for i, place in zip(wanted, places):
-            fields[i] = values[place]
+        for i, index in zip(wanted, indices):
+            fields[i] = values[index]
         return fields
     return step
 
 
-def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Base) -> NamedFields:
+def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Base) -> NamedFields:
     """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
-    values, shape = _inputs([*mechanism.input_coordinate, *base._fields], [*given, *base])
+    values, shape = _inputs([*mechanism.input_coordinate, *base._fields], [*inputs, *base])
     values = [np.array(np.broadcast_to(value, shape), float) for value in values]
     position, reaches, on_base = values[0], mechanism.reaches, mechanism.with_base(Base())
     start = len(mechanism.MOTION._fields)
@@ -163,14 +163,14 @@ def loads_on_bases(mechanism: Mechanism, given: tuple[ArrayLike, ...], base: Bas
     with np.errstate(all='ignore'):
         rows = [np.array(np.broadcast_to(row, shape)) for row in step(*values[:3])[start:]]
     if mechanism.is_flat_at_zero:
-        for place in zip(*np.nonzero(position == 0.0)):
-            x, rate, acceleration, *of_base = [float(value[place]) for value in values]
+        for sample in zip(*np.nonzero(position == 0.0)):
+            x, rate, acceleration, *of_base = [float(value[sample]) for value in values]
             try:
                 limits = [*mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)]
             except FourBarError:
                 limits = [nan] * len(rows)
             for row, limit in zip(rows, limits):
-                row[place] = limit
+                row[sample] = limit
     return mechanism.LOADS._make(rows)
 
 

@@ -76,18 +76,18 @@ def checked_stroke(mechanism: MechanismGeometry) -> tuple[float, float] | None:
     return low, high
 
 
-def checked_gravity(given: Any) -> Gravity:
+def checked_gravity(gravity: Any) -> Gravity:
     """Return a field of gravity as two floats, or a base of floats."""
-    if isinstance(given, Base):
-        return Base._make([number(name, value) for name, value in given._asdict().items()])
-    return two_numbers('gravity', given, 'must be two finite numbers (x, y), or a Base')
+    if isinstance(gravity, Base):
+        return Base._make([number(name, value) for name, value in gravity._asdict().items()])
+    return two_numbers('gravity', gravity, 'must be two finite numbers (x, y), or a Base')
 
 
-def two_numbers(name: str, given: Any,
+def two_numbers(name: str, pair: Any,
                 allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
     """Return two numbers as a tuple of floats."""
     try:
-        x, y = given
+        x, y = pair
     except (TypeError, ValueError):
-        raise InvalidParameter(name, given, allowed) from None
+        raise InvalidParameter(name, pair, allowed) from None
     return number(name, x, allowed), number(name, y, allowed)

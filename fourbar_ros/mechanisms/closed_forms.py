@@ -111,17 +111,17 @@ def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
 
     sin x = (e +- a2)/a1, also beyond +-1, where x is +-pi/2 + i arcosh.
     """
-    found = []
+    angles = []
     for r in (a2, -a2):
         side = 1.0 if e + r > 0.0 else -1.0
         excess = fsum((side * e, side * r, -a1)) / a1          # |sin x| - 1
         if excess >= 0.0:
-            found.append(complex(side * 0.5 * pi,
+            angles.append(complex(side * 0.5 * pi,
                                  log1p(excess + sqrt(excess * (2.0 + excess)))))
         else:
             angle = side * (0.5 * pi - 2.0 * asin(sqrt(-0.5 * excess)))
-            found += [complex(angle), complex(pi - angle)]
-    return found
+            angles += [complex(angle), complex(pi - angle)]
+    return angles
 
 
 def bar_ranges(a1: float, a4: float, h: float) -> Ranges:

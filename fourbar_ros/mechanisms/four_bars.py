@@ -58,8 +58,9 @@ def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: S
     ``lengths``: p, q, r1 and r2; ``c``, ``b``: cosines; ``m``: cosine and sine, then any others.
     """
     p, q, r1, r2 = lengths
-    found: Scalar = (p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b)) / (r2 * fabs(m[1]))  # (C1)
-    return found
+    condition: Scalar = ((p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b))
+                         / (r2 * fabs(m[1])))                                           # (C1)
+    return condition
 
 
 class DeadPoint(NamedTuple):

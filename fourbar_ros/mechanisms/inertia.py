@@ -60,8 +60,8 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
     """Return the inertia of a mechanism with masses, held in the pose of a motion or of many."""
     parts = []
     for link, (body, _) in mechanism.loads_of_links().items():
-        at = point_of(mechanism.link_motion(motion, link), body.cg_along, body.cg_across)
-        parts.append((body.mass, at.x, at.y, body.inertia))
+        cg = point_of(mechanism.link_motion(motion, link), body.cg_along, body.cg_across)
+        parts.append((body.mass, cg.x, cg.y, body.inertia))
     mass = sum(m for m, _, _, _ in parts)
     if not mass:
         return Rigid(0.0, 0.0, 0.0, sum(inertia for *_, inertia in parts))
@@ -100,7 +100,7 @@ def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFi
     body = Body(carried.mass, cg_along=carried.x, cg_across=carried.y, inertia=carried.inertia)
     needs = needs_of(body, 1.0, base, NOT_APPLIED, FIXED)
     x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
-    found: NamedFields = loads._replace(
+    rest: NamedFields = loads._replace(
         shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),
         shaking_moment=loads.shaking_moment + needs.moment)
-    return found
+    return rest

@@ -172,24 +172,24 @@ class DrivenMachine(NamedTuple):
         from fourbar_ros.mechanics.newton_euler import Needs
         from fourbar_ros.mechanisms.machine.solve.loads import force_at_base, forces_of_dyads
         from fourbar_ros.numerics.vectors import Vector
-        layout, directions, own = self.layout, list[Vector](), list[Needs]()
+        layout, directions, all_needs = self.layout, list[Vector](), list[Needs]()
         for name in self.links:
             direction, (force, moment) = Vector(links[name].cosine, links[name].sine), needs[name]
             if name in self.reversed:       # about its other joint, from where it points back
                 moment = moment - lengths[name] * direction.cross(force)
                 direction = -direction
             directions.append(direction)
-            own.append(Needs(force, moment))
-        (frame, *moving), of_moving = directions, own[1:]
+            all_needs.append(Needs(force, moment))
+        (frame, *moving), of_moving = directions, all_needs[1:]
         forces = forces_of_dyads(
             n, layout, [numbers], [LinkMotion(*ORIGIN, e.x, e.y, 0.0, 0.0) for e in moving],
             [slides], [sine], of_moving, drive)
         at_base = force_at_base(n, layout, of_moving[0], drive, frame)
         fields = [f'{joint}{ending}' for joint in JOINTS for ending in (
             '_x', '_y', '', *(('_normal', '_couple') if joint in SLIDES[self.dyad] else ()))]
-        found = dict(zip(fields, forces))
-        found.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'), at_base))
-        return {name: -found[of] if sign < 0.0 else found[of]
+        by_field = dict(zip(fields, forces))
+        by_field.update(zip(('base_x', 'base_y', 'base', 'base_normal', 'base_couple'), at_base))
+        return {name: -by_field[of] if sign < 0.0 else by_field[of]
                 for name, (of, sign) in self.fields_of_loads().items()}
 
     def fields_of_loads(self) -> dict[str, tuple[str, float]]:
@@ -265,15 +265,15 @@ class Kind(Mechanism):
     def _motion(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
                 acceleration: Scalar) -> NamedFields:
         """Return pose, rates and accelerations."""
-        drive, given, unit = self.drive, self.input_coordinate, n.power_of_two(*constants.lengths)
+        drive, driven, unit = self.drive, self.input_coordinate, n.power_of_two(*constants.lengths)
         lengths = [length / unit for length in constants.lengths]
         per = 1.0 / unit if self.is_driven_by_slide else 1.0
         v, a = rate * per, acceleration * per
         directions, slides, moved = drive.pose(n, lengths, constants.sign, self.PARTS,
                                                position * per)
-        square, fields, ratios = v * v, list[Scalar](), {given: 1.0}
+        square, fields, ratios = v * v, list[Scalar](), {driven: 1.0}
         for coordinate in self.PARTS:
-            if coordinate == given:
+            if coordinate == driven:
                 fields += (position, rate, acceleration)
             elif coordinate in slides:
                 s, d_s, dd_s = slides[coordinate]
@@ -352,7 +352,7 @@ class Kind(Mechanism):
         unit = n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         length_of = {link: length for link, name in LENGTH_OF.items()
-                     for own, length in zip(self.length_names, lengths) if own == name}
+                     for known, length in zip(self.length_names, lengths) if known == name}
         links, needs = self._links(lengths, m, per_unit), {}
         for (name, link), body in zip(links.items(), constants.bodies):
             needs[name] = needs_of(body, unit, constants.gravity,
@@ -360,14 +360,14 @@ class Kind(Mechanism):
         push, (shake_x, shake_y, shake, moment) = drive_and_shaking(
             n, self._links(lengths, m, per_unit, True).values(), needs.values())
         push, (sine, sign) = unit * push, drive.sine
-        found = drive.forces(
+        forces = drive.forces(
             n, drive.numbers(lengths), length_of, {**links, GROUND: FIXED},
             {**needs, GROUND: Needs(Vector(shake_x, shake_y), moment)},
             sign * getattr(m, sine) if sine else 1.0,
             [getattr(m, each.position) * per_unit for each in drive.slides], push)
         drives = (0.0, push) if is_slide else (push, 0.0)
         return (*[unit * value if name.endswith('couple') else value
-                  for name, value in found.items()],
+                  for name, value in forces.items()],
                 *drives[:1 + (SLIDE in self.INPUTS)], shake_x, shake_y, shake, unit * moment)
 
 

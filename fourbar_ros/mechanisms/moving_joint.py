@@ -120,11 +120,11 @@ class MovingJointFourBar(FourBarLinks):
         """Return theta2 or theta3 and two derivatives by the input; ``curves`` of the links."""
         # angle of the second link to the first; theta3 counts from B A, half a turn on
         first, side = (0, 1.0) if self.input == JOINT_A else (1, -1.0)
-        one, two = curves[first:first + 2]
-        sine, cosine = (two.sine * one.cosine - two.cosine * one.sine,
-                        two.cosine * one.cosine + two.sine * one.sine)
+        turns_from, turns = curves[first:first + 2]
+        sine = turns.sine * turns_from.cosine - turns.cosine * turns_from.sine
+        cosine = turns.cosine * turns_from.cosine + turns.sine * turns_from.sine
         return (n.atan2(side * sine, side * cosine),
-                two.omega - one.omega, two.alpha - one.alpha)
+                turns.omega - turns_from.omega, turns.alpha - turns_from.alpha)
 
 
 results(MovingJointFourBar, 'MovingJointMotion', 'Loads')

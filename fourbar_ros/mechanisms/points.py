@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
     """Return the :class:`LinkFields` of a link in one sample of a motion."""
-    own = mechanism.link_motion(motion, link)
-    return LinkFields(atan2(own.sine, own.cosine), own.omega, own.alpha, *own[:6])
+    moved = mechanism.link_motion(motion, link)
+    return LinkFields(atan2(moved.sine, moved.cosine), moved.omega, moved.alpha, *moved[:6])
 
 
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
@@ -55,11 +55,11 @@ def with_any_lengths(mechanism: Mechanism, lengths: Sequence[Any]) -> Mechanism:
     These take lengths from its attributes (a1, a2, ...). A machine has none: there they follow
     from its motion.
     """
-    other = copy(mechanism)
+    copied = copy(mechanism)
     for name, length in zip(mechanism.length_names, lengths):
         if hasattr(mechanism, name):
-            object.__setattr__(other, name, length)
-    return other
+            object.__setattr__(copied, name, length)
+    return copied
 
 
 def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: float,

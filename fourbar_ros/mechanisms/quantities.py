@@ -105,16 +105,17 @@ def known_quantities(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Qua
     absent = {coordinate.rate, coordinate.acceleration,
               'driving_force' if coordinate.unit == 'rad' else 'driving_torque'}
     motion, loads = set(mechanism.MOTION._fields), set(mechanism.LOADS._fields)
-    own = {quantity.name: quantity for quantity in mechanism.QUANTITIES}
-    return {name: quantity for name, quantity in (QUANTITIES | own).items()
+    of_mechanism = {quantity.name: quantity for quantity in mechanism.QUANTITIES}
+    return {name: quantity for name, quantity in (QUANTITIES | of_mechanism).items()
             if name not in absent and not is_position(quantity)
             and name in (loads if quantity.is_load else motion)}
 
 
 def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
     """Return {name: Quantity} of the positions of a mechanism, or a kind, beside the input."""
-    motion, own = mechanism.MOTION._fields, {each.name: each for each in mechanism.QUANTITIES}
-    return {name: quantity for name, quantity in (POSITIONS | own).items()
+    motion = mechanism.MOTION._fields
+    of_mechanism = {quantity.name: quantity for quantity in mechanism.QUANTITIES}
+    return {name: quantity for name, quantity in (POSITIONS | of_mechanism).items()
             if is_position(quantity) and name in motion
             and name != mechanism.INPUTS[driven].position}
 
@@ -126,28 +127,28 @@ def fields_of(mechanism: Mechanism) -> dict[str, Quantity]:
     Later entries are more exact: of a load its unit alone, then of a reaction its joint, then what
     a quantity says of itself.
     """
-    found: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
+    known: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
     driven = mechanism.input_coordinate
     for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
                        driven):
-        for name, unit, what in zip(coordinate, coordinate.units,
+        for name, unit, text in zip(coordinate, coordinate.units,
                                     ('position', 'rate', 'acceleration')):
-            found[name] = Quantity(name, unit, f'{what} of {coordinate.position}', False)
+            known[name] = Quantity(name, unit, f'{text} of {coordinate.position}', False)
     for name in mechanism.LOADS._fields:
-        found[name] = Quantity(name, LOADS[name].unit if name in LOADS else 'N', '', True)
+        known[name] = Quantity(name, LOADS[name].unit if name in LOADS else 'N', '', True)
     for reaction in mechanism.REACTIONS:
         for name, which in ((reaction.magnitude, 'magnitude'), (reaction.x, 'x'),
                             (reaction.y, 'y')):
-            found[name] = Quantity(
+            known[name] = Quantity(
                 name, 'N', f'{which} of the force of {reaction.text}, at {reaction.joint}', True)
     for axis in 'xy':
         name = f'shaking_force_{axis}'
-        found[name] = Quantity(name, 'N', f'{axis} of the force on the ground', True)
-    found |= {quantity.name: quantity for quantity in (
+        known[name] = Quantity(name, 'N', f'{axis} of the force on the ground', True)
+    known |= {quantity.name: quantity for quantity in (
         *QUANTITIES.values(), *POSITIONS.values(), *mechanism.QUANTITIES)
         if quantity.name not in driven}
-    return {name: found[name] for name in (*mechanism.MOTION._fields, *mechanism.LOADS._fields)
-            if name in found}
+    return {name: known[name] for name in (*mechanism.MOTION._fields, *mechanism.LOADS._fields)
+            if name in known}
 
 
 def is_published(quantity: Asked) -> bool:
@@ -161,15 +162,15 @@ def is_position(quantity: Asked) -> bool:
 
 
 def select(names: Sequence[str], mechanism: Mechanism,
-           others: Sequence[Asked] = ()) -> list[Asked]:
+           more: Sequence[Asked] = ()) -> list[Asked]:
     """
     Return the quantities of these names; of no names all but positions.
 
-    Loads are left out where the mechanism has no masses. ``others``: more that may be named, as
-    those of the points of a scene, and that are part of "all" too.
+    Loads are left out where the mechanism has no masses. ``more``: quantities that may be
+    named too, as those of the points of a scene, and that are part of "all" too.
     """
-    own, further = known_quantities(mechanism, mechanism.input), {one.name: one for one in others}
-    available = own | further
+    known = known_quantities(mechanism, mechanism.input)
+    available = known | {quantity.name: quantity for quantity in more}
     if not names:
         return [quantity for quantity in available.values()
                 if mechanism.bodies is not None or not quantity.is_load]

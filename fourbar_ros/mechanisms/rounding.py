@@ -24,17 +24,18 @@ def rounding_errors(mechanism: Mechanism, positions: Sequence[float], rate: floa
     """
     formula, data = formula_of(mechanism, with_loads)
     trace = trace_of(formula)
-    places = flat(trace.results)
+    indices = flat(trace.results)
     names = mechanism.MOTION._fields + (mechanism.LOADS._fields if with_loads else ())
     errors, largest = dict[str, float](), dict[str, float]()
     with localcontext(MANY_DIGITS):
-        exact = in_decimals(trace, numbers_of(data), places)
+        exact = in_decimals(trace, numbers_of(data), indices)
         for position in positions:
-            given = position, rate, acceleration
-            found = (*mechanism.motion(*given), *(mechanism.loads(*given) if with_loads else ()))
-            for name, place, value, right in zip(names, places, found,
-                                                 exact(*map(Decimal, given))):
-                if trace.steps[place].operation != 'atan2' and right.is_finite():
+            inputs = position, rate, acceleration
+            loads = mechanism.loads(*inputs) if with_loads else ()
+            results = (*mechanism.motion(*inputs), *loads)
+            for name, index, value, right in zip(names, indices, results,
+                                                 exact(*map(Decimal, inputs))):
+                if trace.steps[index].operation != 'atan2' and right.is_finite():
                     errors[name] = max(errors.get(name, 0.0), abs(float(Decimal(value) - right)))
                     sort = _sort_of(name)
                     largest[sort] = max(largest.get(sort, 0.0), abs(value))
@@ -43,5 +44,5 @@ def rounding_errors(mechanism: Mechanism, positions: Sequence[float], rate: floa
 
 def _sort_of(name: str) -> str:
     """Return the letters with which the name of a field begins: f of f41_x, omega of omega4."""
-    found = re.match('[a-z]*', name)
-    return found[0] if found else ''
+    match = re.match('[a-z]*', name)
+    return match[0] if match else ''

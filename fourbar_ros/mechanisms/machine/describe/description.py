@@ -101,13 +101,13 @@ class Dyad:
         if self.kind not in DIMENSIONS:
             raise InvalidParameter(f'{where}.kind', self.kind,
                                    f'must be one of {", ".join(DIMENSIONS)}')
-        given: dict[str, Any] = {
-            place: checked_point(f'{where}.{place}', getattr(self, place))
-            for place in ('first', 'second')}
-        given['links'] = checked_links(f'{where}.links', self.links)
-        given.update(self._checked_dimensions(where))
-        given['mode'] = checked_mode(f'{where}.mode', self.mode, self.kind in OF_ONE_MODE)
-        for name, value in given.items():
+        checked: dict[str, Any] = {
+            end: checked_point(f'{where}.{end}', getattr(self, end))
+            for end in ('first', 'second')}
+        checked['links'] = checked_links(f'{where}.links', self.links)
+        checked.update(self._checked_dimensions(where))
+        checked['mode'] = checked_mode(f'{where}.mode', self.mode, self.kind in OF_ONE_MODE)
+        for name, value in checked.items():
             object.__setattr__(self, name, value)
         self._require_directions(where)
 
@@ -149,11 +149,11 @@ class Dyad:
     @property
     def lengths(self) -> DyadLengths:
         """Return places and dimensions as its formulas take them, angles as cosine and sine."""
-        found: list[float] = []
+        sizes: list[float] = []
         for name in DIMENSIONS[self.kind]:
             value = getattr(self, name)
-            found += direction(value) if name in ANGLES else (value,)
-        return DyadLengths(self.first[1:], self.second[1:], tuple(found))
+            sizes += direction(value) if name in ANGLES else (value,)
+        return DyadLengths(self.first[1:], self.second[1:], tuple(sizes))
 
     @property
     def sign(self) -> float:
@@ -187,11 +187,11 @@ class Cylinder(NamedTuple):
     mode: int = OPEN
 
 
-def require_name(what: str, name: Any) -> None:
+def require_name(parameter: str, name: Any) -> None:
     """Raise InvalidParameter unless ``name`` can be part of a field, a topic and a frame."""
     if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
             and not name.endswith('_') and '__' not in name and not iskeyword(name)):
-        raise InvalidParameter(what, name, 'must be a name: letters, digits and single '
+        raise InvalidParameter(parameter, name, 'must be a name: letters, digits and single '
                                            'underscores, a letter first')
 
 
@@ -235,17 +235,17 @@ def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
     return int(value)
 
 
-def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
+def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
     """Return the checked cylinder of a machine; None if it has another drive."""
-    if (given is None) is (driven == CYLINDER):
-        raise InvalidParameter('cylinder', given, 'a machine has one if input is cylinder, '
+    if (cylinder is None) is (driven == CYLINDER):
+        raise InvalidParameter('cylinder', cylinder, 'a machine has one if input is cylinder, '
                                                   'and only then')
-    if given is None:
+    if cylinder is None:
         return None
     try:
-        base, pin, links, mode = Cylinder(*given)
+        base, pin, links, mode = Cylinder(*cylinder)
     except TypeError:
-        raise InvalidParameter('cylinder', given, 'must be Cylinder(base, pin, links, '
+        raise InvalidParameter('cylinder', cylinder, 'must be Cylinder(base, pin, links, '
                                                   'mode)') from None
     base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
     require_name('cylinder.base.link', base.link)
@@ -264,12 +264,12 @@ def checked_cylinder(given: Any, driven: str) -> Cylinder | None:
                     checked_mode('cylinder.mode', mode))
 
 
-def checked_dyads(given: Any, driven: str) -> tuple[Dyad, ...]:
+def checked_dyads(values: Any, driven: str) -> tuple[Dyad, ...]:
     """Return one dyad or more, as a tuple; none will do with a cylinder, which is one."""
-    dyads = tuple(given) if isinstance(given, (tuple, list)) else ()
-    may_be_none = driven == CYLINDER and given in ((), [])
+    dyads = tuple(values) if isinstance(values, (tuple, list)) else ()
+    may_be_none = driven == CYLINDER and values in ((), [])
     if not (dyads or may_be_none) or not all(isinstance(dyad, Dyad) for dyad in dyads):
-        raise InvalidParameter('dyads', given, 'must be one Dyad or more, in order')
+        raise InvalidParameter('dyads', values, 'must be one Dyad or more, in order')
     return dyads
 
 
@@ -280,33 +280,33 @@ def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
     They are any numbers, even arrays, and not checked.
     """
     changed: dict[str, Any] = {
-        place: getattr(dyad, place)._replace(**{
-            name: lengths[f'{dyad.name}.{place}.{name}'] for name in ('along', 'across')
-            if f'{dyad.name}.{place}.{name}' in lengths})
-        for place in ('first', 'second')}
+        end: getattr(dyad, end)._replace(**{
+            name: lengths[f'{dyad.name}.{end}.{name}'] for name in ('along', 'across')
+            if f'{dyad.name}.{end}.{name}' in lengths})
+        for end in ('first', 'second')}
     changed.update((name, lengths[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
                    if f'{dyad.name}.{name}' in lengths)
-    other = copy(dyad)
+    copied = copy(dyad)
     for name, value in changed.items():
-        object.__setattr__(other, name, value)
-    return other
+        object.__setattr__(copied, name, value)
+    return copied
 
 
-def by_link(name: str, given: Any, kind: type, of_links: Any, default: Any) -> Any:
+def by_link(name: str, records: Any, kind: type, of_links: Any, default: Any) -> Any:
     """
-    Return the records given for links, {link: record} or a tuple, as one NamedTuple ``of_links``.
+    Return the records of links, {link: record} or a tuple, as one NamedTuple ``of_links``.
 
     Each is a ``kind``, Body or Applied; links without one get the default. None stays None.
     """
-    if given is None:
+    if records is None:
         return None
-    if not isinstance(given, Mapping):
-        given = (given._asdict() if hasattr(given, '_asdict')
-                 else dict(zip(of_links._fields, given)))
-    for link, record in given.items():
+    if not isinstance(records, Mapping):
+        records = (records._asdict() if hasattr(records, '_asdict')
+                 else dict(zip(of_links._fields, records)))
+    for link, record in records.items():
         if link not in of_links._fields:
             raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'
                                    f'{nearest(link, of_links._fields)}')
         if not isinstance(record, kind):
             raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
-    return of_links(**{link: given.get(link, default) for link in of_links._fields})
+    return of_links(**{link: records.get(link, default) for link in of_links._fields})

@@ -44,13 +44,13 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
             raise InvalidParameter('name of a dyad', dyad.name, 'stands twice')
         names.add(dyad.name)
         _require_new(where, dyad.links, owners)
-        for place in ('first', 'second'):
-            link = getattr(dyad, place).link
+        for end in ('first', 'second'):
+            link = getattr(dyad, end).link
             if link in dyad.links:
-                raise InvalidParameter(f'{where}.{place}.link', link, 'a dyad cannot hang on its '
+                raise InvalidParameter(f'{where}.{end}.link', link, 'a dyad cannot hang on its '
                                                                       'own link')
             if link not in links:
-                raise InvalidParameter(f'{where}.{place}.link', link,
+                raise InvalidParameter(f'{where}.{end}.link', link,
                                        _why_not_there(dyads, link, links))
         stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
                             links.index(dyad.second.link), dyad.links, len(links)))
@@ -75,16 +75,16 @@ def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> st
     if owner is None:
         return f'there is no such link{nearest(link, known)}'
     # {dyad: those on whose links it hangs}
-    supports = {dyad.name: {other.name for other in dyads if other is not dyad
-                            and {dyad.first.link, dyad.second.link} & {*other.links}}
+    supports = {dyad.name: {support.name for support in dyads if support is not dyad
+                            and {dyad.first.link, dyad.second.link} & {*support.links}}
                 for dyad in dyads}
     try:
         order = ', '.join(TopologicalSorter(supports).static_order())
     except CycleError as error:
         in_cycle, *_ = error.args[1]
         for _ in dyads:             # then also those on which these hang, and so on
-            supports = {name: own.union(*[supports[other] for other in own])
-                        for name, own in supports.items()}
+            supports = {name: known.union(*[supports[support] for support in known])
+                        for name, known in supports.items()}
         group = [link for dyad in dyads for link in dyad.links
                  if in_cycle in supports[dyad.name] and dyad.name in supports[in_cycle]]
         return (f'is a link of dyad {owner.name}, but no order of dyads works: the links '

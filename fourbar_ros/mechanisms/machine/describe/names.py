@@ -53,12 +53,12 @@ def names_of(layout: Layout) -> dict[str, Any]:
     """Return the facts of :class:`.Mechanism` that follow from a layout, by name."""
     turning = layout.turning()
     links = tuple(_links(layout))
-    given = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
+    coordinates = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
     if layout.driver == CYLINDER:
-        given = {CYLINDER: travel(layout.stages[0].links[0])}
+        coordinates = {CYLINDER: travel(layout.stages[0].links[0])}
     parts = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
     parts.update((travel(link), f'{link} slides') for link in layout.slides())
-    driven = given[layout.driver]
+    driven = coordinates[layout.driver]
     return {
         'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
         'PARTS': parts, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
@@ -73,15 +73,15 @@ def names_of(layout: Layout) -> dict[str, Any]:
 def _links(layout: Layout) -> list[Link]:
     """Return the moving links with their first joints: the driven one, then those of dyads."""
     turning = layout.turning()
-    found = [Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
+    links = [Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
                   turns=layout.driven in turning)]
     for stage in layout.stages:
         joints = dict(stage.joints())
-        for link, (role, place, length) in zip(stage.links, LINKS_OF_DYADS[stage.kind]):
-            found.append(Link(layout.links[0], 'frame', BASE) if link == GROUND else Link(
-                link, role, joints[place], length and f'{stage.name}.{length}',
+        for link, (role, joint, length) in zip(stage.links, LINKS_OF_DYADS[stage.kind]):
+            links.append(Link(layout.links[0], 'frame', BASE) if link == GROUND else Link(
+                link, role, joints[joint], length and f'{stage.name}.{length}',
                 turns=link in turning))
-    return found
+    return links
 
 
 def _reactions(layout: Layout) -> list[Reaction]:
@@ -92,7 +92,7 @@ def _reactions(layout: Layout) -> list[Reaction]:
         first, second = stage.links
         pairs = {'first': (links[stage.first], first), 'inner': (second, first),
                  'second': (links[stage.second], second)}
-        bodies.update((name, pairs[place]) for place, name in stage.joints())
+        bodies.update((name, pairs[joint]) for joint, name in stage.joints())
     return [reaction(name, ' on '.join(bodies[name]), name, f'{name}_couple' if is_slide else '')
             for name, is_slide in layout.joints()]
 
@@ -102,18 +102,18 @@ def _joints(layout: Layout) -> list[Joint]:
     moving = {name for name, _, _ in layout.pins()}
     base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else
             coordinate(BASE if BASE in moving else CRANK_LINK))
-    found = [Joint(BASE, base)]
+    joints = [Joint(BASE, base)]
     for stage in layout.stages:
         slides = SLIDES[stage.kind]
-        for place, name in stage.joints():
-            if place in slides:
-                its = travel(stage.links[slides[place]])
-            else:       # of two links the one that is not the ground
-                ends = stage.ends(place)
+        for joint, name in stage.joints():
+            if joint in slides:
+                moves = travel(stage.links[slides[joint]])
+            else:       # of two links that which is not the ground
+                ends = stage.ends(joint)
                 link = layout.links[ends[ends[1] != layout.ground]]
-                its = coordinate(name if name in moving else link)
-            found.append(Joint(name, its))
-    return found
+                moves = coordinate(name if name in moving else link)
+            joints.append(Joint(name, moves))
+    return joints
 
 
 def output_of(layout: Layout) -> Output:
@@ -136,20 +136,21 @@ def _outputs(layout: Layout, driven: Coordinate) -> tuple[Output, ...]:
 
 def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
     """Return the quantities beyond those of all mechanisms: of links, slides, dyads and joints."""
-    found = []
+    quantities = []
     for link in [link for link in layout.moving if link in layout.turning()]:
-        found += _of_coordinate(coordinate(link), f'of {link}')
+        quantities += _of_coordinate(coordinate(link), f'of {link}')
     for link in layout.slides():
-        found += _of_coordinate(travel(link), f'of {link} along its slide')
-    found += [Quantity(f'transmission_angle_{stage.name}', 'rad',
+        quantities += _of_coordinate(travel(link), f'of {link} along its slide')
+    quantities += [Quantity(f'transmission_angle_{stage.name}', 'rad',
                        f'transmission angle of dyad {stage.name}', False)
               for stage in layout.stages]
     for name, is_slide in layout.joints():
-        found.append(Quantity(name, 'N', f'magnitude of the reaction at joint {name}', True))
+        quantities.append(Quantity(name, 'N', f'magnitude of the reaction at joint {name}', True))
         if is_slide:
-            found += [Quantity(f'{name}_normal', 'N', f'force square to the slide {name}', True),
-                      Quantity(f'{name}_couple', 'N m', f'couple of the slide {name}', True)]
-    return [quantity for quantity in found if quantity.name not in driven]
+            quantities += [Quantity(f'{name}_normal', 'N', f'force square to the slide {name}',
+                                    True),
+                           Quantity(f'{name}_couple', 'N m', f'couple of the slide {name}', True)]
+    return [quantity for quantity in quantities if quantity.name not in driven]
 
 
 def _of_coordinate(coordinate: Coordinate, text: str) -> list[Quantity]:
@@ -163,13 +164,13 @@ def _of_coordinate(coordinate: Coordinate, text: str) -> list[Quantity]:
 
 def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
     """Return all lengths that are not zero: places of points, rods, offsets; and their values."""
-    found = []
+    lengths = []
     for dyad in dyads:
-        for place in ('first', 'second'):
-            point = getattr(dyad, place)
+        for end in ('first', 'second'):
+            point = getattr(dyad, end)
             of = 'the ground' if point.link == GROUND else f'link {point.link}'
-            found += [(Length(f'{dyad.name}.{place}.{name}', f'of a point of {of}', True), value)
+            lengths += [(Length(f'{dyad.name}.{end}.{name}', f'of a point of {of}', True), value)
                       for name, value in (('along', point.along), ('across', point.across))]
-        found += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
+        lengths += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
                    getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
-    return [(length, value) for length, value in found if value]
+    return [(length, value) for length, value in lengths if value]
