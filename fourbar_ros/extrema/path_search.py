@@ -239,13 +239,15 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
         roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
-    value = sampler.same_turn(samples.values[roots.quantity, roots.before], roots.value,
-                              roots.quantity)
-    conditions = (sampled_conditions(sampler, roots.x, roots.quantity, roots.spacing)
-                  if with_conditions else np.full((2, roots.quantity.size), nan))
+    unknown: Array = np.full(roots.quantity.size, nan)
+    condition, value_condition, value = (
+        sampled_conditions(sampler, roots.x, roots.quantity, roots.spacing) if with_conditions
+        else (unknown, unknown, roots.value))
+    value = np.where((roots.value != 0.0) & (roots.spacing > NARROW), value, roots.value)
+    value = sampler.same_turn(samples.values[roots.quantity, roots.before], value, roots.quantity)
     columns = {'quantity': roots.quantity, 'place': sampler.fold(roots.x), 'value': value,
-               'sense': roots.sense, 'condition': conditions[0],
-               'value_condition': conditions[1], 'noise': roots.rounding}
+               'sense': roots.sense, 'condition': condition,
+               'value_condition': value_condition, 'noise': roots.rounding}
     return [PathExtremum(**dict(zip(columns, fields)))
             for fields in zip(*(column.tolist() for column in columns.values()))]
 
@@ -254,24 +256,27 @@ def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
     """
     Return which magnitudes |F| are least because F changes its sign: they are kinks.
 
-    |F| is zero there: the rounding of the input and of the terms of F explains its value, or the
-    parabola through three values of F^2 from many digits comes down to zero.
+    |F| is zero there: the rounding of the input explains its value, or the parabola through three
+    values of F^2 from many digits comes down to zero; of functions, which have none, the rounding
+    of the terms of F explains it.
     """
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
     by_input = 4.0 * np.spacing(np.abs(sampler.fold(x))) * size
-    is_zero = is_kink & (np.abs(roots.value[which]) <= by_input + roots.rounding[which])
+    value = np.abs(roots.value[which])
+    is_zero = is_kink & (value <= by_input)
     left = np.flatnonzero(is_kink & ~is_zero)
     if left.size:
-        turn = 4.0 * EPS * np.maximum(np.abs(x[left]), SMALL)
+        turn = 64.0 * np.spacing(np.maximum(np.abs(x[left]), SMALL))     # exact in x + turn
         before, here, after = sampler.exact(
             np.concatenate([x[left] - turn, x[left], x[left] + turn]),
             np.tile(row[left], 3)).reshape(3, -1)**2
         slope, bend = 0.5 * (after - before), after + before - 2.0 * here
-        is_zero[left] = (bend > 0.0) & (np.abs(here * bend - 0.5 * slope**2)
-                                        <= bend * by_input[left]**2)
+        is_zero[left] = np.where(
+            np.isnan(here), value[left] <= by_input[left] + roots.rounding[which][left],
+            (bend > 0.0) & (np.abs(here * bend - 0.5 * slope**2) <= bend * by_input[left]**2))
     return np.asarray(is_zero)
 
 
@@ -453,9 +458,9 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
 
 
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
-                       spacing: Array) -> tuple[Array, Array]:
+                       spacing: Array) -> tuple[Array, Array, Array]:
     """
-    Return the conditions of the place and of the relative value of n extrema, each (n,).
+    Return the conditions of the place and of the relative value of n extrema and the values, (n,).
 
     They come from derivatives by the lengths beside each: see the top of this file. ``x``: places
     of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
@@ -466,4 +471,4 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     by = sampler.by_lengths(around, rows).reshape(3, row.size, -1)
     with np.errstate(divide='ignore', invalid='ignore'):
         return (np.abs(by[2] - by[0]).sum(axis=1) / np.abs(after - before),
-                np.abs(by[1]).sum(axis=1) / np.abs(value))
+                np.abs(by[1]).sum(axis=1) / np.abs(value), value)
