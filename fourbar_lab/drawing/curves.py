@@ -137,7 +137,7 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
                      acceleration, within, known or None)
     if scene.elements and load.peak < inf:      # else they cannot bound it
         return _sampled_effort(scene, linkage, speed, acceleration, within)
-    return Effort(load.rms, load.peak, load.peak * abs(speed) if speed else 0.0)
+    return Effort(load.rms, load.peak, load.peak * abs(speed) if speed != 0.0 else 0.0)
 
 
 def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration: float,
@@ -151,7 +151,7 @@ def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration
         efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
                                  linkage.drive_load))
         peak = float(np.max(efforts))
-        rms = peak * float(np.sqrt(np.mean((efforts / (peak or 1.0))**2)))
+        rms = peak * float(np.sqrt(np.mean((efforts / (peak if peak > 0.0 else 1.0))**2)))
     if not np.isfinite(rms):
         raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows, or '
                                                'a force is not known there')

@@ -115,7 +115,8 @@ class OverInput:
             return inf          # it grows as one over the root of the distance, at least
         # over the size of a few values, so that no square overflows
         few, _ = nodes(self._linkage, FEW, self._ranges)
-        scale = float(np.fmax.reduce(np.abs(self._values(few)), axis=None)) or 1.0
+        largest = float(np.fmax.reduce(np.abs(self._values(few)), axis=None))
+        scale = largest if largest > 0.0 else 1.0
         mean, = mean_over_input(self._linkage, lambda x: np.square(self._values(x) / scale),
                                 self._ranges)
         if isfinite(mean):
