@@ -112,6 +112,7 @@ WRONG_LINES = [
     ('table paper --speed 1m/s -o x.csv', 1, 'takes'),
     ('table paper --speed 1e308 -o x.csv', 1, 'overflows'),
     ('table paper -o x.xls', 1, 'must end in'),
+    ('table paper -o -', 1, '-: must end in .csv'),
     ('table paper -o x.csv --samples 0', 2, '--samples'),
     ('table paper -o nowhere/x.csv', 1, 'nowhere/x.csv'),
     ('plot paper -o x.csv', 1, 'must end in .png, .svg, .pdf'),

@@ -113,6 +113,15 @@ def test_empty_lists_of_a_file_are_empty(run_node, client):
     client.until(lambda: client.received['state'], 'the stream')
 
 
+def test_what_is_hardly_meant_is_in_the_log_at_start_and_after_a_change(run_node, client):
+    node = run_node({**PAPER, 'drive.start': 90.0})
+    client.until(lambda: 'drive.start = 90 rad is more than a turn' in node.said, 'the warning')
+    far = {'linkage.a1': '40m', 'linkage.a2': 120.0, 'linkage.a3': 80.0, 'linkage.a4': 100.0}
+    assert set_parameters(client, far, atomically=True)[0].successful
+    client.until(lambda: 'linkage.a1 = 40 m: did you mean 0.04?' in node.said, 'the other')
+    assert node.said.count('more than a turn') == 1
+
+
 @some('arguments, where', [
     (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/cell'], '/cell'),
     (['left/boom', 'right/boom', '--ros-args', '-r', '__ns:=/'], '')], 1)

@@ -18,7 +18,7 @@ from fourbar_lab.live.model import shown
 from fourbar_lab.studies.measures import Measures
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.errors import InvalidParameter, MissingBodies
+from fourbar_ros.errors import InvalidParameter, MissingBodies, SceneWarning
 from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.scene import scene
 import numpy as np
@@ -202,3 +202,38 @@ def test_the_page_says_of_which_quantities_it_searches_no_extrema():
     assert 'driving_torque' in left_out and 'forces.gas' in page.why_not_searched(names)
     assert page.why_not_searched(names).startswith(f'no extrema of {", ".join(left_out)}: ')
     assert not page.why_not_searched([name for name in names if name in searched])
+
+
+# --- units, and what is hardly meant -------------------------------------------------------------
+
+@pytest.fixture
+def typed(tmp_path, monkeypatch):
+    """Return the file of a linkage of 50 mm that was typed in metres, a1 without a unit."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'typed.yaml').write_text(
+        '/**:\n  ros__parameters:\n    linkage: {a1: 50, a2: 150m, a3: 100 m, a4: 12500cm}\n'
+        '    drive: {speed: 300rpm}\n')
+    return 'typed.yaml'
+
+
+@pytest.mark.parametrize('line', [
+    'show FILE', 'scene check FILE', 'table FILE theta4 -o x.csv', 'draw FILE --at 60 -o x.svg',
+    'plot FILE theta4 -o x.svg', 'describe FILE', 'generate FILE -o code', 'balance FILE',
+    'simulate FILE --until 1', 'live FILE --port 70000', 'study run STUDY -o out',
+    'new y.yaml --a1 50 --a2 150 --a3 100 --a4 125'])
+def test_every_verb_warns_of_metres_in_one_line(line, typed, capsys, tmp_path):
+    (tmp_path / 'study.yaml').write_text(
+        f'{{scene: {typed}, rows: 4, vary: {{linkage.a1: {{uniform: 1m}}}}, quantities: [swing]}}')
+    main(line.replace('FILE', typed).replace('STUDY', 'study.yaml').split())
+    said = [line for line in capsys.readouterr().err.splitlines() if 'warning' in line]
+    assert len(said) == 1 and 'yaml: linkage.a1 = 50 m: did you mean 0.05?' in said[0]
+
+
+def test_python_and_the_page_warn_too_and_all_read_the_same_numbers(typed):
+    with pytest.warns(SceneWarning, match='linkage.a1 = 50 m: did you mean 0.05?'):
+        there = load_scene(typed)
+    assert there.linkage.lengths == (50.0, 150.0, 100.0, 125.0)
+    assert there.drive.speed == 10.0 * np.pi
+    page = shown({**there.values, 'linkage.a1': '5000 cm'})
+    assert page.scene.values == there.values
+    assert scene.warnings_of(page.scene) == scene.warnings_of(there)
