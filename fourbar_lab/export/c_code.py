@@ -258,6 +258,8 @@ class Code:
                 'WHICH': which, 'SIGNATURE': self._signature(with_loads),
                 'RESULTS': len(model.motion) + loads, 'LOADS': loads, 'NAME': name,
                 'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
+                'OVERFLOWING': ('' if model.mechanism.is_driven_by_slide
+                                else f' * {model.mechanism.overflowing!r}'),
                 'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
                 'AT_ZERO': lines_of(self._at_zero(with_loads)),
                 'STATEMENTS': lines_of(self._results[with_loads])}))

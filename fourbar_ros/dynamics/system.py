@@ -47,7 +47,7 @@ class System:
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
-        motion = (number('position', position), number('rate', rate))
+        motion = (mechanism.checked_input('position', position), number('rate', rate))
         self.elements = tuple(elements)
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation

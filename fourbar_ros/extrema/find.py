@@ -180,7 +180,7 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
         raise InvalidParameter('within', within, 'must be two inputs, the lower one first')
     if not linkage.is_driven_by_slide and high - low > 2.0 * pi:
         raise InvalidParameter('within', within, 'must span a turn at most')
-    return low, high
+    return linkage.checked_input('within', low), linkage.checked_input('within', high)
 
 
 def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:

@@ -13,7 +13,7 @@ from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.evaluation import Constants, limits_at_zero, MOST_STRUCTURES
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.given import array
+from fourbar_ros.numerics.given import array, FARTHEST
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
@@ -47,7 +47,8 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
     """
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
-    Samples where the links cannot close, or outside the stroke, are NaN but for the position.
+    Samples where the links cannot close, outside the stroke, or at angles so far that floats are 4
+    rad apart, are NaN but for the position.
 
     Parameters
     ----------
@@ -61,9 +62,10 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
 
     """
     arrays, shape = _inputs(mechanism.input_coordinate, inputs)
-    position, reaches = arrays[0], mechanism.reaches
-    if reaches is not None:
-        arrays[0] = np.where(reaches(position), position, np.nan)
+    position = arrays[0]
+    is_known = _is_known(mechanism, position)
+    if is_known is not None:
+        arrays[0] = np.where(is_known, position, np.nan)
     with np.errstate(all='ignore'):
         if any(v.dtype.kind == 'c' for v in arrays):
             rows = _complex_rows(mechanism, arrays, shape, wanted, with_loads)
@@ -75,12 +77,23 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
             rows = program(trace, wanted, zeros)(flattened, constants)
             if mechanism.is_flat_at_zero:
                 _set_limits(mechanism, flattened, rows, wanted, with_loads)
-    if reaches is not None:             # the position itself is known out of reach too
+    if is_known is not None:            # the position itself is known out of reach too
         of_input = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
             if i == of_input:
                 row[...] = np.broadcast_to(position, shape).reshape(-1)
     return [row.reshape(shape) for row in rows]
+
+
+def _is_known(mechanism: Mechanism, position: Array) -> Array | None:
+    """Return which inputs are in the stroke and no angles that are too far; None: all are."""
+    reaches, angles = mechanism.reaches, position.real
+    is_known: Array | None = None if reaches is None else reaches(position)
+    if mechanism.is_driven_by_slide or not angles.size or (
+            angles.min() > -FARTHEST and angles.max() < FARTHEST):
+        return is_known
+    is_near: Array = np.abs(angles) < FARTHEST
+    return is_near if is_known is None else np.logical_and(is_known, is_near)
 
 
 @cache
@@ -154,10 +167,10 @@ def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Ba
     """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
     values, shape = _inputs([*mechanism.input_coordinate, *base._fields], [*inputs, *base])
     values = [np.array(np.broadcast_to(value, shape), float) for value in values]
-    position, reaches, on_base = values[0], mechanism.reaches, mechanism.with_base(Base())
-    start = len(mechanism.MOTION._fields)
-    if reaches is not None:
-        position[~np.asarray(reaches(position))] = np.nan
+    position, on_base = values[0], mechanism.with_base(Base())
+    start, is_known = len(mechanism.MOTION._fields), _is_known(mechanism, position)
+    if is_known is not None:
+        position[~np.asarray(is_known)] = np.nan
     step = step_of_arrays(on_base, True, data=on_base.constants._replace(
         gravity=Base._make(values[3:])), wanted=range(start, start + len(mechanism.LOADS._fields)))
     with np.errstate(all='ignore'):

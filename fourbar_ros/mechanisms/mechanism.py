@@ -23,7 +23,7 @@ from fourbar_ros.mechanisms.evaluation import line_of, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.parts import NamedFields, OPEN
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.given import NOT_SO_FAR, number
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from numpy.typing import ArrayLike
 
@@ -172,7 +172,8 @@ class Mechanism(MechanismGeometry):
                 return self.motion(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return self._as_motion(evaluate(self, (position, rate, acceleration), None, False))
-        if (position + rate * rate + acceleration) * 0.0 != 0.0:    # one comparison for all
+        # one comparison for all
+        if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
             return self._as_motion(self._motion_line(position, rate, acceleration))
@@ -240,7 +241,7 @@ class Mechanism(MechanismGeometry):
             rows = evaluate(self, (position, rate, acceleration), None, True)
             count = len(self.MOTION._fields)
             return as_motion(rows[:count]), as_loads(rows[count:])
-        if (position + rate * rate + acceleration) * 0.0 != 0.0:
+        if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
             motion, loads = line(position, rate, acceleration)
@@ -259,11 +260,24 @@ class Mechanism(MechanismGeometry):
         both: tuple[NamedFields, NamedFields] = self.step(position, rate, acceleration)
         return both
 
+    @cached_property
+    def overflowing(self) -> float:
+        """Return the factor by which an angle that is too far overflows; a slide never is."""
+        return 1.0 if self.is_driven_by_slide else 2.0**970       # 2^1024 / FARTHEST
+
+    def checked_input(self, name: str, value: Any) -> float:
+        """Return an input as a float; refuse an angle that is too far, and what is no number."""
+        position = number(name, value)
+        if not isfinite(position * self.overflowing):
+            raise InvalidParameter(name, value, NOT_SO_FAR)
+        return position
+
     def _refuse(self, *values: float) -> NoReturn:
-        """Raise the error for the first of position, rate and acceleration that is not finite."""
+        """Raise the error for the first of position, rate and acceleration that is refused."""
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
                 raise InvalidParameter(name, value, 'must be a finite number')
+        self.checked_input(self.input_coordinate.position, values[0])
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
 

@@ -17,6 +17,8 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 FASTEST = 1e100     # rates of an input are at most so large, in its unit over s
+FARTHEST = 2.0**54  # [rad] angles of an input are smaller: floats there are 4 rad apart
+NOT_SO_FAR = f'must be less than {FARTHEST:.3g} rad in size: floats there are 4 rad apart'
 
 
 def number(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,

@@ -23,7 +23,7 @@ from fourbar_ros.dynamics.sources import (
 )
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND, Length
-from fourbar_ros.numerics.given import FASTEST
+from fourbar_ros.numerics.given import FARTHEST, FASTEST
 from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.scene.topics import (
     BASES,
@@ -150,7 +150,8 @@ _DRIVE = _group('drive', (
     Parameter('speed', 'double', 1.0, 'rad/s or m/s',
               'with the timer: constant speed of the input', low=-FASTEST, high=FASTEST),
     Parameter('start', 'double', 0.0, 'rad or m',
-              'with the timer, torque or motor: input at the first sample', live=False),
+              'with the timer, torque or motor: input at the first sample',
+              low=-FARTHEST, high=FARTHEST, live=False),
     Parameter('rate', 'double', 100.0, 'Hz',
               'with the timer, torque or motor: samples per second', low=0.001, high=5000.0),
     Parameter('start_speed', 'double', 0.0, 'rad/s or m/s',

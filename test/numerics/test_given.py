@@ -12,6 +12,7 @@ import pickle
 from fourbar_lab.drawing.figure import CannotDraw
 from fourbar_ros import (
     Applied,
+    Base,
     Body,
     flat_bar,
     FourBarError,
@@ -22,6 +23,7 @@ from fourbar_ros import (
     round_rod,
     Toggle,
 )
+from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import BagError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.points import point_motion
@@ -150,6 +152,26 @@ def test_inputs_that_are_no_numbers_are_refused(case):
             for call in (mechanism.motion, mechanism.loads, mechanism.step):
                 with pytest.raises(InvalidParameter, match=f'^{name}'):
                     call(*given[:i], value, *given[i + 1:])
+
+
+@every_input
+def test_angles_at_which_floats_are_radians_apart_are_refused(case):
+    mechanism, (position, *rates) = loaded(case)
+    if mechanism.is_driven_by_slide:
+        return
+    for value in (2.0**54, -1e17, 1e300):
+        for call in (mechanism.motion, mechanism.loads, mechanism.step):
+            with pytest.raises(InvalidParameter, match=f'^{mechanism.input_coordinate.position} '
+                                                       '.*4 rad apart$'):
+                call(value, *rates)
+        with pytest.raises(InvalidParameter, match='^position .*apart$'):
+            System(mechanism, value)
+    with pytest.raises(InvalidParameter, match='^within .*apart$'):
+        find_extrema(mechanism, within=(2.0**54, 2.0**54 + 4.0))
+    motion, loads = mechanism.step([2.0**54, position], *rates)
+    assert np.isfinite(loads.shaking_moment).tolist() == [False, True] and motion[0].size == 2
+    on_base = mechanism.loads([2.0**54, position], *rates, base=Base(0.0, 9.81))
+    assert np.isfinite(on_base.shaking_moment).tolist() == [False, True]
 
 
 def test_shapes_that_do_not_fit_are_refused():

@@ -84,7 +84,7 @@ SIGNATURE
   double values[RESULTS];
   const double x0 = input->X0, x1 = input->X1, x2 = input->X2;
   double closes = NAN;
-  int status = first_look(x0, x1, x2);
+  int status = first_look(x0OVERFLOWING, x1, x2);
   if (status != INVALID_INPUT) {
     int refused = WHICH_of(with->k, x0, x1, x2, values, &closes);
 AT_ZERO    status = judged(status, refused, closes, x0, values, LOADS);

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number
-from fourbar_ros.numerics.given import rate_of_input
+from fourbar_ros.numerics.given import FARTHEST, rate_of_input
 from fourbar_ros.pipeline.stepper import (
     evaluate,
     INVALID_INPUT,
@@ -83,8 +83,8 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
                                           driven.unit))
     elif status in (INVALID_INPUT, RATES_UNKNOWN):
-        response.message = ('position, velocity, acceleration must be finite, and so must the '
-                            'result')
+        response.message = ('position, velocity, acceleration must be finite, an angle less than '
+                            f'{FARTHEST:.3g} rad in size, and the result finite')
     elif status == TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'
     return response
