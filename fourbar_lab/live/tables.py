@@ -32,7 +32,8 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, st
                      'at': f'{at:.4f} {shown.input_unit}', 'input': at,
                      'note': ' '.join(filter(None, ('global' if extremum.is_global else '',
                                                     extremum.place
-                                                    if extremum.place != 'interior' else '')))})
+                                                    if extremum.place != 'interior' else '',
+                                                    'not certain' if extremum.proof else '')))})
     return rows
 
 

@@ -49,6 +49,7 @@ LEFT_OUT_AT_LIMIT = 2.0**-30
 # How well a proof confirms places at best and at least [in the input's unit], and values: over
 # themselves, besides what the rounding of their terms and of the input, over itself, makes of it.
 PLACE, WIDEST, VALUE, INPUT = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-50
+NARROW = 2.0**-40               # what is tried first, of a place
 
 
 class ProvenPiece(NamedTuple):
@@ -119,19 +120,19 @@ class Proof(NamedTuple):
         """
         Return how near to its place an extremum is, inf if it may be far or has another value.
 
-        The interval about it is doubled until the derivative is not zero at both ends: if it
+        The interval about it is widened until the derivative is not zero at both ends: if it
         changes its sign as the kind of extremum says, the extremum lies in it.
         """
-        width = PLACE
+        width = NARROW          # beside change points wider intervals tell nothing
         while width < WIDEST and self.enclose:
             c = self.enclose(one.place - width, one.place + width)
             before, after = [one.sense * polynomial(slopes(c), t) if c else nan
                              for t in (-width, width)]
             if c and before > 0 > after:
                 return width if self._has_value(c, one) else inf
-            if before < 0 or after > 0:
+            if width >= PLACE and (before < 0 or after > 0):
                 return inf
-            width *= 2.0
+            width *= 16.0 if width < PLACE else 2.0
         return inf
 
     def _has_value(self, c: list[arb], one: PathExtremum) -> bool:
