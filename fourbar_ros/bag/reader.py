@@ -249,6 +249,9 @@ class Bag:
             yield from self._columns(of_topic)
 
     def _columns(self, messages: list[Raw]) -> Iterator[Columns]:
+        if (latest := max(raw.time for raw in messages)) >= 2**63:
+            raise BagError(f'{self.path}: {messages[0].topic}: a log time of {latest} ns is none '
+                           'of ROS')
         times = np.array([raw.time for raw in messages], np.int64)
         for rows, records in self.arrays(messages[0].topic, [raw.data for raw in messages]):
             yield Columns(messages[0].topic, times[rows], records)
@@ -435,14 +438,16 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
             size, behind = HEAD.size + length, 0
         if opcode == Opcode.DATA_END:       # a damaged summary follows, unless this is the damage
             kinds = [Opcode.CHUNK]
-        if begin + size > limit:
-            if limit < end or size > LARGEST:       # else it was cut in this record
+        if begin + size > limit or summary and not opcode:
+            if summary or size > LARGEST:       # else it was cut in this record
                 yield begin, 0, size
             begin = limit
             continue
         if opcode in kinds:
             yield begin, opcode, size
         begin += size + behind
+    if summary and kinds is KINDS:      # the walk went past the end of the data
+        yield begin, 0, 0
 
 
 def _indexed(summary: Summary) -> dict[int, tuple[int, int, int]]:
@@ -459,7 +464,9 @@ def _indexed(summary: Summary) -> dict[int, tuple[int, int, int]]:
 
 def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapRecord:
     """Return the record of a kind that begins at a byte of a file."""
-    if not opcode or size > LARGEST:
+    if not opcode:
+        raise ValueError('no record')
+    if size > LARGEST:
         raise ValueError(f'a record of {size} bytes')
     stream.seek(begin + HEAD.size)
     return _parsed(opcode, stream.read(size - HEAD.size), 0, size)

@@ -104,10 +104,13 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     bag = Bag(path, progress)
     origin = origin_of(bag, node)
     recomputation = Recomputation(bag, origin)
-    for raw in bag.raw(set(origin.topics.values())):
-        recomputation.take(raw)
-    bag.refuse_damage()
-    return recomputation.finished()
+    try:
+        for raw in bag.raw(set(origin.topics.values())):
+            recomputation.take(raw)
+        bag.refuse_damage()
+        return recomputation.finished()
+    except AttributeError as error:     # a message decodes by any definition that a bag may hold
+        raise BagError(f'{bag.path}: a definition of a message is not ours: {error}') from None
 
 
 class Recomputation:

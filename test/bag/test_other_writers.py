@@ -261,6 +261,38 @@ def test_an_index_that_leads_elsewhere_costs_no_message_without_a_word(run, tmp_
     assert not info(path, check=True).is_sound or found == whole
 
 
+def test_a_damaged_head_in_a_file_without_a_summary_costs_no_message_without_a_word(
+        run, tmp_path):
+    """The walk passes the end of the data, or meets zeros."""
+    path = by_mcap(run, tmp_path / 'run_0.mcap', **NO_SUMMARY)
+    whole, data = content(path), path.read_bytes()
+    for _, begin, _ in records_of(data)[:-2]:
+        for place, value in ((1, 255), (2, 255), (4, 1)):
+            path.write_bytes(data[:begin + place] + bytes([value]) + data[begin + place + 1:])
+            bag = Bag(path)
+            found = sorted((raw.topic, raw.time, raw.data) for raw in bag.raw())
+            assert set(found) <= set(whole) and (bag.damage or found == whole)
+    path.write_bytes(data[:3000] + bytes(2000) + data[5000:])
+    assert content(path) != whole and info(path).damage and not info(path).is_sound
+
+
+def test_a_log_time_that_ros_does_not_have_is_one_line(run, tmp_path, capsys):
+    raw = next(Bag(run).raw())
+    path = by_mcap(run, tmp_path / 'run_0.mcap', [raw._replace(time=2**63)])
+    assert main(['bag', 'export', str(path), '-o', str(tmp_path / 'out')]) == 1
+    said = capsys.readouterr().err
+    assert 'a log time of 9223372036854775808 ns is none of ROS' in said and said.count('\n') == 1
+
+
+def test_a_definition_that_is_not_ours_is_one_line(run, tmp_path, capsys):
+    data = by_mcap(run, tmp_path / 'run_0.mcap', compression=CompressionType.NONE,
+                   enable_crcs=False).read_bytes()
+    (tmp_path / 'run_0.mcap').write_bytes(data.replace(b'64 acceleration', b'64 accelerat_on'))
+    assert main(['bag', 'recompute', str(tmp_path / 'run_0.mcap')]) == 1
+    said = capsys.readouterr().err
+    assert 'a definition of a message is not ours' in said and said.count('\n') == 1
+
+
 def test_a_chunk_missing_in_the_index_is_read(run, tmp_path):
     """Its index becomes a record of a kind that nobody knows."""
     path = by_mcap(run, tmp_path / 'run_0.mcap')
