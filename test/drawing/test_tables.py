@@ -4,6 +4,8 @@
 import re
 import subprocess
 
+from fourbar_lab.drawing.tables import proofs_in_words
+from fourbar_ros.extrema import Extremum
 import pytest
 from support import bags, ROOT
 from support.samples import some
@@ -44,3 +46,12 @@ def test_numbers_are_whole_and_nothing_is_cropped(name, files):
         text, code = shown(command, width)
         assert code == wide.returncode and '…' not in text
         assert sorted(re.sub(r'\s', '', text)) == sorted(re.sub(r'\s', '', wide.stdout)), width
+
+
+def test_proofs_are_told_in_words_and_what_is_not_certain_without_being_asked():
+    one = Extremum('omega4', 'rad/s', 2, 'minimum', 0.1, 1.0, True)
+    assert not proofs_in_words([one])
+    assert proofs_in_words([
+        one._replace(proof='interval bounds'), one,
+        one._replace(quantity='f41', proof='not certain: extrema are missing')]) == (
+            'proved complete: omega4\nnot certain: extrema are missing: f41')
