@@ -192,7 +192,7 @@ def require_name(parameter: str, name: Any) -> None:
     if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
             and not name.endswith('_') and '__' not in name and not iskeyword(name)):
         raise InvalidParameter(parameter, name, 'must be a name: letters, digits and single '
-                                           'underscores, a letter first')
+                               'underscores, a letter first')
 
 
 def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
@@ -239,14 +239,14 @@ def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
     """Return the checked cylinder of a machine; None if it has another drive."""
     if (cylinder is None) is (driven == CYLINDER):
         raise InvalidParameter('cylinder', cylinder, 'a machine has one if input is cylinder, '
-                                                  'and only then')
+                               'and only then')
     if cylinder is None:
         return None
     try:
         base, pin, links, mode = Cylinder(*cylinder)
     except TypeError:
         raise InvalidParameter('cylinder', cylinder, 'must be Cylinder(base, pin, links, '
-                                                  'mode)') from None
+                               'mode)') from None
     base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
     require_name('cylinder.base.link', base.link)
     if base.link in (CRANK_LINK, *links):
@@ -302,7 +302,7 @@ def by_link(name: str, records: Any, kind: type, of_links: Any, default: Any) ->
         return None
     if not isinstance(records, Mapping):
         records = (records._asdict() if hasattr(records, '_asdict')
-                 else dict(zip(of_links._fields, records)))
+                   else dict(zip(of_links._fields, records)))
     for link, record in records.items():
         if link not in of_links._fields:
             raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'

@@ -48,7 +48,7 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
             link = getattr(dyad, end).link
             if link in dyad.links:
                 raise InvalidParameter(f'{where}.{end}.link', link, 'a dyad cannot hang on its '
-                                                                      'own link')
+                                       'own link')
             if link not in links:
                 raise InvalidParameter(f'{where}.{end}.link', link,
                                        _why_not_there(dyads, link, links))

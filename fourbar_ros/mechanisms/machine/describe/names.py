@@ -142,8 +142,8 @@ def _quantities(layout: Layout, driven: Coordinate) -> list[Quantity]:
     for link in layout.slides():
         quantities += _of_coordinate(travel(link), f'of {link} along its slide')
     quantities += [Quantity(f'transmission_angle_{stage.name}', 'rad',
-                       f'transmission angle of dyad {stage.name}', False)
-              for stage in layout.stages]
+                            f'transmission angle of dyad {stage.name}', False)
+                   for stage in layout.stages]
     for name, is_slide in layout.joints():
         quantities.append(Quantity(name, 'N', f'magnitude of the reaction at joint {name}', True))
         if is_slide:
@@ -170,7 +170,7 @@ def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
             point = getattr(dyad, end)
             of = 'the ground' if point.link == GROUND else f'link {point.link}'
             lengths += [(Length(f'{dyad.name}.{end}.{name}', f'of a point of {of}', True), value)
-                      for name, value in (('along', point.along), ('across', point.across))]
+                        for name, value in (('along', point.along), ('across', point.across))]
         lengths += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
-                   getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
+                     getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
     return [(length, value) for length, value in lengths if value]
