@@ -54,7 +54,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
                        *(arm.end for arm in arms)])
     every = every[np.isfinite(every).all(axis=1)]
     size = max(np.ptp(every, axis=0))
-    guides = [block.place + share * size * np.asarray(block.direction)
+    guides = [block.point + share * size * np.asarray(block.direction)
               for block in diagram.blocks if block.is_guided for share in (-0.17, 0.17)]
     sheet = Sheet(axes, np.vstack([every, joints - (0.0, 0.06 * size), *guides]), title)
     for path in paths:
@@ -88,7 +88,7 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
     centres = [point_motion(mechanism, motion, link, body.cg_along, body.cg_across).place
                for link, body in bodies if body.mass]
     sheet = draw_mechanism(axes, mechanism, motion, points, (), [
-        *centres, *(force.place + force.vector for force in forces)], names, title)
+        *centres, *(force.point + force.vector for force in forces)], names, title)
     for centre in centres:
         _draw_centre(sheet, centre)
     _draw_angles(sheet, motion, diagram)
@@ -96,8 +96,8 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
     if torque:
         _draw_torque(sheet, torque, mechanism, motion, diagram)
     for force in forces:
-        tip = force.place + force.vector
-        sheet.arrow(force.place, force.vector, FORCE, 1.8)
+        tip = force.point + force.vector
+        sheet.arrow(force.point, force.vector, FORCE, 1.8)
         sheet.label(labels.forces[force.name], sheet.around(tip, force.vector), FORCE)
     sheet.scale(*unit)
     if forces:
@@ -122,7 +122,7 @@ def draw_part(sheet: Sheet, part: Primitive) -> None:
             sheet.line(*line, color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
     elif isinstance(part, NamedJoint):
-        axes.plot(*part.place, 'o', ms=5, mfc='w', mec='k', zorder=7)
+        axes.plot(*part.point, 'o', ms=5, mfc='w', mec='k', zorder=7)
     else:
         is_block = isinstance(part, Block)
         corners, ground = outlines(part, sheet.inch)

@@ -55,14 +55,14 @@ def mechanism_view(shown: Shown) -> View:
                         (-1, 2))
     ends = [end for diagram in diagrams for end in (
         *(end for bar in diagram.bars for end in bar[:2]),
-        *(block.place for block in diagram.blocks))]
+        *(block.point for block in diagram.blocks))]
     forces = [force for diagram, pose in zip(diagrams, shown.poses) if pose.loads
               for force in forces_of(diagram, pose.loads)]
     longest = float(np.quantile([force.size for force in forces], 0.98)) if forces else 0.0
     per_newton = 0.0
     if longest > 0.0 and isfinite(longest):
         per_newton = LONGEST * float(max(np.ptp(joints, axis=0))) / longest
-        ends += [force.place + per_newton * force.vector for force in forces
+        ends += [force.point + per_newton * force.vector for force in forces
                  if force.size <= 1.2 * longest]
     return view_of(np.vstack([joints, *ends, *shown.traces]))._replace(per_newton=per_newton)
 
@@ -88,7 +88,7 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, layers: Set[str] = 
     primitives = picture(linkage, motion, shown.points if 'curves' in layers else {})
     parts = [svg.primitive(part, view) for part in primitives]
     letters = {shown.labels.letters.get(name, name): pixel for name, pixel in joints.items()}
-    forces = [(view.at(force.place), view.length(view.per_newton * force.vector),
+    forces = [(view.at(force.point), view.length(view.per_newton * force.vector),
                f'{shown.labels.forces[force.name]} = {significant(force.size)} N')
               for force in (forces_of(diagram, loads) if 'forces' in layers and loads else [])]
     room = svg.Room(joints.values(), [(start, vector) for start, vector, _ in forces

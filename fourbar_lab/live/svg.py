@@ -118,7 +118,7 @@ def primitive(part: Primitive, view: View) -> str:
         start, foot, end = view.at(part.start), view.at(part.foot), view.at(part.end)
         return line('arm', start, foot) + line('arm', foot, end)
     if isinstance(part, NamedJoint):
-        return circle('pin', view.at(part.place), 5.0)
+        return circle('pin', view.at(part.point), 5.0)
     corners, ground = outlines(part, INCH / view.scale)
     points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in map(view.at, corners))
     fixed = '' if ground is None else line('ground', *map(view.at, ground))

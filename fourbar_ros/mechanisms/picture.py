@@ -41,9 +41,9 @@ class Bar(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A block at a place [m] that slides along a unit vector; ``is_guided``: on the ground."""
+    """A block at a point [m] that slides along a unit vector; ``is_guided``: on the ground."""
 
-    place: Array
+    point: Array
     direction: Array
     is_guided: bool = False
 
@@ -62,14 +62,14 @@ class Diagram(NamedTuple):
 class Pivot(NamedTuple):
     """A joint on the ground, under its :class:`NamedJoint`."""
 
-    place: Array
+    point: Array
 
 
 class NamedJoint(NamedTuple):
     """A joint by its name in the diagram."""
 
     name: str
-    place: Array
+    point: Array
 
 
 class Arm(NamedTuple):
@@ -90,7 +90,7 @@ class Force(NamedTuple):
 
     name: str
     joint: str
-    place: Array
+    point: Array
     vector: Array
 
     @property
@@ -132,7 +132,7 @@ def outlines(sign: Block | Pivot, size: float) -> tuple[Array, Array | None]:
     if isinstance(sign, Block):
         corners, ground, (x, y) = _BOX, _GUIDE if sign.is_guided else None, sign.direction
     axes = size * np.array([(x, y), (-y, x)])
-    return sign.place + corners @ axes, None if ground is None else sign.place + ground @ axes
+    return sign.point + corners @ axes, None if ground is None else sign.point + ground @ axes
 
 
 # in inches: (along, across) of the corners, and of the ends of the line of the ground

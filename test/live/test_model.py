@@ -215,7 +215,7 @@ def test_forces_of_every_pose_have_room():
         scale = view.per_newton
         for pose in found.poses:
             for force in forces_of(diagram_of(found.linkage, pose.motion), pose.loads):
-                tip = np.array(view.at(force.place + scale * force.vector))
+                tip = np.array(view.at(force.point + scale * force.vector))
                 if hypot(*view.length(scale * force.vector)) <= 0.3 * HEIGHT:
                     assert (tip >= 0.0).all() and (tip <= (WIDTH, HEIGHT)).all(), (name, force)
 

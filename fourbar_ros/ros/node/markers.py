@@ -81,12 +81,12 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     parts = picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
                for i, bar in enumerate(of_kind(Bar, parts))]
-    joints = [joint.place for joint in of_kind(NamedJoint, parts)]
+    joints = [joint.point for joint in of_kind(NamedJoint, parts)]
     markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
     for i, block in enumerate(of_kind(Block, parts)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
-        box.pose.position, half = point(*block.place), 0.5 * atan2(*block.direction[::-1])
+        box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
     if arms := of_kind(Arm, parts):
@@ -127,7 +127,7 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str
     per_moment = scale_of(largest, 'moment', (abs(value) for _, value in moments), longest)
     scale = width, 2.0 * width, 3.0 * width          # of the shaft, of the head, its length
     markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
-                      [force.place, force.place + per_force * force.vector]) for force in forces]
+                      [force.point, force.point + per_force * force.vector]) for force in forces]
     return markers + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
                              [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
 
