@@ -109,7 +109,7 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     except InvalidParameter:
         return none
     if (not scene.drive.speed or scene.linkage.is_driven_by_slide
-            or scene.values['linkage.kind'] not in FACTS):
+            or scene.kind not in FACTS):
         return none
     block = DesignBlock(study, scene, drawn, columns)
     block.compute_cheap()

@@ -39,7 +39,7 @@ class _BodiesOfAnyNumbers(BodiesOfLinks):
 
 def is_machine(scene: Scene) -> bool:
     """Return whether the mechanism of a scene is a machine, put together of dyads."""
-    return bool(scene.values['linkage.kind'] == MACHINE)
+    return scene.kind == MACHINE
 
 
 def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = ARRAY) -> Constants:

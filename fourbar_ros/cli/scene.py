@@ -10,12 +10,13 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs
 from fourbar_ros.scene.parameters import of_name, unit_in
-from fourbar_ros.scene.scene import Group, load, Scene
+from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES, Topic
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
+    from fourbar_ros.scene.groups import DriveSettings
     from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
@@ -81,7 +82,7 @@ def _without_mass(scene: Scene) -> list[str]:
     return [f'Links without mass: {", ".join(names)}.'] if names else []
 
 
-def _leaves_the_range(linkage: Mechanism, drive: Group) -> str:
+def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
     """Return the note that the timer drives the input beyond its range, at once or later."""
     from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE

@@ -9,18 +9,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 import json
 from math import isfinite, isnan, lcm
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast, NoReturn, TYPE_CHECKING
+from typing import cast, NoReturn, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.scene.groups import (
+    BaseSettings,
+    CarriedBody,
+    DriveSettings,
+    group_of,
+    JointStates,
+    NodeSettings,
+    RecordingSettings,
+    WrenchSettings,
+)
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in, unit_in
@@ -43,7 +52,7 @@ from fourbar_ros.scene.topics import (
 )
 import numpy as np
 
-if TYPE_CHECKING:      # other scenes do without
+if TYPE_CHECKING:      # imported where a scene needs them
     from fourbar_ros.dynamics.elements import Element, PositionForce
     from fourbar_ros.dynamics.node_step import Mover
     from fourbar_ros.mechanisms.inertia import Rigid
@@ -54,9 +63,6 @@ if TYPE_CHECKING:      # other scenes do without
     from numpy.typing import ArrayLike
 
 
-Group = SimpleNamespace     # the parameters of a group by name: drive.speed is scene.drive.speed
-
-
 def no_pause() -> None:
     """Do nothing between two pieces of work."""
 
@@ -64,26 +70,28 @@ def no_pause() -> None:
 @dataclass(frozen=True, eq=False)
 class Scene:
     """
-    A linkage with its drive, outputs and recording, checked: all that a node or a bag needs.
+    A mechanism with its drive, outputs and recording, checked: all that a node or a bag needs.
 
-    ``points`` by their names; ``forces`` over a position; ``dynamics`` where the motion follows
-    from torque; ``values``: every parameter by name. Springs, dampers and forces over a position
-    act besides the linkage: in a scene that has them, ``linkage`` has no masses, so no loads that
-    would lack their forces; ask :meth:`loads`. ``bare_linkage`` has the masses: what an equation
-    of motion, which adds these forces, is made of.
+    ``kind`` is linkage.kind; ``points`` by their names; ``forces`` over a position; ``dynamics``
+    where the motion follows from torque; ``values``: every parameter by name. Springs, dampers and
+    forces over a position act besides the mechanism: in a scene that has them, ``linkage`` has no
+    masses, so no loads that would lack their forces; ask :meth:`loads`. ``bare_linkage`` has the
+    masses: an equation of motion, which adds these forces, is made of it.
     """
 
+    kind: str
     linkage: Mechanism
     bare_linkage: Mechanism
     points: dict[str, Point]
-    wrenches: Group                   # external.* of all links, and the links with a topic
-    base: Group
-    drive: Group
+    wrenches: WrenchSettings
+    base: BaseSettings
+    drive: DriveSettings
     outputs: tuple[str, ...]
     frame_id: str
     joint_names: tuple[str, ...]      # with their prefix
-    joint_states: Group
-    recording: Group
+    joint_states: JointStates
+    node: NodeSettings
+    recording: RecordingSettings
     forces: tuple[PositionForce, ...]
     dynamics: Dynamics | None
     values: ParameterValues
@@ -97,8 +105,7 @@ class Scene:
         """Return the linkage in an assembly mode; None or 0: the scene's mode."""
         known = self.linkage.modes
         if mode and mode not in known:
-            where = (', or change dyads.NAME.mode in the scene'
-                     if self.values['linkage.kind'] == MACHINE else '')
+            where = ', or change dyads.NAME.mode in the scene' if self.kind == MACHINE else ''
             raise InvalidParameter('mode', mode, f'must be {" or ".join(map(str, known))}: '
                                    f'{self.linkage.description}{where}')
         return self.linkage.in_mode(mode or self.linkage.mode)
@@ -113,7 +120,7 @@ class Scene:
         checked = {name: check_value(of_name(name), value, self.values)
                    for name, value in changes.items()}
         pause()
-        return _of_checked({**self.values, **checked}, pause)
+        return _build({**self.values, **checked}, pause)
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
@@ -130,16 +137,11 @@ class Scene:
     @cached_property
     def topics(self) -> dict[str, Topic]:
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
-        return topics_of(self.outputs, self.members)
-
-    @cached_property
-    def members(self) -> dict[str, dict[str, str]]:
-        """Return {family of outputs: {name: its text}}: points, links, reactions."""
-        return {'points': {name: f'point of the {point.link}'
-                           for name, point in self.points.items()},
-                'links': {link.name: f'motion of the {link.text}' for link in self.linkage.LINKS},
-                'reactions': {reaction.joint: f'{reaction.text}, at {reaction.joint}'
-                              for reaction in self.linkage.REACTIONS}}
+        return topics_of(self.outputs, {
+            'points': {name: f'point of the {point.link}' for name, point in self.points.items()},
+            'links': {link.name: f'motion of the {link.text}' for link in self.linkage.LINKS},
+            'reactions': {reaction.joint: f'{reaction.text}, at {reaction.joint}'
+                          for reaction in self.linkage.REACTIONS}})
 
     @property
     def pictures(self) -> dict[str, Topic]:
@@ -148,7 +150,7 @@ class Scene:
 
     @property
     def acting(self) -> tuple[str, ...]:
-        """Return what acts as a topic says: names of links, of their wrenches, and the base."""
+        """Return the links whose wrench comes from a topic, and the base if its motion does."""
         return (*self.wrenches.links, *([BASE.name] if self.base.topic else []))
 
     @property
@@ -175,13 +177,13 @@ class Scene:
         source = self.drive.source
         inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
         return [*self.acting_received, *inputs,
-                *(TRAJECTORIES[name] for name in ANSWERS if self.values['trajectories'])]
+                *(TRAJECTORIES[name] for name in ANSWERS if self.node.trajectories)]
 
     @property
     def published(self) -> list[Topic]:
         """Return the topics on which its node sends, except those of every ROS node."""
         both = [*self.acting_topics, *self.drive_topics,
-                *(TRAJECTORIES.values() if self.values['trajectories'] else ())]
+                *(TRAJECTORIES.values() if self.node.trajectories else ())]
         received = self.received
         return [*(topic for topic in both if topic not in received), DRIVEN, SCENE,
                 *self.topics.values(), *self.pictures.values()]
@@ -211,13 +213,12 @@ class Scene:
     @cached_property
     def carried(self) -> Rigid | None:
         """Return the inertia that a simulator's own body has for the linkage, if it has any."""
-        names = [f'base.carried.{name}' for name in ('mass', 'x', 'y', 'inertia')]
-        given = [self.values[name] for name in names]
-        if not (any(given) or self.values['base.carried.mean']):
+        body = self.base.carried
+        if not any(asdict(body).values()):
             return None
-        from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # other scenes do without
-        if not self.values['base.carried.mean']:
-            return Rigid(*given)
+        from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # few scenes need them
+        if not body.mean:
+            return Rigid(body.mass, body.x, body.y, body.inertia)
         mean = mean_rigid(self.bare_linkage)
         if not all(map(isfinite, mean)):
             raise InvalidParameter('base.carried.mean', True, f'the mean is not finite: {mean}')
@@ -238,12 +239,12 @@ class Scene:
 
     @property
     def has_loads(self) -> bool:
-        """Return whether it has masses."""
+        """Return whether the scene gives masses."""
         return self.bare_linkage.bodies is not None
 
     @property
     def tells_loads(self) -> bool:
-        """Return whether :meth:`loads` answers: it has masses, and no base that a topic moves."""
+        """Return whether :meth:`loads` answers: masses are given, and no topic moves the base."""
         return self.has_loads and not self.base.topic
 
     def loads(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
@@ -254,21 +255,21 @@ class Scene:
         Arguments and errors as of ``linkage.loads``, and ``mode`` of :meth:`in_mode`. Where a
         force is not known, as of a spring whose ends meet, InvalidParameter, in arrays NaN.
         """
-        own = self.in_mode(mode)
+        linkage = self.in_mode(mode)
         if self.base.topic and self.has_loads:
             raise InvalidParameter('base.topic', self.base.topic, self.why_no_loads)
         if not (self.elements and self.has_loads):
-            return own.loads(position, rate, acceleration)
+            return linkage.loads(position, rate, acceleration)
         if any(map(np.ndim, (position, rate, acceleration))):
             from fourbar_ros.dynamics.forces import loads_with
-            return loads_with(self.bare_linkage.in_mode(own.mode), self.elements, position, rate,
-                              acceleration)
-        own.motion(position, rate, acceleration)          # refuses what is out of range
-        there = self.linkage_at(cast(float, position), cast(float, rate), mode)
-        if there.bodies is None:
-            raise InvalidParameter(own.input_coordinate.position, position,
+            return loads_with(self.bare_linkage.in_mode(linkage.mode), self.elements, position,
+                              rate, acceleration)
+        linkage.motion(position, rate, acceleration)      # refuses an input out of range
+        loaded = self.linkage_at(cast(float, position), cast(float, rate), mode)
+        if loaded.bodies is None:
+            raise InvalidParameter(linkage.input_coordinate.position, position,
                                    'a force of a spring or a table is not finite there')
-        return there.loads(position, rate, acceleration)
+        return loaded.loads(position, rate, acceleration)
 
     @property
     def turns(self) -> int:
@@ -284,8 +285,8 @@ class Scene:
             return ('the motion of the base comes from a topic: no loads but those that the node '
                     'publishes, or of bare_linkage.loads(..., base=Base(...)) in Python')
         forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
-        what = f'forces over a position ({forces})' if forces else 'springs or dampers'
-        return (f'{what} act on the links, so no loads over the input '
+        elements = f'forces over a position ({forces})' if forces else 'springs or dampers'
+        return (f'{elements} act on the links, so no loads over the input '
                 'from the motion alone' if self.elements else '')
 
     def linkage_at(self, position: float, rate: float, mode: int | None = None) -> Mechanism:
@@ -321,7 +322,7 @@ class Scene:
     def joints_shown(self) -> tuple[int, ...]:
         """Return the indices of the joints in joint_states: all, or all but the driven one."""
         driven = self.linkage.input_coordinate
-        return tuple(place for place, joint in enumerate(self.linkage.JOINTS)
+        return tuple(index for index, joint in enumerate(self.linkage.JOINTS)
                      if not (self.joint_states.only_passive and joint.coordinate == driven))
 
     def needed_for(self, output: str) -> list[int]:
@@ -337,7 +338,7 @@ class Scene:
     @property
     def names_shown(self) -> list[str]:
         """Return the names of the joints in joint_states."""
-        return [self.joint_names[place] for place in self.joints_shown]
+        return [self.joint_names[index] for index in self.joints_shown]
 
     @property
     def needs_loads(self) -> bool:
@@ -359,55 +360,47 @@ def from_values(values: ParameterValues) -> Scene:
 
     InvalidParameter names the parameter, its value and the allowed values.
     """
-    return _of_checked(check(values))
+    return _build(check(values))
 
 
-def _groups_in(values: ParameterValues) -> dict[str, Group]:
-    """Return the parameters that stand directly in a group, by its name."""
-    found: dict[str, dict[str, Any]] = {}
-    for name, value in values.items():
-        group, _, field = name.partition('.')
-        own = found.setdefault(group, {})
-        if field and '.' not in field:
-            own[field] = value
-    return {group: Group(**own) for group, own in found.items()}
-
-
-def _of_checked(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
+def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
     """Return the Scene of all its parameters, each of which is good by itself."""
-    groups = _groups_in(values)
-    points = {}
-    if 'points' in groups:
-        points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
-    linkage = linkage_of(values)
+    linkage, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
-    links = [link.name for link in linkage.LINKS]
+    links, joints = [link.name for link in linkage.LINKS], linkage.JOINTS
+    points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
-    shown = groups['joint_states']
-    shown.ratios = shown.ratios or [1.0] * len(linkage.JOINTS)
-    shown.offsets = shown.offsets or [0.0] * len(linkage.JOINTS)
-    names = values['joint_names'] or [joint.name or joint.place for joint in linkage.JOINTS]
-    wrenches = groups['external']
-    wrenches.links = tuple(link for link in linkage.EXTERNAL._fields
-                           if values[f'external.{link}.from_topic'])
+    base = group_of(BaseSettings, 'base', values,
+                    carried=group_of(CarriedBody, 'base.carried', values))
+    wrenches = group_of(WrenchSettings, 'external', values, links=tuple(
+        link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']))
+    joint_states = group_of(JointStates, 'joint_states', values,
+                            ratios=values['joint_states.ratios'] or [1.0] * len(joints),
+                            offsets=values['joint_states.offsets'] or [0.0] * len(joints))
+    joint_names = values['joint_names'] or [joint.name or joint.place for joint in joints]
+    node = NodeSettings(values['services'], values['trajectories'], values['trajectory_fields'],
+                        values['pictures.rate'])
     forces: tuple[PositionForce, ...] = ()
-    if 'forces' in groups:
-        from fourbar_ros.scene.forces import forces_of  # other scenes do without
+    families = {name.partition('.')[0] for name in values}
+    if 'forces' in families:
+        from fourbar_ros.scene.forces import forces_of  # scenes without forces do not load them
         forces = forces_of(values, linkage)
     dynamics = None
-    if values['drive.source'] in SOURCES or 'springs' in groups or 'torsion_springs' in groups:
-        from fourbar_ros.scene.dynamics import of_values  # other scenes do without
+    if values['drive.source'] in SOURCES or families & {'springs', 'torsion_springs'}:
+        from fourbar_ros.scene.dynamics import of_values  # nor those without torque or springs
         dynamics = of_values(values, linkage, forces)
-    has_elements = dynamics.elements if dynamics else forces
-    base = groups['base']
-    honest = replace(linkage, bodies=None) if has_elements or base.topic else linkage
-    scene = Scene(honest, linkage, points, wrenches, base, groups['drive'],
-                  tuple(values['outputs']),
-                  values['frame_id'], tuple(shown.prefix + name for name in names), shown,
-                  groups['recording'],
-                  forces, dynamics, values)
+    elements = dynamics.elements if dynamics else forces
+    lacks_forces = bool(elements or base.topic)     # the mechanism does not know all that acts
+    scene = Scene(
+        kind=kind, linkage=replace(linkage, bodies=None) if lacks_forces else linkage,
+        bare_linkage=linkage, points=points, wrenches=wrenches, base=base,
+        drive=group_of(DriveSettings, 'drive', values), outputs=outputs,
+        frame_id=values['frame_id'], joint_states=joint_states,
+        joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
+        recording=group_of(RecordingSettings, 'recording', values), forces=forces,
+        dynamics=dynamics, values=values)
     _check_together(scene)
     return scene
 
@@ -465,52 +458,48 @@ def _check_together(scene: Scene) -> None:
                                     'masses. Or leave it out of outputs')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
-    for name in ('frame_id', 'joint_states.prefix'):
-        if scene.values[name].startswith('/'):
+    for name, frame in (('frame_id', scene.frame_id),
+                        ('joint_states.prefix', scene.joint_states.prefix)):
+        if frame.startswith('/'):
             refuse(name, 'must not begin with a slash: tf2 takes no such frame')
     names, count = scene.joint_names, len(scene.linkage.JOINTS)
     # a name that is the prefix alone was empty
     if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
         refuse('joint_names', f'must be {count} different names, one for each joint, none empty')
-    for name in ('ratios', 'offsets'):
-        if len(getattr(scene.joint_states, name)) != count:
+    shown = scene.joint_states
+    for name, scales in (('ratios', shown.ratios), ('offsets', shown.offsets)):
+        if len(scales) != count:
             refuse(f'joint_states.{name}', f'must be {count} numbers, one for each joint')
-    if 0.0 in scene.joint_states.ratios:
+    if 0.0 in shown.ratios:
         refuse('joint_states.ratios', 'must not be zero')
     if scene.drive.joint_ratio == 0.0:
         refuse('drive.joint_ratio', 'must not be zero')
     if not isnan(scene.drive.top_speed):
-        _check_wrapped(scene, refuse)
+        if scene.linkage.is_driven_by_slide:
+            refuse('drive.top_speed', 'is for positions that wrap after a turn: a slide has none')
+        if scene.drive.source == 'joint_state' and abs(scene.drive.joint_ratio) != 1.0:
+            refuse('drive.top_speed', 'is for positions that wrap after a turn: with a '
+                   'drive.joint_ratio other than 1 and -1 they must count their turns')
     if len(set(scene.outputs)) != len(scene.outputs):
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
         refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
     if scene.base.topic and not scene.has_loads:
         refuse('base.topic', 'has no effect without masses')
-    carried = [name for name in scene.values if name.startswith('base.carried.')
-               and scene.values[name]]
+    carried = [name for name, value in asdict(scene.base.carried).items() if value != 0]
     if carried and not scene.has_loads:
-        refuse(carried[0], 'has no effect without masses')
-    if 'base.carried.mean' in carried and len(carried) > 1:
+        refuse(f'base.carried.{carried[0]}', 'has no effect without masses')
+    if 'mean' in carried and len(carried) > 1:
         refuse('base.carried.mean', 'and numbers of base.carried exclude each other')
     if scene.base.rotation:
-        from fourbar_ros.scene.base import rotation_of  # other scenes do without
+        from fourbar_ros.scene.base import rotation_of
         rotation_of(scene.base.rotation)
-    if scene.values['trajectories'] and (scene.elements or scene.base.topic):
+    if scene.node.trajectories and (scene.elements or scene.base.topic):
         refuse('trajectories', f'{scene.why_no_loads}: their effort would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
-    if scene.values['trajectories']:
+    if scene.node.trajectories:
         _check_trajectories(scene, refuse)
-
-
-def _check_wrapped(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:
-    """Refuse positions that wrap where a turn of the joint is none of the input."""
-    if scene.linkage.is_driven_by_slide:
-        refuse('drive.top_speed', 'is for positions that wrap after a turn: a slide has none')
-    if scene.drive.source == 'joint_state' and abs(scene.drive.joint_ratio) != 1.0:
-        refuse('drive.top_speed', 'is for positions that wrap after a turn: with a '
-               'drive.joint_ratio other than 1 and -1 they must count their turns')
 
 
 def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:

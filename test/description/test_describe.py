@@ -14,7 +14,7 @@ from fourbar_ros.description.model import model_of, NoDescription, tree_of
 from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import sections, shipped
-from fourbar_ros.scene.scene import from_values, Group, load
+from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 from support import contract, ROOT
@@ -302,8 +302,7 @@ def scene_with(machine):
     scene, count = from_values(PAPER), len(machine.JOINTS)
     return replace(
         scene, linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
-        joint_states=Group(**vars(scene.joint_states) | {
-            'ratios': [1.0] * count, 'offsets': [0.0] * count}))
+        joint_states=replace(scene.joint_states, ratios=[1.0] * count, offsets=[0.0] * count))
 
 
 def test_random_machines_close():

@@ -19,7 +19,6 @@ import tempfile
 from fourbar_lab.export import generate
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.scene import read_values, simulate_scene
-from fourbar_ros.scene.scene import Group
 import numpy as np
 from support import ROOT
 import yaml
@@ -235,7 +234,7 @@ class Simulated:
         """Return status, error, states by name, energy and mode."""
         scene, _ = scene_of(key)
         until = self.until[key]
-        scene = replace(scene, drive=Group(**vars(scene.drive) | {'rate': COUNT / until}))
+        scene = replace(scene, drive=replace(scene.drive, rate=COUNT / until))
         run = simulate_scene(scene, until, 1e-10).run
         energy = run.system.equation.energy(run.position, run.rate)
         states = {**run.states._asdict(),

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Scene files and the parameter table."""
+from dataclasses import fields
 import json
 import math
 import re
@@ -35,6 +36,20 @@ def test_defaults_are_themselves_allowed():
         if parameter.default is not REQUIRED:
             value = check_value(parameter, parameter.default, {})
             assert value == parameter.default or math.isnan(value)
+
+
+def test_groups_of_parameters_have_the_fields_of_the_table():
+    groups = {'drive': 'drive', 'base': 'base', 'base.carried': 'base.carried',
+              'external': 'wrenches', 'joint_states': 'joint_states', 'recording': 'recording'}
+    checked = scene.from_values(PAPER)
+    for group, attribute in groups.items():
+        record = checked
+        for name in attribute.split('.'):
+            record = getattr(record, name)
+        of_table = {name.removeprefix(f'{group}.') for name in PARAMETERS
+                    if name.startswith(f'{group}.')}
+        assert {field.name for field in fields(record)} - {'links', 'carried'} == {
+            name for name in of_table if '.' not in name}
 
 
 def test_json_of_a_scene_is_strict_and_gives_the_same_scene():

@@ -10,7 +10,7 @@ from typing import Any
 from fourbar_ros.ros.messages import sec_nanosec
 from fourbar_ros.ros.node.entities import clock_of, Troubles
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.scene import Group
+from fourbar_ros.scene.groups import DriveSettings
 from rclpy.node import Node
 
 TICK = 0.1             # [s] longest period of the timer: so soon it sees new settings
@@ -84,7 +84,7 @@ class ClockInput:
         if (self._settings.speed, self._settings.rate) != (before.speed, before.rate):
             self._go_on(before, now, self._began + round((self._next - 1) * period))
 
-    def _go_on(self, before: Group, now: int, last: int) -> None:
+    def _go_on(self, before: DriveSettings, now: int, last: int) -> None:
         """Begin a new grid at the ``last`` sample [ns], or ``now`` if that is long ago."""
         assert self._began is not None
         begin = last if (now - last) * 1e-9 < 1.0 / self._settings.rate else now

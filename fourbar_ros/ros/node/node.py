@@ -74,7 +74,7 @@ class FourBarNode(Node):
         check_overrides(self, scene)
         for warning in warnings_of(scene):
             self.get_logger().warning(warning)
-        wanted = {name for service in scene.values['services']
+        wanted = {name for service in scene.node.services
                   for name in SERVICES[service].workers}
         self.workers = {name: Worker(name, self.get_logger().error)
                         for name in {*wanted, CHANGES}}
@@ -85,11 +85,11 @@ class FourBarNode(Node):
         if scene.acting:
             from fourbar_ros.ros.node.acting import ActingInputs  # other scenes do without
             self.acting = ActingInputs(self, self.stream, self.troubles)
-        if scene.values['trajectories']:
+        if scene.node.trajectories:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
             self.trajectories = Trajectories(self, self.stream, self.troubles)
         watch(self, lambda: self.stream.scene, self.apply)
-        if scene.values['services']:
+        if scene.node.services:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
         Diagnostics(self, self.stream, self.input, recording, self.troubles)

@@ -41,7 +41,7 @@ def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> 
 
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
-    for name in stream.scene.values['services']:
+    for name in stream.scene.node.services:
         service = SERVICES[name]
         node.create_service(resolve(service.type), service.service,
                             partial(handlers[name], stream),

@@ -422,12 +422,12 @@ class RunningScene:
             from fourbar_ros.ros.node.pictures import drawn_of  # and their messages
             self.makers, pictures = drawn_of(scene)
             self.latched |= pictures
-            self.markers_rate: float = scene.values['pictures.rate']
+            self.markers_rate: float = scene.node.pictures_rate
         self.mover = scene.mover if scene.dynamics else None
         if self.mover:
             self.mover.prepare()             # now, not in the first step
         self.conversion = None
-        if scene.values['trajectories']:
+        if scene.node.trajectories:
             from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
             self.conversion = Conversion(scene)
         pause()

@@ -45,7 +45,7 @@ class Conversion:
             self._joints[side] = (scene.joint_names[place],
                                   Scale(shown.ratios[place], shown.offsets[place]))
         self._transmission = scene.transmission
-        self._fields: list[str] = scene.values['trajectory_fields']     # beside positions
+        self._fields: list[str] = scene.node.trajectory_fields     # beside positions
 
     def answer(self, method: str, message: Message) -> Message:
         """Return the trajectory of the other joint by a method of the Transmission."""
