@@ -147,7 +147,7 @@ class Recomputation:
     def _begin(self, scene: Scene) -> None:
         last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
-        self._block = min(BLOCK, MOST_VALUES // len(scene.layout.place))
+        self._block = min(BLOCK, MOST_VALUES // len(scene.layout.index_of))
         self._joints = joints_of(scene, last, self._is_wrapped)
         self._steppers = InModes(scene, self._acting, self._joints)
         self._acts.clear()

@@ -100,7 +100,7 @@ class SceneJoints:
                  is_wrapped: bool = False) -> None:
         """Look up once where among the values of a sample each joint has its own."""
         layout, shown = scene.layout, scene.joint_states
-        place, joints = layout.place, layout.joints
+        place, joints = layout.index_of, layout.joints
         self.angles = list(first_angles(scene) if angles is None else angles)
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
         self._is_scaled = set(self._scales) != {Scale(1.0, 0.0)}

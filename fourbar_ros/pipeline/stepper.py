@@ -151,10 +151,10 @@ class Stepper:
                 (nan,) * len(RIGID)))
         own_joints = joint_values(len(scene.layout.joints)) if self.joints else ()
         # the values of a sample where nothing is known, without those of its joints
-        self._nothing = (nan,) * (len(scene.layout.place) - len(own_joints))
+        self._nothing = (nan,) * (len(scene.layout.index_of) - len(own_joints))
         if 'drive_wrench' in scene.outputs:
             from fourbar_ros.pipeline.wrenches import drive_wrench
-            self._drive_wrench = drive_wrench(scene.linkage, scene.layout.place)
+            self._drive_wrench = drive_wrench(scene.linkage, scene.layout.index_of)
         # (position, rate) -> linkage with the forces of springs and dampers there, if any
         self._with_element_forces = scene.make_loaded(self.linkage)
         self.acting: dict[str, ActingInput] = {}

@@ -73,7 +73,7 @@ def filler(output: str, message: Message, layout: FieldMap
     """
     Return the function (stamp, status, mode, values) that fills the fields of ``message``.
 
-    ``values``: the floats of a step in the order of ``layout.place``. Where each of them goes
+    ``values``: the floats of a step in the order of ``layout.index_of``. Where each of them goes
     (``wrench.force.x``, say) is looked up once, here, not in every step.
     """
     scalars, arrays = [], []        # (message or part of it, attribute, index or indices)
@@ -86,9 +86,9 @@ def filler(output: str, message: Message, layout: FieldMap
             continue                         # messages of an older version are installed
         if isinstance(source, tuple):
             arrays.append((target, attribute,
-                           [None if name is None else layout.place[name] for name in source]))
+                           [None if name is None else layout.index_of[name] for name in source]))
         else:
-            scalars.append((target, attribute, layout.place[source]))
+            scalars.append((target, attribute, layout.index_of[source]))
     has_status = hasattr(message, 'status')
 
     def fill(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> None:
@@ -120,7 +120,7 @@ def packer(output: str, message: Message, layout: FieldMap) -> Pack:
         fill(stamp, status, mode, values)
         return bytes(serialize_message(message))
 
-    count = len(layout.place)
+    count = len(layout.index_of)
     pack = _packing(serialise, hasattr(message, 'status'), layout.in_use(output), count)
     for k, extreme in enumerate(_EXTREME):
         stamp = (2**31 - 1) * (k % 2), 999_999_999 * (k % 3) // 2

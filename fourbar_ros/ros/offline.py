@@ -102,11 +102,11 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
         first.append((TORQUE.name, _torque(scene, simulated.torque)))
-    driven_places = [scene.layout.place[name] for name in scene.linkage.input_coordinate]
+    driven_places = [scene.layout.index_of[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
     for offset, mode, drive_values in zip(offsets, modes, simulated.drive_values()):
         motion = drive_values.position, drive_values.velocity, drive_values.acceleration
-        driven = [nan] * len(scene.layout.place)
+        driven = [nan] * len(scene.layout.index_of)
         for place, value in zip(driven_places, motion):
             driven[place] = value
         status, values = steppers.step(mode, *motion, scene.needs_loads, True)

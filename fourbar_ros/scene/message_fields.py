@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which number goes into which message field, for the node and for recomputing a bag.
+Which value goes into which message field, for the node and for recomputing a bag.
 
 A value is named by its field in the mechanism's motion or loads, by ``NAME.FIELD`` in the motion
 of a point, or by ``link NAME.FIELD`` in the motion of a link.
@@ -34,7 +34,7 @@ Source = str | tuple[str | None, ...]      # of a field: see FieldMap
 
 def joint_values(count: int) -> tuple[str, ...]:
     """Return the names of scaled positions, velocities and efforts of joints: joint 1 position."""
-    return tuple(f'joint {i + 1} {what}' for what in OF_JOINTS for i in range(count))
+    return tuple(f'joint {i + 1} {field}' for field in OF_JOINTS for i in range(count))
 
 
 class FieldMap(NamedTuple):
@@ -46,27 +46,28 @@ class FieldMap(NamedTuple):
     absent: dict[str, tuple[str, ...]]      # {output: fields that are always NaN}
     # {name of a value: its index in (*motion, *loads, *motion of each point, *motion of each link,
     # *equation, *rigid, *drive wrench, *joints)}
-    place: dict[str, int]
+    index_of: dict[str, int]
     joints: tuple[tuple[Coordinate, str | None], ...]   # with the effort of its drive, or None
 
     def expected(self, output: str, values: Sequence[float] | Array) -> dict[str, Any]:
         """
         Return {field: number or tuple of numbers} of one output message.
 
-        ``values`` are ordered by ``place``; of shape (values, n) they give arrays for n messages.
+        ``values`` stand in the order of ``index_of``; of shape (values, n) they give arrays for n
+        messages.
         """
         def pick(source: Source | None) -> Any:
             """Return the value of a name, a tuple of them for a tuple."""
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
-            return PASSIVE_EFFORT if source is None else values[self.place[source]]
+            return PASSIVE_EFFORT if source is None else values[self.index_of[source]]
 
         return {**{field: pick(source) for field, source in self.fields[output].items()},
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
     def in_use(self, output: str) -> set[int]:
         """Return the indices of all values that an output shows."""
-        return {self.place[name] for source in self.fields[output].values()
+        return {self.index_of[name] for source in self.fields[output].values()
                 for name in (source if isinstance(source, tuple) else (source,))
                 if name is not None}
 
@@ -83,7 +84,7 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
     joints = tuple((joint.coordinate, _effort(joint.coordinate, driven))
                    for joint in mechanism.JOINTS)
-    # a machine may call its input otherwise than LinkageState does
+    # the input of a machine may have another name than in LinkageState
     state = THETA1 if driven.unit == 'rad' else TRAVEL
     renamed = {} if state.position in known else dict(zip(state, driven))
     fields: dict[str, Mapping[str, Source]] = {
@@ -101,7 +102,7 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     names = list(known)         # of the values of a sample, in their order
 
     def add(name: str, sources: dict[str, str]) -> None:
-        """Let an output show values of its own, which follow those so far."""
+        """Let an output show further values, which follow those so far."""
         fields[name] = sources
         names.extend(sources.values())
 
@@ -123,7 +124,7 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
         names += scaled
         sources = [scaled[i:i + count] for i in (0, count, 2 * count)]
         fields['joint_states'] = {
-            field: tuple(of_joints[place] for place in shown)
+            field: tuple(of_joints[joint] for joint in shown)
             for field, of_joints in zip(OF_JOINTS, sources)
             if field != 'effort' or with_effort}     # else empty in the message: not known
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints)

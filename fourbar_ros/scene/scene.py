@@ -333,7 +333,8 @@ class Scene:
         """
         if output != 'joint_states' or self.joint_states.when_unknown != 'skip':
             return []
-        return [self.layout.place[name] for name in self.layout.fields[output]['position'] if name]
+        positions = self.layout.fields[output]['position']
+        return [self.layout.index_of[name] for name in positions if name]
 
     @property
     def names_shown(self) -> list[str]:

@@ -145,7 +145,7 @@ def test_a_scene_publishes_loads_with_its_springs():
               'torsion_springs.pivot.stiffness': 25.0, 'torsion_springs.pivot.damping': 1.0}
     there = scene.from_values(values)
     status, found = Stepper(there).step(0.4, 2.0, 1.0, True, False)
-    torque = found[there.layout.place['driving_torque']]
+    torque = found[there.layout.index_of['driving_torque']]
     equation = there.dynamics.system(there.bare_linkage).equation
     assert status == OK and torque == pytest.approx(equation.torque(0.4, 2.0, 1.0), rel=1e-11)
     assert Stepper(there).step(float('nan'), 2.0, 1.0, True, False)[0] != OK

@@ -94,7 +94,7 @@ def test_only_a_driven_slide_has_a_stroke():
 def test_clamped_inputs_stay_at_the_end_of_the_stroke():
     its = scene.from_values({**CYLINDER, 'linkage.range': [0.9, 1.5],
                              'drive.out_of_range': 'clamp'})
-    place = its.layout.place['slide']
+    place = its.layout.index_of['slide']
     for asked, expected in ((2.0, 1.5), (0.5, 0.9), (-1.0, 0.9)):
         status, values = Stepper(its).step(asked, 0.1, 0.0, False, False)
         assert status == OUT_OF_RANGE and values[place] == expected

@@ -30,7 +30,7 @@ def made(policy='none', **more):
 
     def step(*given):
         status, values = stepper.step(*given, True, True)
-        return status, {name: values[i] for name, i in scene.layout.place.items()}
+        return status, {name: values[i] for name, i in scene.layout.index_of.items()}
     return scene, stepper, step
 
 
@@ -116,7 +116,7 @@ def test_what_a_simulator_carries_is_a_number_or_refused():
         Stepper(from_values({**heavy, 'base.carried.mean': True}))
     scene = from_values({**heavy, 'outputs': ['state', 'inertia']})
     status, values = Stepper(scene).step(*INSIDE, False, True)
-    place = scene.layout.place
+    place = scene.layout.index_of
     assert status == OK and isfinite(values[place['theta4']])
     assert isnan(values[place['rigid inertia']]) and isnan(values[place['rigid mass']])
     _, _, step = made(**{'base.carried.mass': 1e300, 'base.carried.x': 1e150})

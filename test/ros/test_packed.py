@@ -57,7 +57,7 @@ def steps_of(its):
     for given in ((0.31, 2.0, -3.0), (0.31, math.nan, math.nan), (math.inf, 0.0, 0.0),
                   (99.0, 1e300, 1.0)):
         yield stepper.step(*given, True, True)
-    count = len(its.layout.place)
+    count = len(its.layout.index_of)
     for status, hard in itertools.product(range(len(STATUS_NAMES)),
                                           (math.nan, math.inf, -0.0, 5e-324)):
         yield status, tuple(hard if k % 2 else -k * math.pi for k in range(count))

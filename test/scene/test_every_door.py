@@ -76,7 +76,7 @@ def test_the_scene_in_python_for_one_input_and_for_arrays():
 
 def test_the_node():
     _, values = Stepper(THERE).step(*GIVEN, True, False)
-    assert are_true(*(values[THERE.layout.place[name]] for name in ('f41', 'driving_torque')))
+    assert are_true(*(values[THERE.layout.index_of[name]] for name in ('f41', 'driving_torque')))
 
 
 def test_show(file, capsys):

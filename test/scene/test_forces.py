@@ -61,7 +61,7 @@ def test_the_engine_holds_its_table_itself():
 def test_loads_of_a_given_motion_have_the_force():
     """Statics of the piston and virtual work of the crank: driving torque = -F ds/dtheta."""
     there = engine()
-    stepper, place = Stepper(there), there.layout.place
+    stepper, place = Stepper(there), there.layout.index_of
     gas, = there.forces
     for angle in (0.3, TURN + 0.3, 3 * TURN + 1.0, -2.0):
         _, found = stepper.step(angle, 0.0, 0.0, True, False)
@@ -73,7 +73,7 @@ def test_loads_of_a_given_motion_have_the_force():
 
 def test_a_force_and_wrenches_of_a_topic_act_together():
     there = engine(external__output__from_topic=True)
-    stepper, place = Stepper(there), there.layout.place
+    stepper, place = Stepper(there), there.layout.index_of
     gas, = there.forces
     stepper.act('output', Wrench(-70.0, 0.0, 0.0))
     _, found = stepper.step(0.3, 0.0, 0.0, True, False)

@@ -77,7 +77,7 @@ def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
     _, loads = its.linkage.step(1.8, 0.3, -2.0)
     # the cylinder has no mass: what the drive feels is what the crank does to the rod
     expected = loads.cylinder_first_x, loads.cylinder_first_y
-    wrench = [found[its.layout.place[name]] for name in DRIVE_WRENCH]
+    wrench = [found[its.layout.index_of[name]] for name in DRIVE_WRENCH]
     assert wrench[:2] == pytest.approx(expected, rel=1e-12) and wrench[2] == 0.0
     topic = scene.from_values({**values, 'external.bucket.from_topic': True,
                                'external.bucket.force_x': 0.0, 'external.bucket.force_y': 0.0})

@@ -76,7 +76,7 @@ def fields_of(layout, output, message):
         return tuple(value) if hasattr(value, '__len__') else value
 
     return {field: plain(attrgetter(field)(message))
-            for field in layout.expected(output, [0.0] * len(layout.place))}
+            for field in layout.expected(output, [0.0] * len(layout.index_of))}
 
 
 class NodeProcess:

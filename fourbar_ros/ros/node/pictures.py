@@ -51,7 +51,7 @@ def frames_maker(scene: Scene) -> Make:
     stamps and the frames of links, each by the coordinate of the joint it hangs on.
     """
     from tf2_msgs.msg import TFMessage  # only scenes that name tf
-    model, place = model_of(scene), scene.layout.place
+    model, place = model_of(scene), scene.layout.index_of
     message = TFMessage()
     moving = []              # (transform of a link, its Connection, index of its coordinate)
     for link in model.links:

@@ -67,7 +67,7 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         response.message = (f'mode = {request.mode}: must be 0 (of the '
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(scene, stream.now(), response, request.mode, INVALID_INPUT,
-                            (nan,) * len(scene.layout.place))
+                            (nan,) * len(scene.layout.index_of))
     linkage = scene.linkage_at(request.position, request.velocity, request.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,
@@ -104,7 +104,7 @@ def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, statu
         filler(output, message, scene.layout)(stamp, status, mode, values)
     if hasattr(response, 'values'):
         from fourbar_ros.mechanisms.quantities import fields_of
-        named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.place
+        named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.index_of
         response.values = [named_value(name=name, unit=quantity.unit, value=values[place[name]])
                            for name, quantity in fields_of(scene.bare_linkage).items()
                            if scene.has_loads or not quantity.is_load]

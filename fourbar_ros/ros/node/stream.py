@@ -222,7 +222,7 @@ class Stream:
 
     def transmission_sine(self) -> float:
         """Return |sin| of the transmission angle of the latest step that was computed, or NaN."""
-        return abs(sin(self._values[self.run.layout.place['transmission_angle']]))
+        return abs(sin(self._values[self.run.layout.index_of['transmission_angle']]))
 
     def _wanted(self) -> Wanted:
         """Return the work of a step now: all outputs while recording, else subscribed ones."""
@@ -402,8 +402,8 @@ class RunningScene:
         if before and before.layout == scene.layout:
             self.layout = before.layout      # writers compare it: as the same object at once
         self.mode = mode_number(scene.linkage.mode)
-        self.unknown = (nan,) * len(self.layout.place)
-        self.input_places = [self.layout.place[name] for name in scene.linkage.input_coordinate]
+        self.unknown = (nan,) * len(self.layout.index_of)
+        self.input_places = [self.layout.index_of[name] for name in scene.linkage.input_coordinate]
         own = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
         self.outputs = scene.topics
         answers = {topic.name: topic for topic in own} | self.outputs
