@@ -29,7 +29,7 @@ docs/extrema.md derives both.
 """
 from __future__ import annotations
 
-from functools import partial
+from functools import partial, singledispatch
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
@@ -79,8 +79,10 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     if not has_axis(linkage):
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')
-    corners, unit = _corners(linkage, motion), max(map(abs, linkage.lengths))
-    scales = [unit if w else 1.0 for *_, w in corners]       # a direction has no unit
+    unit, a1 = max(map(abs, linkage.lengths)), linkage.lengths[0]
+    corners = ((0.0, 0.0, 1.0), (a1 * np.cos(motion.theta1), a1 * np.sin(motion.theta1), 1.0),
+               *_output_joints(linkage, motion))
+    scales = [unit if w > 0.0 else 1.0 for *_, w in corners]     # a direction has no unit
     o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
                     for (x, y, w), scale in zip(corners, scales))
     cross = partial(np.cross, axis=0)        # the line through two points, the point on two lines
@@ -93,18 +95,18 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
 
 
-def instant_centre(link: LinkMotion, other: LinkMotion | None = None) -> Array:
+def instant_centre(link: LinkMotion, frame: LinkMotion | None = None) -> Array:
     """
-    Return the instant centre of a link relative to another one, or to the ground (None).
+    Return the instant centre of a link relative to a second one, the frame: the ground for None.
 
     The point where both have the same velocity (Aronhold and Kennedy), as an array of shape
     (..., 2) [m] for links of shape (...); inf or NaN where both turn at the same rate.
     """
-    other = FIXED if other is None else other
-    omega = link.omega - other.omega
+    frame = FIXED if frame is None else frame
+    omega = link.omega - frame.omega
     # velocity at O1 of the first link, as if O1 were fixed to it, seen from the second
-    v_x = (link.v_x + link.omega * link.y) - (other.v_x + other.omega * other.y)
-    v_y = (link.v_y - link.omega * link.x) - (other.v_y - other.omega * other.x)
+    v_x = (link.v_x + link.omega * link.y) - (frame.v_x + frame.omega * frame.y)
+    v_y = (link.v_y - link.omega * link.x) - (frame.v_y - frame.omega * frame.x)
     with np.errstate(divide='ignore', invalid='ignore'):
         return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
 
@@ -115,15 +117,23 @@ def has_axis(linkage: Mechanism) -> bool:
             and not linkage.is_driven_by_slide)
 
 
-def _corners(linkage: Mechanism, motion: Any) -> tuple[tuple[Any, Any, float], ...]:
-    """Return the joints O1, A, B, O4 of a loop, each as (x w, y w, w)."""
-    a1 = linkage.lengths[0]
-    at_o1, at_a = (0.0, 0.0, 1.0), (a1 * np.cos(motion.theta1), a1 * np.sin(motion.theta1), 1.0)
-    if isinstance(linkage, FourBar):
-        _, _, a3, a4 = linkage.lengths
-        at_b = a4 + a3 * np.cos(motion.theta4), a3 * np.sin(motion.theta4), 1.0
-        return at_o1, at_a, at_b, (a4, 0.0, 1.0)
-    if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
-        return at_o1, at_a, (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
-    at_b = -np.sin(motion.theta4), np.cos(motion.theta4), 0.0     # ... square to the bar
-    return at_o1, at_a, at_b, (linkage.lengths[1], 0.0, 1.0)
+Corner = tuple[Any, Any, float]         # (x w, y w, w) of a joint
+
+
+@singledispatch
+def _output_joints(linkage: Any, motion: Any) -> tuple[Corner, Corner]:
+    """Return the joints B and O4 of a loop; this one is of a four-bar."""
+    _, _, a3, a4 = linkage.lengths
+    return ((a4 + a3 * np.cos(motion.theta4), a3 * np.sin(motion.theta4), 1.0), (a4, 0.0, 1.0))
+
+
+@_output_joints.register(SliderCrank)
+def _on_guide(linkage: SliderCrank, motion: Any) -> tuple[Corner, Corner]:
+    """O4 is at infinity, square to the guide."""
+    return (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
+
+
+@_output_joints.register(InvertedSlider)
+def _on_bar(linkage: InvertedSlider, motion: Any) -> tuple[Corner, Corner]:
+    """B is at infinity, square to the bar."""
+    return (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (linkage.a4, 0.0, 1.0)

@@ -4,21 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import singledispatch
 from math import hypot
 import re
-from typing import Any, NamedTuple
+from typing import Any, cast, NamedTuple
 
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
+from fourbar_ros.mechanisms.four_bars import FourBarLinks
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.picture import ORIGIN
+from fourbar_ros.mechanisms.parts import GROUND, SLIDE
+from fourbar_ros.mechanisms.picture import ORIGIN, X, Y
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
-
-X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 
 
 class Arrow(NamedTuple):
@@ -58,71 +58,123 @@ def turned(rate: float, r: Array) -> Array:
     return rate * np.array([-r[1], r[0]])
 
 
+class Polygons(NamedTuple):
+    """The arrows of the velocities [m/s] and accelerations [m/s^2]; the pole is the origin."""
+
+    velocities: list[Arrow]
+    accelerations: list[Arrow]
+
+
 def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
-    """Return the arrows of the velocities [m/s]; the pole is the origin."""
-    if isinstance(mechanism, Machine):
-        return [total(joint.velocity, f'V_{{{name}}}')
-                for name, _, joint in _moving_joints(mechanism, motion)]
-    v_a = point_motion(mechanism, motion, 'crank', mechanism.lengths[0]).velocity
-    if isinstance(mechanism, InvertedSlider):       # Q of the bar at A
-        output = mechanism.link_motion(motion, 'output')
-        v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
-        return [total(v_a, 'V_A'), total(v_q, 'V_Q'),
-                *chain(v_q, (motion.slide_velocity * output.direction, 'V_{rel}'))]
-    if isinstance(mechanism, ScotchYoke):           # along guide and slot
-        v_b = motion.slide_velocity * X
-        return [total(v_a, 'V_A'), total(v_b, 'V_B'),
-                *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
-    v_b = point_motion(mechanism, motion, 'coupler', mechanism.lengths[1]).velocity
-    return [total(v_a, 'V_A'), total(v_b, 'V_B'), *chain(v_a, (v_b - v_a, 'V_{B/A}'))]
+    """Return the arrows of the velocities [m/s]."""
+    return polygons_of(mechanism, motion).velocities
 
 
 def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
+    """Return the arrows of the accelerations [m/s^2]."""
+    return polygons_of(mechanism, motion).accelerations
+
+
+@singledispatch
+def polygons_of(mechanism: Mechanism, motion: Any) -> Polygons:
     """
-    Return the arrows of the accelerations [m/s^2]; the pole is the origin.
+    Return the polygons of a mechanism in one pose.
 
     Slides, Eq. (9): normal and tangential parts about a joint, and where a block slides on a link
-    that turns, the Coriolis and the relative acceleration. Of a machine joints on the crank alone
-    are in parts.
+    that turns, the Coriolis and the relative acceleration. Each kind has a function below. This
+    one is of machines, with parts of those joints alone that are on the crank.
     """
-    if isinstance(mechanism, Machine):
-        found, layout = [], mechanism.layout
-        has_crank = layout.ground == 0 and mechanism.input != 'slide'
-        for name, link, joint in _moving_joints(mechanism, motion):
-            found.append(total(joint.acceleration, f'A_{{{name}}}'))
-            if has_crank and link == layout.driven:
-                found += around(ORIGIN, mechanism.link_motion(motion, link), joint.place, name)
-        return found
-    crank, a1 = mechanism.link_motion(motion, 'crank'), mechanism.lengths[0]
-    a_a = point_motion(mechanism, motion, 'crank', a1).acceleration
-    of_a = [total(a_a, 'A_A'), *around(ORIGIN, crank, a1 * crank.direction, 'A')]
-    if isinstance(mechanism, InvertedSlider):       # A_A = A_Q + A_Cor + A_rel, Q of the bar at A
-        output = mechanism.link_motion(motion, 'output')
-        arm = (motion.slide * output.direction
-               + mechanism.offset * turned(1.0, output.direction))
-        relative = motion.slide_acceleration * output.direction
-        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm,
-                                   motion.slide_velocity * output.direction, relative)
-        a_q = terms.normal + terms.tangential
-        return [*of_a, *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
-                *chain(a_q, (terms.coriolis, 'A_{Cor}'), (relative, 'A_{rel}'))]
-    if isinstance(mechanism, ScotchYoke):           # A_A = A_B + A_rel: the slot does not turn
-        a_b = motion.slide_acceleration * X
-        return [*of_a, total(a_b, 'A_B'), *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
-    coupler, a2 = mechanism.link_motion(motion, 'coupler'), mechanism.lengths[1]
-    a_b = point_motion(mechanism, motion, 'coupler', a2).acceleration
-    of_b = [*around(a_a, coupler, a2 * coupler.direction, 'B/A'), total(a_b, 'A_B')]
-    if not isinstance(mechanism, SliderCrank):      # a four-bar, whose B turns about O4
-        output = mechanism.link_motion(motion, 'output')
-        of_b += around(ORIGIN, output, mechanism.lengths[2] * output.direction, 'B')
-    return [*of_a, *of_b]
+    machine, polygons = cast(Machine, mechanism), Polygons([], [])
+    has_crank = machine.layout.ground == 0 and machine.input != SLIDE
+    for name, link, joint in _moving_joints(machine, motion):
+        polygons.velocities.append(total(joint.velocity, f'V_{{{name}}}'))
+        polygons.accelerations.append(total(joint.acceleration, f'A_{{{name}}}'))
+        if has_crank and link == machine.layout.driven:
+            polygons.accelerations.extend(
+                around(ORIGIN, machine.link_motion(motion, link), joint.place, name))
+    return polygons
 
+
+def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, PointMotion]]:
+    """Yield (name, a link that has it, its motion) of the joints of a machine that move."""
+    for stage, dyad in zip(machine.layout.stages, machine.stages):
+        pins = {name for name, *_ in stage.pins()}
+        for name, point in ((f'{stage.name}_first', dyad.first),
+                            (f'{stage.name}_second', dyad.second)):
+            if name in pins and point.link != GROUND:
+                yield name, point.link, point_motion(machine, motion, *point)
+        name, (first, second) = f'{stage.name}_inner', stage.links
+        if stage.kind == 'RRR':             # at the end of its first link
+            if GROUND not in (first, second):
+                assert dyad.length_1 is not None
+                yield name, first, point_motion(machine, motion, first, dyad.length_1)
+        elif second != GROUND:
+            yield name, second, point_motion(machine, motion, second, 0.0)
+
+
+@polygons_of.register(SliderCrank)
+def _of_coupler(mechanism: SliderCrank | FourBarLinks, motion: Any) -> Polygons:
+    (v_a,), of_a = _of_crank(mechanism, motion)
+    b = point_motion(mechanism, motion, 'coupler', mechanism.a2)
+    coupler = mechanism.link_motion(motion, 'coupler')
+    return Polygons(
+        [v_a, total(b.velocity, 'V_B'), *chain(v_a.vector, (b.velocity - v_a.vector, 'V_{B/A}'))],
+        [*of_a, *around(of_a[0].vector, coupler, mechanism.a2 * coupler.direction, 'B/A'),
+         total(b.acceleration, 'A_B')])
+
+
+@polygons_of.register(FourBarLinks)
+def _of_four_bar(mechanism: FourBarLinks, motion: Any) -> Polygons:
+    velocities, accelerations = _of_coupler(mechanism, motion)
+    output = mechanism.link_motion(motion, 'output')        # B turns about O4
+    return Polygons(velocities, [*accelerations, *around(
+        ORIGIN, output, mechanism.a3 * output.direction, 'B')])
+
+
+@polygons_of.register(InvertedSlider)
+def _of_bar(mechanism: InvertedSlider, motion: Any) -> Polygons:
+    """Return V_A = V_Q + V_rel and A_A = A_Q + A_Cor + A_rel, with Q the point of the bar at A."""
+    velocities, accelerations = _of_crank(mechanism, motion)
+    output = mechanism.link_motion(motion, 'output')
+    v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
+    v_rel = motion.slide_velocity * output.direction
+    a_rel = motion.slide_acceleration * output.direction
+    arm = motion.slide * output.direction + mechanism.offset * turned(1.0, output.direction)
+    terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm, v_rel, a_rel)
+    a_q = terms.normal + terms.tangential
+    return Polygons(
+        [*velocities, total(v_q, 'V_Q'), *chain(v_q, (v_rel, 'V_{rel}'))],
+        [*accelerations, *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
+         *chain(a_q, (terms.coriolis, 'A_{Cor}'), (a_rel, 'A_{rel}'))])
+
+
+@polygons_of.register(ScotchYoke)
+def _of_yoke(mechanism: ScotchYoke, motion: Any) -> Polygons:
+    """Return V_A = V_B + V_rel and A_A = A_B + A_rel along guide and slot, which do not turn."""
+    velocities, accelerations = _of_crank(mechanism, motion)
+    v_b, a_b = motion.slide_velocity * X, motion.slide_acceleration * X
+    return Polygons(
+        [*velocities, total(v_b, 'V_B'), *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))],
+        [*accelerations, total(a_b, 'A_B'),
+         *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))])
+
+
+def _of_crank(mechanism: Any, motion: Any) -> Polygons:
+    """Return the arrows of A, the end of the crank of any kind; the first ones are the sums."""
+    a = point_motion(mechanism, motion, 'crank', mechanism.a1)
+    crank = mechanism.link_motion(motion, 'crank')
+    return Polygons([total(a.velocity, 'V_A')], [
+        total(a.acceleration, 'A_A'),
+        *around(ORIGIN, crank, mechanism.a1 * crank.direction, 'A')])
+
+
+# --- arrows --------------------------------------------------------------------------------------
 
 def sides_of(arrows: Sequence[Arrow], names: Mapping[str, str], least: float) -> list[Arrow]:
     """
     Return the sides of a polygon to draw: above a length, with other letters, none twice.
 
-    Joints at one place have one letter: of equal labels the first is drawn. At zero alpha the
+    Joints at one point have one letter: of equal labels the first is drawn. At zero alpha the
     normal part of an acceleration is all of it: one arrow with two labels, so the sum is drawn.
     """
     named: dict[tuple[str, bool], Arrow] = {}
@@ -169,20 +221,3 @@ def around(start: Array, link: LinkMotion, arm: Array, name: str) -> list[Arrow]
     """
     terms = acceleration_terms(ORIGIN, link.omega, link.alpha, arm)
     return chain(start, (terms.normal, f'A_{{{name}}}^n'), (terms.tangential, f'A_{{{name}}}^t'))
-
-
-def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, PointMotion]]:
-    """Yield (name, a link that has it, its motion) of the joints of a machine that move."""
-    for stage, dyad in zip(machine.layout.stages, machine.stages):
-        pins = {name for name, *_ in stage.pins()}
-        for name, point in ((f'{stage.name}_first', dyad.first),
-                            (f'{stage.name}_second', dyad.second)):
-            if name in pins and point.link != GROUND:
-                yield name, point.link, point_motion(machine, motion, *point)
-        name, (one, other) = f'{stage.name}_inner', stage.links
-        if stage.kind == 'RRR':             # at the end of its first link
-            if GROUND not in (one, other):
-                assert dyad.length_1 is not None
-                yield name, one, point_motion(machine, motion, one, dyad.length_1)
-        elif other != GROUND:
-            yield name, other, point_motion(machine, motion, other, 0.0)

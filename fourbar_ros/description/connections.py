@@ -3,7 +3,7 @@
 """Which links each joint of a mechanism connects, and where: URDF and MJCF are made of it."""
 from __future__ import annotations
 
-from collections.abc import Iterator
+from functools import singledispatch
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
@@ -20,8 +20,8 @@ class Connection(NamedTuple):
     Which two links a joint connects, and where.
 
     With the coordinate q of the joint, the angle of the child is that of the parent plus ``turn``,
-    plus q of a joint that turns. The joint's place on the child is its place on the parent, moved
-    by q along ``axis`` of a joint that slides.
+    plus q of a joint that turns. A joint that slides has moved on the child from its point on the
+    parent by q along ``axis``.
 
     Parameters
     ----------
@@ -51,55 +51,72 @@ class Connection(NamedTuple):
         return Connection(self.child, self.parent, self.on_child, self.on_parent, axis, -self.turn)
 
 
+@singledispatch
 def connections_of(mechanism: Any) -> tuple[Connection, ...]:
-    """Return the connections in the order of a mechanism's joints; the ground is never a child."""
-    if isinstance(mechanism, (FourBarLinks, SliderCrank, InvertedSlider, ScotchYoke)):
-        return (Connection(GROUND, 'crank'), Connection('crank', 'coupler', (mechanism.a1, 0.0)),
-                *_of_kind(mechanism))
+    """
+    Return the connections in the order of a mechanism's joints; the ground is never a child.
+
+    Each kind has a function below. This one is of machines.
+    """
     frame, driven, *_ = mechanism.layout.links
-    base = Connection(frame, driven, axis=X if mechanism.input == SLIDE else None)
-    return (base, *(its.reversed() if its.child == GROUND else its
-                    for dyad in mechanism.stages for its in _of_dyad(dyad)))
+    connections = [Connection(frame, driven, axis=X if mechanism.input == SLIDE else None)]
+    for dyad in mechanism.stages:       # dimensions that its kind has are known: checked
+        connections += [
+            joint.reversed() if joint.child == GROUND else joint
+            for joint in (_end(dyad.first, dyad.links[0], dyad.direction_1, dyad.kind == 'PRP'),
+                          _inner(dyad),
+                          _end(dyad.second, dyad.links[1], dyad.direction_2,
+                               dyad.kind in ('RRP', 'RPP', 'PRP')))]
+    return tuple(connections)
 
 
-def _of_kind(mechanism: Any) -> tuple[Connection, Connection]:
-    """Return the connections of coupler and output, and of the ground and the output."""
-    if isinstance(mechanism, FourBarLinks):
-        return (Connection('coupler', 'output', (mechanism.a2, 0.0), (mechanism.a3, 0.0), turn=pi),
-                Connection(GROUND, 'output', (mechanism.a4, 0.0)))
-    offset = 0.0, mechanism.offset
-    if isinstance(mechanism, InvertedSlider):
-        return (Connection('output', 'coupler', offset, axis=X),
-                Connection(GROUND, 'output', (mechanism.a4, 0.0)))
-    guide = Connection(GROUND, 'output', offset, axis=X)
-    if isinstance(mechanism, SliderCrank):
-        return Connection('coupler', 'output', (mechanism.a2, 0.0)), guide
-    return Connection('output', 'coupler', axis=Y, turn=0.5 * pi), guide     # the slot, along y
+def _end(point: Any, link: str, angle: float, slides: bool) -> Connection:
+    """Return the first or second joint of a dyad; a slide has an angle to the carrier's line."""
+    if slides:
+        return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)
+    return Connection(point.link, link, tuple(point[1:]))
 
 
-def _of_dyad(dyad: Any) -> Iterator[Connection]:     # its kind has these dimensions: checked
-    """Yield the connections of the first, the inner and the second joint of a dyad."""
-    one, other = dyad.links
-    yield (_slide(dyad.first, one, dyad.direction_1) if dyad.kind == 'PRP'
-           else Connection(dyad.first.link, one, tuple(dyad.first[1:])))
-    yield _inner(dyad, one, other)
-    yield (_slide(dyad.second, other, dyad.direction_2) if dyad.kind in ('RRP', 'RPP', 'PRP')
-           else Connection(dyad.second.link, other, tuple(dyad.second[1:])))
-
-
-def _inner(dyad: Any, one: str, other: str) -> Connection:
+def _inner(dyad: Any) -> Connection:
     """Return the connection of both links of a dyad; of a slide its carrier is the parent."""
+    first, second = dyad.links
     if dyad.kind == 'RRR':
-        return Connection(one, other, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
+        return Connection(first, second, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
     if dyad.kind == 'RRP':
-        return Connection(one, other, (dyad.length_1, 0.0))
+        return Connection(first, second, (dyad.length_1, 0.0))
     if dyad.kind == 'RPR':                         # the block on its bar
-        return Connection(other, one, (0.0, dyad.offset), axis=X)
+        return Connection(second, first, (0.0, dyad.offset), axis=X)
     if dyad.kind == 'RPP':                         # the block in the slot of its yoke
-        return Connection(other, one, axis=direction(dyad.slot), turn=dyad.slot)
-    return Connection(one, other)
+        return Connection(second, first, axis=direction(dyad.slot), turn=dyad.slot)
+    return Connection(first, second)
 
 
-def _slide(point: Any, link: str, angle: float) -> Connection:
-    """Return the slide of a link through a point, along a line at an angle to the carrier."""
-    return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)
+O1 = Connection(GROUND, 'crank')        # of every kind
+
+
+@connections_of.register(FourBarLinks)
+def _four_bar(mechanism: FourBarLinks) -> tuple[Connection, ...]:
+    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
+            Connection('coupler', 'output', (mechanism.a2, 0.0), (mechanism.a3, 0.0), turn=pi),
+            Connection(GROUND, 'output', (mechanism.a4, 0.0)))
+
+
+@connections_of.register(SliderCrank)
+def _slider_crank(mechanism: SliderCrank) -> tuple[Connection, ...]:
+    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
+            Connection('coupler', 'output', (mechanism.a2, 0.0)),
+            Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))
+
+
+@connections_of.register(InvertedSlider)
+def _inverted_slider(mechanism: InvertedSlider) -> tuple[Connection, ...]:
+    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
+            Connection('output', 'coupler', (0.0, mechanism.offset), axis=X),
+            Connection(GROUND, 'output', (mechanism.a4, 0.0)))
+
+
+@connections_of.register(ScotchYoke)
+def _scotch_yoke(mechanism: ScotchYoke) -> tuple[Connection, ...]:
+    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
+            Connection('output', 'coupler', axis=Y, turn=0.5 * pi),      # the slot, along y
+            Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))
