@@ -60,9 +60,9 @@ class Section(NamedTuple):
 
     @property
     def footnotes(self) -> dict[str, int]:
-        """{reason: its number}, each once, in order from 1."""
+        """Return {reason: index from 1}, each reason once, in the order of the rows."""
         reasons = dict.fromkeys(row.reason for row in self.rows if row.reason)
-        return {reason: number for number, reason in enumerate(reasons, 1)}
+        return {reason: index for index, reason in enumerate(reasons, 1)}
 
     @property
     def cells(self) -> list[tuple[str, ...]]:
@@ -73,62 +73,61 @@ class Section(NamedTuple):
                  f'({notes[row.reason]})' if row.reason else '') for row in self.rows]
 
 
-def number(what: str, unit: str, printed: str, ours: float, verdict: str = AGREES, why: str = '',
-           *, within: float = 0.0) -> Row:
+def printed(item: str, unit: str, text: str, ours: float, verdict: str = AGREES, why: str = '',
+            *, within: float = 0.0) -> Row:
     """
-    Return the Row of a printed number, as text: its digits say how exact it is.
+    Return the Row of a printed number; the digits of its text say how exact it is.
 
     ``within``: the largest difference that the verdict explains, as a share of our value. A
-    garbled number without it must not agree: it is a doubt.
+    garbled number without a share is a doubt, so it must not agree.
     """
-    ours, printed_value = float(ours), float(printed or nan)        # ours: of numpy
-    is_right = agrees(ours, printed)
-    is_near = abs(ours - printed_value) <= within * abs(ours)
+    ours, value = float(ours), float(text or nan)           # ours: of numpy
+    is_right = agrees(ours, text)
+    is_near = abs(ours - value) <= within * abs(ours)
     is_earned = {
         AGREES: is_right, DRAWN: is_near and not is_right, ROUNDED: is_near and not is_right,
         MISPRINT: not is_right, WRONG: not is_right,
-        GARBLED: is_near if within else not is_right}.get(verdict, True)
-    return Row(what, unit, printed, ours, ours - printed_value,
-               verdict if is_earned else DIFFERS, why)
+        GARBLED: is_near if within > 0.0 else not is_right}.get(verdict, True)
+    return Row(item, unit, text, ours, ours - value, verdict if is_earned else DIFFERS, why)
 
 
-def remark(what: str, verdict: str, why: str) -> Row:
-    """Return the Row of what is not compared, or only defined."""
-    return Row(what, '', '', nan, nan, verdict, why)
+def remark(item: str, verdict: str, why: str) -> Row:
+    """Return the Row of an item that is not compared, or only defined."""
+    return Row(item, '', '', nan, nan, verdict, why)
 
 
 def agrees(value: float, text: str) -> bool:
     """Return whether a printed number is the value, rounded or cut: 0.67 and 0.66 are 2/3."""
     if not text:
         return False
-    printed, unit = float(text), 10.0**-len(text.partition('.')[2])
-    beyond = (value - printed) / unit if printed >= 0.0 else (printed - value) / unit
+    shown, last_digit = float(text), 10.0**-len(text.partition('.')[2])
+    beyond = (value - shown if shown >= 0.0 else shown - value) / last_digit
     return -0.5 <= beyond < 1.0
 
 
-def zero(what: str, *terms: complex, verdict: str = AGREES, why: str = '',
+def zero(item: str, *terms: complex, verdict: str = AGREES, why: str = '',
          correct: Sequence[complex] = ()) -> Row:
     """
     Return the Row of an equation whose terms, as printed, must add up to zero.
 
-    The size of the sum is taken relative to those of its terms; vectors are complex numbers. If
-    the verdict is a misprint, the terms must not add up to zero, and those of ``correct`` must.
+    The size of the sum is divided by the sizes of its terms; vectors are complex numbers. If the
+    verdict is a misprint, the terms must not add up to zero, and those of ``correct`` must.
     """
-    def relative_sum(numbers: Sequence[complex]) -> float:
-        return abs(sum(numbers)) / sum(map(abs, numbers)) if numbers else nan
+    def relative_sum(addends: Sequence[complex]) -> float:
+        return abs(sum(addends)) / sum(map(abs, addends)) if addends else nan
 
-    row = equal(what, '', printed=relative_sum(terms), ours=0.0, verdict=verdict, why=why,
+    row = equal(item, '', printed=relative_sum(terms), ours=0.0, verdict=verdict, why=why,
                 correct=relative_sum(correct))
     return row._replace(printed='0') if row.verdict == AGREES else row    # not its rounding error
 
 
-def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
+def equal(item: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
           *, correct: float = nan) -> Row:
     """
     Return the Row of a printed formula, by its value, which must be ours.
 
-    A misprint must differ, and its correction must not. What is answered here is printed nowhere:
-    both sides are ours.
+    A misprint must differ, and its correction must not. An answer to a question of the document is
+    printed nowhere: both sides are ours.
     """
     printed, ours = float(printed), float(ours)         # of numpy
     scale = max(1.0, abs(ours))
@@ -137,19 +136,19 @@ def equal(what: str, unit: str, printed: float, ours: float, verdict: str = AGRE
                  else is_right)
     verdict = verdict if is_earned else DIFFERS
     if verdict == ANSWERED:
-        return Row(what, unit, '', printed, nan, verdict, why)
-    return Row(what, unit, f'{printed:.6g}', ours, ours - printed, verdict, why)
+        return Row(item, unit, '', printed, nan, verdict, why)
+    return Row(item, unit, f'{printed:.6g}', ours, ours - printed, verdict, why)
 
 
 def count(sections: Sequence[Section]) -> dict[str, int]:
     """Return the number of rows of each verdict, as a dict in the order of VERDICTS."""
-    given = [row.verdict for section in sections for row in section.rows]
-    return {verdict: given.count(verdict) for verdict in VERDICTS if verdict in given}
+    verdicts = [row.verdict for section in sections for row in section.rows]
+    return {verdict: verdicts.count(verdict) for verdict in VERDICTS if verdict in verdicts}
 
 
 def summary(sections: Sequence[Section]) -> str:
     """Return the verdicts in one line."""
-    return ', '.join(f'{number} {verdict}' for verdict, number in count(sections).items())
+    return ', '.join(f'{rows} {verdict}' for verdict, rows in count(sections).items())
 
 
 def print_tables(sections: Sequence[Section]) -> None:
@@ -157,7 +156,7 @@ def print_tables(sections: Sequence[Section]) -> None:
     console = make_console()
     for section in sections:
         console.print(make_table(section.title, COLUMNS, section.cells))
-        for reason, number in section.footnotes.items():
-            console.print(f'({number}) {reason}', style='dim', markup=False)
+        for reason, index in section.footnotes.items():
+            console.print(f'({index}) {reason}', style='dim', markup=False)
         console.print()
     console.print(summary(sections))

@@ -24,7 +24,7 @@ from fourbar_ros.plain import io_equation
 import numpy as np
 
 # Eq.: joints i and j; factors of vi^2 vj^2, vi^2, vj^2, 1; the coefficient of vi vj and the
-# lengths in it
+# lengths that it is multiplied with
 SLIDES: Mapping[int, tuple[int, int, str, int, tuple[int, ...]]] = {
     16: (1, 4, 'A1 A2, B1 B2, C1 C2, D1 D2', -8, (1, 3)),
     17: (1, 2, 'A1 B1, A2 B2, C1 D2, C2 D1', 8, (2, 4)),

@@ -74,8 +74,8 @@ POSES: dict[str, tuple[Any, ...]] = {
 def figure_of(name: str) -> Captioned:
     """Return a figure by name, with its caption."""
     if name in POSES:
-        linkage, given, title, points, letters, units, caption = POSES[name]
-        return make_figure(linkage, linkage.motion(*given), None, title, points, letters,
+        linkage, inputs, title, points, letters, units, caption = POSES[name]
+        return make_figure(linkage, linkage.motion(*inputs), None, title, points, letters,
                            units), caption
     return {'example_7_7': example_7_7, 'paper_figure_3': paper_figure_3,
             'paper_figure_4': paper_figure_4}[name]()

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the paper prints, item by item: what, the unit, printed, ours, and the verdict.
+What the paper prints, item by item: its unit, the printed value, ours, and the verdict.
 
 Our copy garbles some cells of its tables.
 """
@@ -18,7 +18,7 @@ from fourbar_lab.reproduction.documents import (
     GARBLED,
     MISPRINT,
     MISSING,
-    number,
+    printed,
     remark,
     ROUNDED,
     Row,
@@ -49,18 +49,17 @@ def reproduce() -> list[Section]:
 
 
 def io_equations() -> Section:
-    title = ('Paper, Eqs. (1)-(8), in its own chain and factors, at the pose of '
-             'Example 7.6')
+    title = 'Paper, Eqs. (1)-(8), in its own chain and factors, at the pose of Example 7.6'
     m = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6)
     angles = {1: half_angle(m.theta1 + pi, m.omega1, m.alpha1),
               2: half_angle(m.theta2), 3: half_angle(m.theta3),
               4: half_angle(-m.theta4, -m.omega4, -m.alpha4)}
-    printed = equations_of_paper(published.EXAMPLE_7_6.lengths)
-    a, b, first = angles[1], angles[4], printed[1]
+    equations = equations_of_paper(published.EXAMPLE_7_6.lengths)
+    a, b, first = angles[1], angles[4], equations[1]
     return Section(title, [
         *(zero(f'Eq. ({name})', *equation.position(angles[equation.i], angles[equation.j]),
                why='all angles relative: theta1 + pi, -theta4; the tables are for absolute angles'
-               * (name == 1)) for name, equation in printed.items()),
+               if name == 1 else '') for name, equation in equations.items()),
         zero('Eq. (7)', *first.velocity(a, b)),
         equal('first derivative of v', '', b.omega * (1 + b.v**2) / 2, b.dv),
         equal('second derivative of v', '', (b.alpha + b.omega**2) * (1 + b.v**2) / 2, b.ddv,
@@ -71,16 +70,15 @@ def io_equations() -> Section:
 
 
 def algorithms() -> Section:
-    title = ('Paper, algorithms of extreme angular velocity and acceleration, on '
-             'its linkage')
+    title = 'Paper, algorithms of extreme angular velocity and acceleration, on its linkage'
     linkage, speed = published.PAPER, PAPER_SPEED
     by_rate, by_acceleration = (published.at_extrema(linkage, name, speed)
                                 for name in ('omega4', 'alpha4'))
-    place, rate, acceleration = published.steps(linkage, speed, (
+    position, rate, acceleration = published.steps(linkage, speed, (
         'velocity, step 1, and acceleration, step 1',
         'velocity, step 2, and acceleration, step 2', 'acceleration, steps 3, 4'))
     return Section(title, [
-        place, rate,
+        position, rate,
         equal('velocity, step 3', '', published.slope(linkage, 'omega4', by_rate.theta1), 0.0,
               why='the derivative at the extrema, at 1 rad/s'),
         acceleration,
@@ -93,7 +91,7 @@ def algorithms() -> Section:
 
 def table_1() -> Section:
     return Section('Paper, Table 1 - masses (round steel rods of radius 0.01 m)', [
-        number(what, 'kg', printed, rod.mass) for rod, what, printed in zip(
+        printed(item, 'kg', text, rod.mass) for rod, item, text in zip(
             published.RODS, ('m1 = 31 pi/100', 'm2 = 93 pi/100', 'm3 = 31 pi/50'),
             ('0.97389372261284', '2.92168116783851', '1.94778744522567'))])
 
@@ -119,23 +117,24 @@ def table_2() -> Section:
     ], figure='paper_figure_3')
 
 
-def _extremum(mode: int, quantity: str, kind: str, value: str, place: str, in_degrees: str,
-              lost: tuple[str, ...], copies: str = '') -> list[Row]:
+def _extremum(mode: int, quantity: str, kind: str, value: str, in_radians: str,
+              in_degrees: str, lost: tuple[str, ...], copies: str = '') -> list[Row]:
     """
-    Return the Rows of one extremum of Table 2: its value, and where it is in rad and deg.
+    Return the Rows of one extremum of Table 2: its value, and its theta1 in rad and deg.
 
-    ``lost``: which of the three lost digits in the search; ``copies``: of a garbled value.
+    ``lost`` names those of 'value', 'rad' and 'deg' that lost digits in the search; ``copies``
+    quotes the garbled copies of the value.
     """
-    found = published.extreme(published.PAPER.in_mode(mode), quantity, kind, PAPER_SPEED)
-    theta1 = found.theta1 - tau if place.startswith('-') else found.theta1
+    extremum = published.extreme(published.PAPER.in_mode(mode), quantity, kind, PAPER_SPEED)
+    theta1 = extremum.theta1 - tau if in_radians.startswith('-') else extremum.theta1
     how: dict[str, Any] = LOST if 'value' in lost else {}
     if copies:
         how = {'verdict': GARBLED, 'why': f'the copy has {copies}', 'within': 2e-9}
-    return [number(f'mode {mode}, {quantity}', 'rad/s' if quantity == 'omega4' else 'rad/s^2',
-                   value, found.value, **how),
-            number('  its theta1', 'rad', place, theta1, **(LOST if 'rad' in lost else {})),
-            number('  its theta1', 'deg', in_degrees, degrees(theta1),
-                   **(LOST if 'deg' in lost else {}))]
+    return [printed(f'mode {mode}, {quantity}', 'rad/s' if quantity == 'omega4' else 'rad/s^2',
+                    value, extremum.value, **how),
+            printed('  its theta1', 'rad', in_radians, theta1, **(LOST if 'rad' in lost else {})),
+            printed('  its theta1', 'deg', in_degrees, degrees(theta1),
+                    **(LOST if 'deg' in lost else {}))]
 
 
 def eq_9() -> Section:
@@ -171,34 +170,34 @@ def table_3() -> Section:
         'shaking_force', 'shaking_moment', literal_moment))
     solid = largest(published.PAPER, 'shaking_moment')
     theta1, *curves = published.wrong_curves()
-    (wrong_force, force_at), (wrong_moment, moment_at), (wrong_literal, _) = (
+    (wrong_force, theta1_force), (wrong_moment, theta1_moment), (wrong_literal, _) = (
         (curve.max(), theta1[curve.argmax()]) for curve in curves)
     rate = published.extreme(published.PAPER, 'omega4', 'minimum', PAPER_SPEED)
     grid = 'on a grid of 0.1 deg, to the last digit'
     return Section('Paper, Table 3 and Figure 4 - shaking force and moment, mode 2', [
-        number('largest shaking force', 'N', '56.9764', abs(force.value), WRONG,
-               'it is the largest momentum: Eq. (9) was given m v in place of m a'),
-        number('  its theta1', 'rad', '5.7299', force.theta1, WRONG, 'that of the momentum'),
-        number('largest shaking moment about O1 (thin rods)', 'N m', '154.9566',
-               abs(moment.value), WRONG, WRONG_MOMENT),
-        number('  its theta1', 'rad', '5.7352', moment.theta1, WRONG, WRONG_MOMENT),
-        number('the same for solid rods', 'N m', '154.9566', abs(solid.value), WRONG,
-               WRONG_MOMENT),
-        number('T14 + r34 x F34 with r34 of Fig. 2, from CG3', 'N m', '154.9566',
-               abs(literal.value), WRONG, WRONG_MOMENT),
-        number('  its theta1', 'rad', '5.7352', literal.theta1, WRONG, WRONG_MOMENT),
-        number('the same with m v', 'kg m^2/s', '154.9566', wrong_literal, WRONG, WRONG_MOMENT),
-        number('the force with m v', 'kg m/s', '56.9764', wrong_force, why=grid),
-        number('  its theta1', 'rad', '5.7299', force_at),
-        number('the moment with m v and 0.01 m (thin rods)', '', '154.9566', wrong_moment,
-               why=f'{grid}; that 0.01 m is the radius of the rods is our inference'),
-        number('  its theta1', 'rad', '5.7352', moment_at),
-        number('least omega4 in the text', 'rad/s', '-23.9594', rate.value),
-        number('  its theta1', 'rad', '5.9138', rate.theta1),
-        number('from there to the largest force', '%', '3.2', 100 * (5.9138 - 5.7299) / 5.7299,
-               why='of the two angles it prints; it depends on where angles are counted from: '
-                   'they are 10.5 deg apart. The true force peaks 27.4 deg from the extreme '
-                   'rate, 2.2 deg from the largest alpha4'),
+        printed('largest shaking force', 'N', '56.9764', abs(force.value), WRONG,
+                'it is the largest momentum: Eq. (9) was given m v in place of m a'),
+        printed('  its theta1', 'rad', '5.7299', force.theta1, WRONG, 'that of the momentum'),
+        printed('largest shaking moment about O1 (thin rods)', 'N m', '154.9566',
+                abs(moment.value), WRONG, WRONG_MOMENT),
+        printed('  its theta1', 'rad', '5.7352', moment.theta1, WRONG, WRONG_MOMENT),
+        printed('the same for solid rods', 'N m', '154.9566', abs(solid.value), WRONG,
+                WRONG_MOMENT),
+        printed('T14 + r34 x F34 with r34 of Fig. 2, from CG3', 'N m', '154.9566',
+                abs(literal.value), WRONG, WRONG_MOMENT),
+        printed('  its theta1', 'rad', '5.7352', literal.theta1, WRONG, WRONG_MOMENT),
+        printed('the same with m v', 'kg m^2/s', '154.9566', wrong_literal, WRONG, WRONG_MOMENT),
+        printed('the force with m v', 'kg m/s', '56.9764', wrong_force, why=grid),
+        printed('  its theta1', 'rad', '5.7299', theta1_force),
+        printed('the moment with m v and 0.01 m (thin rods)', '', '154.9566', wrong_moment,
+                why=f'{grid}; that 0.01 m is the radius of the rods is our inference'),
+        printed('  its theta1', 'rad', '5.7352', theta1_moment),
+        printed('least omega4 in the text', 'rad/s', '-23.9594', rate.value),
+        printed('  its theta1', 'rad', '5.9138', rate.theta1),
+        printed('from there to the largest force', '%', '3.2', 100 * (5.9138 - 5.7299) / 5.7299,
+                why='of the two angles it prints; it depends on where angles are counted from: '
+                'they are 10.5 deg apart. The true force peaks 27.4 deg from the extreme '
+                'rate, 2.2 deg from the largest alpha4'),
     ], figure='paper_figure_4')
 
 

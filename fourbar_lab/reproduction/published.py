@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The linkages of both documents, and what several items ask of them.
+The linkages of both documents, and values of them that several items need.
 
 Examples given in inches, feet and degrees are computed in SI units and converted back in the rows.
 """
@@ -50,9 +50,9 @@ TURN: Array = np.linspace(-3.0, 3.0, 61)           # theta1 of samples of a turn
 
 def extreme(linkage: Mechanism, quantity: str, kind: str, speed: float) -> Extremum:
     """Return the global ``maximum`` or ``minimum`` of a quantity, theta1 from 0 to a turn."""
-    found, = (extremum for extremum in find_extrema(linkage, (quantity,), speed)
-              if extremum.is_global and extremum.kind == kind)
-    return found
+    extrema = find_extrema(linkage, (quantity,), speed)
+    extremum, = (each for each in extrema if each.is_global and each.kind == kind)
+    return extremum
 
 
 def at_extrema(linkage: FourBar, quantity: str, speed: float) -> NamedFields:
@@ -111,10 +111,10 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
 def force_share(linkage: FourBar) -> float:
     """Return the shaking force at the largest alpha4 over its peak."""
     peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
-    return float(linkage.loads(place_of_largest(linkage, 'alpha4'), 1.0).shaking_force) / peak
+    return float(linkage.loads(input_of_largest(linkage, 'alpha4'), 1.0).shaking_force) / peak
 
 
-def place_of_largest(linkage: FourBar, quantity: str) -> float:
+def input_of_largest(linkage: FourBar, quantity: str) -> float:
     """Return theta1 [rad] where a quantity is largest, of either sign."""
     return max(find_extrema(linkage, (quantity,), 1.0),
                key=lambda extremum: abs(extremum.value)).theta1
@@ -127,7 +127,7 @@ def counterweighted(linkage: FourBar) -> FourBar:
     At unit rate a first moment s on the crank adds the force s e^{i theta1}.
     """
     assert linkage.bodies is not None
-    crank, mass, theta1 = linkage.bodies.crank, 5.0, place_of_largest(linkage, 'alpha4')
+    crank, mass, theta1 = linkage.bodies.crank, 5.0, input_of_largest(linkage, 'alpha4')
     loads = linkage.loads(theta1, 1.0)
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
     moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * theta1)

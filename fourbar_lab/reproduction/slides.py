@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the lecture slides print, item by item: what, the unit, printed, ours, and the verdict.
+What the lecture slides print, item by item: its unit, the printed value, ours, the verdict.
 
 Links have the numbers of the slides: crank 2, coupler 3, output 4. Our copy lacks some pages.
 """
@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt
 
 from fourbar_lab.drawing.polygons import acceleration_terms
+from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import (
     ANSWERED,
     ASSUMED,
@@ -21,7 +22,7 @@ from fourbar_lab.reproduction.documents import (
     GARBLED,
     MISPRINT,
     MISSING,
-    number,
+    printed,
     remark,
     ROUNDED,
     Row,
@@ -29,26 +30,7 @@ from fourbar_lab.reproduction.documents import (
     zero,
 )
 from fourbar_lab.reproduction.equations import equations_of_slides, half_angle
-from fourbar_lab.reproduction.published import (
-    at_extrema,
-    EXAMPLE_7_2,
-    EXAMPLE_7_3,
-    EXAMPLE_7_5,
-    EXAMPLE_7_6,
-    EXAMPLE_7_7,
-    extreme,
-    FOOT,
-    GIVEN_7_2,
-    GIVEN_7_3,
-    GIVEN_7_5,
-    GIVEN_7_6,
-    INCH,
-    largest,
-    POINTS_7_3,
-    slope,
-    steps,
-    TURN,
-)
+from fourbar_lab.reproduction.published import FOOT, INCH, largest, TURN
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -67,68 +49,66 @@ def sections() -> list[Section]:
 
 
 def example_7_2() -> Section:
-    m, a2 = EXAMPLE_7_2.motion(*GIVEN_7_2), EXAMPLE_7_2.a2
-    joint_b = point_motion(EXAMPLE_7_2, m, 'coupler', 0.0)
+    m, a2 = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2), published.EXAMPLE_7_2.a2
+    joint_b = point_motion(published.EXAMPLE_7_2, m, 'coupler', 0.0)
     title = ('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
              'in, 1800 rpm clockwise')
     return Section(title, [
-        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
-               'it is in the drawing only; the readings fit it to 2 %'),
-        number('crank speed', 'rad/s', '188.5', -m.omega1),
-        number('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
-        number('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT, ROUNDED,
-               'from 188.5 rad/s', within=1e-3),
-        number('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, DRAWN,
-               within=0.02),
-        number('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, DRAWN,
-               'from 68.8 rad/s, which is squared', within=0.04),
-        number('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, DRAWN,
-               within=0.02),
-        number('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, DRAWN,
-               within=0.02),
-        number('acceleration of D', 'ft/s^2', '8260', nan, MISSING,
-               'where D is on the coupler is in the drawing only'),
+        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+                'it is in the drawing only; the readings fit it to 2 %'),
+        printed('crank speed', 'rad/s', '188.5', -m.omega1),
+        printed('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
+        printed('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT,
+                ROUNDED, 'from 188.5 rad/s', within=1e-3),
+        printed('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, DRAWN,
+                within=0.02),
+        printed('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, DRAWN,
+                'from 68.8 rad/s, which is squared', within=0.04),
+        printed('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, DRAWN,
+                within=0.02),
+        printed('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, DRAWN,
+                within=0.02),
+        printed('acceleration of D', 'ft/s^2', '8260', nan, MISSING,
+                'where D is on the coupler is in the drawing only'),
     ], figure='example_7_2')
 
 
 def example_7_3() -> Section:
-    linkage, m = EXAMPLE_7_3, EXAMPLE_7_3.motion(*GIVEN_7_3)
+    linkage, m = published.EXAMPLE_7_3, published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
     a_e, a_f = (hypot(*point_motion(linkage, m, *point).acceleration) / FOOT
-                for point in POINTS_7_3.values())
-    title = ('Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 '
-             'deg, 900 rpm')
+                for point in published.POINTS_7_3.values())
+    title = 'Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 deg, 900 rpm'
     return Section(title, [
-        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
-               'it is in the drawing only; the readings fit it to 1 % of the longest arrow'),
-        number('ground AD', 'in', '', linkage.a4 / INCH, ASSUMED,
-               "in the drawing only: Uicker's"),
-        *(number(f'{name}, {where}', 'in', '', value / INCH, ASSUMED, 'in the drawing only')
+        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+                'it is in the drawing only; the readings fit it to 1 % of the longest arrow'),
+        printed('ground AD', 'in', '', linkage.a4 / INCH, ASSUMED,
+                "in the drawing only: Uicker's"),
+        *(printed(f'{name}, {where}', 'in', '', value / INCH, ASSUMED, 'in the drawing only')
           for name, first, link in (('E', 'B', 'BC'), ('F', 'D', 'DC'))
-          for where, value in ((f'from {first} along {link}', POINTS_7_3[name][1]),
-                               (f'to the right of {link}', -POINTS_7_3[name][2]))),
-        number('crank speed (900 rpm, in the drawing only)', 'rad/s', '94.2', m.omega1),
-        number('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT, ROUNDED,
-               'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, in the slides or in '
-               'our copy only', within=0.002),
-        number('angular velocity of the coupler', 'rad/s', '25.6', m.omega_beta, DRAWN,
-               within=0.01),
-        number('angular velocity of the output link', 'rad/s', '49.6', m.omega4, DRAWN,
-               within=0.01),
-        number('normal part of A_C/B', 'ft/s^2', '983', m.omega_beta**2 * linkage.a2 / FOOT,
-               DRAWN, 'from 25.6 rad/s', within=0.02),
-        number('normal part of A_C/D', 'ft/s^2', '2255', m.omega4**2 * linkage.a3 / FOOT, DRAWN,
-               'from 49.6 rad/s', within=0.01),
-        number('tangential part of A_C/B', 'ft/s^2', '160',
-               abs(m.alpha_beta) * linkage.a2 / FOOT, DRAWN,
-               'the smallest arrow of a polygon of 2958 ft/s^2', within=0.2),
-        number('tangential part of A_C/D', 'ft/s^2', '1670', abs(m.alpha4) * linkage.a3 / FOOT,
-               DRAWN, within=0.01),
-        number('angular acceleration of the coupler', 'rad/s^2', '107', m.alpha_beta, DRAWN,
-               'from 160 ft/s^2', within=0.2),
-        number('angular acceleration of the output link, cw', 'rad/s^2', '1822', -m.alpha4,
-               DRAWN, within=0.01),
-        number('acceleration of E', 'ft/s^2', '2580', a_e, DRAWN, within=0.02),
-        number('acceleration of F', 'ft/s^2', '1960', a_f, DRAWN, within=0.02),
+          for where, value in ((f'from {first} along {link}', published.POINTS_7_3[name][1]),
+                               (f'to the right of {link}', -published.POINTS_7_3[name][2]))),
+        printed('crank speed (900 rpm, in the drawing only)', 'rad/s', '94.2', m.omega1),
+        printed('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT, ROUNDED,
+                'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, in the slides or in '
+                'our copy only', within=0.002),
+        printed('angular velocity of the coupler', 'rad/s', '25.6', m.omega_beta, DRAWN,
+                within=0.01),
+        printed('angular velocity of the output link', 'rad/s', '49.6', m.omega4, DRAWN,
+                within=0.01),
+        printed('normal part of A_C/B', 'ft/s^2', '983', m.omega_beta**2 * linkage.a2 / FOOT,
+                DRAWN, 'from 25.6 rad/s', within=0.02),
+        printed('normal part of A_C/D', 'ft/s^2', '2255', m.omega4**2 * linkage.a3 / FOOT, DRAWN,
+                'from 49.6 rad/s', within=0.01),
+        printed('tangential part of A_C/B', 'ft/s^2', '160', abs(m.alpha_beta) * linkage.a2 / FOOT,
+                DRAWN, 'the smallest arrow of a polygon of 2958 ft/s^2', within=0.2),
+        printed('tangential part of A_C/D', 'ft/s^2', '1670', abs(m.alpha4) * linkage.a3 / FOOT,
+                DRAWN, within=0.01),
+        printed('angular acceleration of the coupler', 'rad/s^2', '107', m.alpha_beta, DRAWN,
+                'from 160 ft/s^2', within=0.2),
+        printed('angular acceleration of the output link, cw', 'rad/s^2', '1822', -m.alpha4, DRAWN,
+                within=0.01),
+        printed('acceleration of E', 'ft/s^2', '2580', a_e, DRAWN, within=0.02),
+        printed('acceleration of F', 'ft/s^2', '1960', a_f, DRAWN, within=0.02),
     ], figure='example_7_3')
 
 
@@ -138,39 +118,38 @@ def example_7_4() -> Section:
     terms = acceleration_terms(ORIGIN, 50.0, 0.0, 0.5 * out, 30.0 * out)
     x, y = np.sum(terms, axis=0)
     return Section('Slides, Example 7.4 - slider on a turning rod', [
-        number('normal acceleration', 'm/s^2', '1250', hypot(*terms.normal)),
-        number('Coriolis acceleration', 'm/s^2', '3000', hypot(*terms.coriolis)),
-        number('acceleration of A', 'm/s^2', '3250', hypot(x, y)),
-        number('its angle with the horizontal', 'deg', '22.4', degrees(pi - np.arctan2(y, x))),
+        printed('normal acceleration', 'm/s^2', '1250', hypot(*terms.normal)),
+        printed('Coriolis acceleration', 'm/s^2', '3000', hypot(*terms.coriolis)),
+        printed('acceleration of A', 'm/s^2', '3250', hypot(x, y)),
+        printed('its angle with the horizontal', 'deg', '22.4', degrees(pi - np.arctan2(y, x))),
     ])
 
 
 def example_7_5() -> Section:
-    linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
+    linkage, m = published.EXAMPLE_7_5, published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
     coriolis = -2.0 * m.omega4 * m.slide_velocity
     title = ('Slides, Example 7.5 - inverted slider-crank, crank 3 in at 30 deg, '
              'ground 14 in, no offset, 36 rad/s clockwise')
     return Section(title, [
-        number('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
-               'it is in the drawing only; the readings fit it to 3 %'),
-        number('distance of D from the line of A', 'in', '', linkage.offset / INCH, ASSUMED,
-               'in the drawing only: omega4 is 1.3 % off without, 12 or 15 % off with the 2 in '
-               'of AB'),
-        number('speed of A', 'ft/s', '9', -m.omega1 * linkage.a1 / FOOT),
-        number('speed of Q', 'ft/s', '7.24', m.omega4 * m.slide / FOOT, DRAWN, within=0.03),
-        number('relative velocity', 'ft/s', '5.52', -m.slide_velocity / FOOT, DRAWN, within=0.03),
-        number('angular velocity of the bar', 'rad/s', '7.55', m.omega4, DRAWN, within=0.03),
-        number('distance QD', 'in', '11.5', m.slide / INCH),
-        number('distance QD in the last line', 'in', '11.6', m.slide / INCH, DRAWN,
-               '11.5 in (E3)', within=0.01),
-        number('acceleration of A', 'ft/s^2', '324', m.omega1**2 * linkage.a1 / FOOT),
-        number('normal part of A_Q/D', 'ft/s^2', '54.6', m.omega4**2 * m.slide / FOOT, DRAWN,
-               within=0.03),
-        number('Coriolis acceleration', 'ft/s^2', '83.4', coriolis / FOOT, DRAWN, within=0.03),
-        number('tangential part of A_Q/D', 'ft/s^2', '274', m.alpha4 * m.slide / FOOT, DRAWN,
-               within=0.03),
-        number('angular acceleration of the bar', 'rad/s^2', '283', m.alpha4, DRAWN,
-               within=0.03),
+        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+                'it is in the drawing only; the readings fit it to 3 %'),
+        printed('distance of D from the line of A', 'in', '', linkage.offset / INCH, ASSUMED,
+                'in the drawing only: omega4 is 1.3 % off without, 12 or 15 % off with the 2 in '
+                'of AB'),
+        printed('speed of A', 'ft/s', '9', -m.omega1 * linkage.a1 / FOOT),
+        printed('speed of Q', 'ft/s', '7.24', m.omega4 * m.slide / FOOT, DRAWN, within=0.03),
+        printed('relative velocity', 'ft/s', '5.52', -m.slide_velocity / FOOT, DRAWN, within=0.03),
+        printed('angular velocity of the bar', 'rad/s', '7.55', m.omega4, DRAWN, within=0.03),
+        printed('distance QD', 'in', '11.5', m.slide / INCH),
+        printed('distance QD in the last line', 'in', '11.6', m.slide / INCH, DRAWN,
+                '11.5 in (E3)', within=0.01),
+        printed('acceleration of A', 'ft/s^2', '324', m.omega1**2 * linkage.a1 / FOOT),
+        printed('normal part of A_Q/D', 'ft/s^2', '54.6', m.omega4**2 * m.slide / FOOT, DRAWN,
+                within=0.03),
+        printed('Coriolis acceleration', 'ft/s^2', '83.4', coriolis / FOOT, DRAWN, within=0.03),
+        printed('tangential part of A_Q/D', 'ft/s^2', '274', m.alpha4 * m.slide / FOOT, DRAWN,
+                within=0.03),
+        printed('angular acceleration of the bar', 'rad/s^2', '283', m.alpha4, DRAWN, within=0.03),
     ], figure='example_7_5')
 
 
@@ -183,14 +162,14 @@ def vectors() -> Section:
 
 def _in_complex(linkage: Mechanism, motion: NamedFields, link: str, along: float
                 ) -> tuple[complex, complex, complex]:
-    """Return place, velocity and acceleration of a point of a link, x + i y each."""
+    """Return position, velocity and acceleration of a point of a link, x + i y each."""
     point = point_motion(linkage, motion, link, along)
     return complex(*point.place), complex(*point.velocity), complex(*point.acceleration)
 
 
 def _circle_and_link() -> list[Row]:
     """Return the Rows of (1)-(3), C on its circle about D, and (6), B and C, in Example 7.3."""
-    linkage, m = EXAMPLE_7_3, EXAMPLE_7_3.motion(*GIVEN_7_3)
+    linkage, m = published.EXAMPLE_7_3, published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
     b, _, a_b = _in_complex(linkage, m, 'crank', linkage.a1)
     c, _, a_c = _in_complex(linkage, m, 'output', linkage.a3)
     _, v_of_coupler, a_of_coupler = _in_complex(linkage, m, 'coupler', linkage.a2)
@@ -205,7 +184,7 @@ def _circle_and_link() -> list[Row]:
 
 def _polar() -> list[Row]:
     """Return the Rows of (7), (8) and the acceleration image in Example 7.2."""
-    linkage, m = EXAMPLE_7_2, EXAMPLE_7_2.motion(*GIVEN_7_2)
+    linkage, m = published.EXAMPLE_7_2, published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
     r2, r3, w2, w3, al2, al3 = (linkage.a1, linkage.a2, m.omega1, m.omega_beta, m.alpha1,
                                 m.alpha_beta)
     s2, c2, s3, c3 = m.sin_x, m.cos_x, m.sin_b, m.cos_b
@@ -229,7 +208,7 @@ def _polar() -> list[Row]:
 
 def _moving_frame() -> list[Row]:
     """Return the Rows of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
-    linkage, m = EXAMPLE_7_5, EXAMPLE_7_5.motion(*GIVEN_7_5)
+    linkage, m = published.EXAMPLE_7_5, published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
     a, _, a_a = _in_complex(linkage, m, 'crank', linkage.a1)
     _, _, a_q = _in_complex(linkage, m, 'output', m.slide)
     bar, arm = complex(*linkage.link_motion(m, 'output').direction), a - linkage.a4
@@ -249,7 +228,7 @@ def _moving_frame() -> list[Row]:
 def contact() -> Section:
     title = ('Slides, Eq. (12), at the pose of Example 7.6; Eqs. (13)-(15), of a '
              'disc of our own, 0.3 m, 4 rad/s, 2 rad/s^2, on flat ground')
-    m, radius, w, al = EXAMPLE_7_6.motion(*GIVEN_7_6), 0.3, 4.0, 2.0
+    m, radius, w, al = published.EXAMPLE_7_6.motion(*published.GIVEN_7_6), 0.3, 4.0, 2.0
     centre, p2 = -al * radius, -1j * radius             # acceleration of C; P2 seen from C
     # of the cycloid r (phi - sin phi, 1 - cos phi), phi clockwise, at phi = 0
     cycloid = 1j * radius * w**2
@@ -268,12 +247,13 @@ def contact() -> Section:
 def io_equations() -> Section:
     title = ('Slides, Eqs. (16)-(37), at the pose of Example 7.6 (left sides over '
              'the sum of their terms)')
-    m, (_, a2, _, a4) = EXAMPLE_7_6.motion(*GIVEN_7_6), EXAMPLE_7_6.lengths
+    linkage = published.EXAMPLE_7_6
+    m, (_, a2, _, a4) = linkage.motion(*published.GIVEN_7_6), linkage.lengths
     angles = {n: half_angle(*(getattr(m, f'{symbol}{n}') for symbol in ('theta', 'omega',
                                                                         'alpha')))
               for n in (1, 2, 3, 4)}
     position, ratio, acceleration = [], [], []
-    for name, equation in equations_of_slides(EXAMPLE_7_6.lengths).items():
+    for name, equation in equations_of_slides(linkage.lengths).items():
         a, b = angles[equation.i], angles[equation.j]
         position.append(zero(f'Eq. ({name})', *equation.position(a, b)))
         ratio.append(equal(f'Eq. ({name + 6})', '', equation.ratio(a, b), b.omega / a.omega))
@@ -305,76 +285,81 @@ def io_equations() -> Section:
 
 
 def example_7_6() -> Section:
-    m, other = (EXAMPLE_7_6.in_mode(mode).motion(*GIVEN_7_6) for mode in (OPEN, CROSSED))
+    m, crossed = (published.EXAMPLE_7_6.in_mode(mode).motion(*published.GIVEN_7_6)
+                  for mode in (OPEN, CROSSED))
     v2, v4 = (half_angle(m.theta2, m.omega2, m.alpha2), half_angle(m.theta4, m.omega4, m.alpha4))
-    theta2, other_theta2 = degrees(m.theta2), degrees(other.theta2)
-    title = ('Slides, Example 7.6 - 4R 8, 14, 9, 17, crank at 60 deg, 10 rad/s, 100 '
-             'rad/s^2')
+    theta2, crossed_theta2 = degrees(m.theta2), degrees(crossed.theta2)
+    title = 'Slides, Example 7.6 - 4R 8, 14, 9, 17, crank at 60 deg, 10 rad/s, 100 rad/s^2'
     return Section(title, [
-        number('v2', '', '-0.4840', v2.v),
-        number('v2, the other mode', '', '-1.8988', half_angle(other.theta2).v),
-        number('theta2', 'deg', '-51.6569', theta2),
-        number('theta2, the other mode', 'deg', '-124.4528', other_theta2),
-        number('theta2 as a positive angle', 'deg', '308.3430', theta2 % 360.0),
-        number('the same, the other mode', 'deg', '235.5472', other_theta2 % 360.0),
-        number("theta2''", 'deg', '128.3430', theta2 % 360.0 - 180.0),
-        number("theta2' (coupler against the ground)", 'deg', '8.3430', degrees(m.beta)),
-        number('v4', '', '0.9094', v4.v),
-        number('v4, the other mode', '', '-2.7989', half_angle(other.theta4).v),
-        number('theta4', 'deg', '84.5689', degrees(m.theta4)),
-        number('theta4, the other mode', 'deg', '-140.6787', degrees(other.theta4)),
-        number('dv4/dt', '1/s', '6.5574', v4.dv),
-        number('omega4', 'rad/s', '7.1781', m.omega4),
-        number('omega2 (of the coupler)', 'rad/s', '-2.4463', m.omega_beta),
-        number('dv2/dt', '1/s', '-7.6811', v2.dv),
-        number('dtheta2/dt', 'rad/s', '-12.4463', m.omega2),
-        number('d2v4/dt2', '1/s^2', '157.4654', v4.ddv),
-        number('alpha4', 'rad/s^2', '125.5109', m.alpha4),
-        number('alpha2 (of the coupler)', 'rad/s^2', '-3.5916', m.alpha_beta),
-        number('dv2/dt on the last page', '1/s', '-110.2051', v2.dv, GARBLED,
-               'it is d2v2/dt2, as its sentence says; our copy drops dots there'),
-        number('d2v2/dt2', '1/s^2', '-110.2051', v2.ddv),
-        number('d2theta2/dt2', 'rad/s^2', '-103.5916', m.alpha2),
+        printed('v2', '', '-0.4840', v2.v),
+        printed('v2, the other mode', '', '-1.8988', half_angle(crossed.theta2).v),
+        printed('theta2', 'deg', '-51.6569', theta2),
+        printed('theta2, the other mode', 'deg', '-124.4528', crossed_theta2),
+        printed('theta2 as a positive angle', 'deg', '308.3430', theta2 % 360.0),
+        printed('the same, the other mode', 'deg', '235.5472', crossed_theta2 % 360.0),
+        printed("theta2''", 'deg', '128.3430', theta2 % 360.0 - 180.0),
+        printed("theta2' (coupler against the ground)", 'deg', '8.3430', degrees(m.beta)),
+        printed('v4', '', '0.9094', v4.v),
+        printed('v4, the other mode', '', '-2.7989', half_angle(crossed.theta4).v),
+        printed('theta4', 'deg', '84.5689', degrees(m.theta4)),
+        printed('theta4, the other mode', 'deg', '-140.6787', degrees(crossed.theta4)),
+        printed('dv4/dt', '1/s', '6.5574', v4.dv),
+        printed('omega4', 'rad/s', '7.1781', m.omega4),
+        printed('omega2 (of the coupler)', 'rad/s', '-2.4463', m.omega_beta),
+        printed('dv2/dt', '1/s', '-7.6811', v2.dv),
+        printed('dtheta2/dt', 'rad/s', '-12.4463', m.omega2),
+        printed('d2v4/dt2', '1/s^2', '157.4654', v4.ddv),
+        printed('alpha4', 'rad/s^2', '125.5109', m.alpha4),
+        printed('alpha2 (of the coupler)', 'rad/s^2', '-3.5916', m.alpha_beta),
+        printed('dv2/dt on the last page', '1/s', '-110.2051', v2.dv, GARBLED,
+                'it is d2v2/dt2, as its sentence says; our copy drops dots there'),
+        printed('d2v2/dt2', '1/s^2', '-110.2051', v2.ddv),
+        printed('d2theta2/dt2', 'rad/s^2', '-103.5916', m.alpha2),
     ], figure='example_7_6')
 
 
 def example_7_7() -> Section:
-    eq_38 = equations_of_slides(EXAMPLE_7_7.lengths)[16]
-    (low, low_at), (high, high_at) = ((e.value, degrees(e.theta1)) for e in (
-        extreme(EXAMPLE_7_7, 'omega4', kind, 10.0) for kind in ('minimum', 'maximum')))
-    low_1_at, high_1_at = (
-        degrees(extreme(EXAMPLE_7_7.in_mode(CROSSED), 'omega4', kind, 10.0).theta1) - 360.0
-        for kind in ('minimum', 'maximum'))
-    (most_1, most_1_at), (least_1, least_1_at), (most_2, most_2_at), (least_2, least_2_at) = (
-        (e.value, degrees(e.theta1)) for e in (
-            extreme(EXAMPLE_7_7.in_mode(mode), 'alpha4', kind, 10.0)
-            for mode in (CROSSED, OPEN) for kind in ('maximum', 'minimum')))
+    eq_38 = equations_of_slides(published.EXAMPLE_7_7.lengths)[16]
+
+    def extreme(mode: int, quantity: str, kind: str) -> tuple[float, float]:
+        """Return the value of an extremum and its theta1 [deg]."""
+        extremum = published.extreme(published.EXAMPLE_7_7.in_mode(mode), quantity, kind, 10.0)
+        return extremum.value, degrees(extremum.theta1)
+
+    (low, theta1_low), (high, theta1_high) = (extreme(OPEN, 'omega4', kind)
+                                              for kind in ('minimum', 'maximum'))
+    (most_1, theta1_most_1), (least_1, theta1_least_1) = (extreme(CROSSED, 'alpha4', kind)
+                                                          for kind in ('maximum', 'minimum'))
+    (most_2, theta1_most_2), (least_2, theta1_least_2) = (extreme(OPEN, 'alpha4', kind)
+                                                          for kind in ('maximum', 'minimum'))
     mirrored = 'said of both modes; mode 1 is the mirror image of mode 2'
     return Section('Slides, Example 7.7 - crank-rocker 2, 6, 7, 5 at 10 rad/s', [
-        number('Eq. (38), factor of v1^2 v4^2', '', '-36', eq_38.both),
-        number('Eq. (38), of v1^2', '', '160', eq_38.first),
-        number('Eq. (38), of -v1 v4', '', '112', -eq_38.mixed),
-        number('Eq. (38), of -v4^2', '', '20', -eq_38.second),
-        number('Eq. (38), constant', '', '64', eq_38.constant),
-        number('least omega4, both modes', 'rad/s', '-6.6959', low),
-        number('its theta1, mode 2', 'deg', '2.6810', low_at),
-        number('its theta1, mode 1', 'deg', '2.6810', low_1_at, MISPRINT, mirrored),
-        number('largest omega4, both modes', 'rad/s', '3.2493', high),
-        number('its theta1, mode 2', 'deg', '138.9638', high_at),
-        number('its theta1, mode 1', 'deg', '138.9638', high_1_at, MISPRINT, mirrored),
-        number('mode 1, largest alpha4', 'rad/s^2', '68.7731', most_1),
-        number('  its theta1', 'deg', '24.6475', most_1_at),
-        number('  listed again as', 'deg', '-335.3525', most_1_at - 360.0,
-               why="the same angle; the polynomial's other two roots belong to mode 2"),
-        number('mode 1, least alpha4', 'rad/s^2', '-87.9671', least_1),
-        number('  its theta1', 'deg', '326.1382', least_1_at),
-        number('  listed again as', 'deg', '-33.8618', least_1_at - 360.0,
-               why='the same angle'),
-        number('mode 2, largest alpha4', 'rad/s^2', '87.9671', most_2),
-        number('  its theta1', 'deg', '33.8616', most_2_at, MISPRINT,
-               '33.8618, as two pages earlier'),
-        number('mode 2, least alpha4', 'rad/s^2', '-68.7731', least_2),
-        number('  its theta1', 'deg', '335.3525', least_2_at),
+        printed('Eq. (38), factor of v1^2 v4^2', '', '-36', eq_38.both),
+        printed('Eq. (38), of v1^2', '', '160', eq_38.first),
+        printed('Eq. (38), of -v1 v4', '', '112', -eq_38.mixed),
+        printed('Eq. (38), of -v4^2', '', '20', -eq_38.second),
+        printed('Eq. (38), constant', '', '64', eq_38.constant),
+        printed('least omega4, both modes', 'rad/s', '-6.6959', low),
+        printed('its theta1, mode 2', 'deg', '2.6810', theta1_low),
+        printed('its theta1, mode 1', 'deg', '2.6810',
+                extreme(CROSSED, 'omega4', 'minimum')[1] - 360.0, MISPRINT, mirrored),
+        printed('largest omega4, both modes', 'rad/s', '3.2493', high),
+        printed('its theta1, mode 2', 'deg', '138.9638', theta1_high),
+        printed('its theta1, mode 1', 'deg', '138.9638',
+                extreme(CROSSED, 'omega4', 'maximum')[1] - 360.0, MISPRINT, mirrored),
+        printed('mode 1, largest alpha4', 'rad/s^2', '68.7731', most_1),
+        printed('  its theta1', 'deg', '24.6475', theta1_most_1),
+        printed('  listed again as', 'deg', '-335.3525', theta1_most_1 - 360.0,
+                why="the same angle; the polynomial's other two roots belong to mode 2"),
+        printed('mode 1, least alpha4', 'rad/s^2', '-87.9671', least_1),
+        printed('  its theta1', 'deg', '326.1382', theta1_least_1),
+        printed('  listed again as', 'deg', '-33.8618', theta1_least_1 - 360.0,
+                why='the same angle'),
+        printed('mode 2, largest alpha4', 'rad/s^2', '87.9671', most_2),
+        printed('  its theta1', 'deg', '33.8616', theta1_most_2, MISPRINT,
+                '33.8618, as two pages earlier'),
+        printed('mode 2, least alpha4', 'rad/s^2', '-68.7731', least_2),
+        printed('  its theta1', 'deg', '335.3525', theta1_least_2),
     ], figure='example_7_7')
 
 
@@ -404,17 +389,18 @@ def degree_at_extrema(lengths: Sequence[float]) -> int:
 
 
 def method() -> Section:
-    linkage, speed = EXAMPLE_7_7, 10.0
+    linkage, speed = published.EXAMPLE_7_7, 10.0
     motion, mirrored = linkage.motion(TURN, speed), linkage.in_mode(CROSSED).motion(-TURN, speed)
     degree = degree_at_extrema(linkage.lengths)
-    in_a_mode, most = (len(find_extrema(its, ('alpha4',), speed))
-                       for its in (linkage, FourBar(*FOUR_EXTREMA)))
-    by_rate, by_acceleration = (at_extrema(linkage, name, speed) for name in ('omega4', 'alpha4'))
+    in_a_mode, most = (len(find_extrema(mechanism, ('alpha4',), speed))
+                       for mechanism in (linkage, FourBar(*FOUR_EXTREMA)))
+    by_rate, by_acceleration = (published.at_extrema(linkage, name, speed)
+                                for name in ('omega4', 'alpha4'))
     return Section('Slides, steps 1 to 9 of the method and items 1 to 17 of Example 7.7', [
-        *steps(linkage, speed, ('step 1: theta4 of theta1 alone', 'step 2: its rate',
+        *published.steps(linkage, speed, ('step 1: theta4 of theta1 alone', 'step 2: its rate',
                                 'steps 3, 4, 5: its acceleration at constant rate')),
         equal('steps 6, 7: the derivative at the extrema of alpha4', '',
-              slope(linkage, 'alpha4', by_acceleration.theta1), 0.0,
+              published.slope(linkage, 'alpha4', by_acceleration.theta1), 0.0,
               why='over the largest alpha4, both at 1 rad/s'),
         equal('step 8, item 11: degree of the equation', '', 22, degree),
         equal('step 8, item 11: real values', '', 4, 2 * in_a_mode, why='two in each mode'),

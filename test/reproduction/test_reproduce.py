@@ -24,8 +24,8 @@ from fourbar_lab.reproduction.documents import (
     GARBLED,
     MISPRINT,
     MISSING,
-    number,
     print_tables,
+    printed,
     ROUNDED,
     VERDICTS,
     WRONG,
@@ -113,7 +113,7 @@ def numbers_in(text):
     for name, found in NAMED.findall(text):
         for letter, first, last in re.findall(r'\(?(E?)(\d+)\)?(?:-\(?E?(\d+))?', found):
             kind = f'Eq. {letter}'.strip() if name == 'Eq' else name
-            yield from ((kind, number) for number in range(int(first), int(last or first) + 1))
+            yield from ((kind, index) for index in range(int(first), int(last or first) + 1))
 
 
 def test_every_numbered_thing_of_both_documents_has_its_row(sections):
@@ -157,13 +157,13 @@ def test_agreement_is_to_the_last_printed_digit(value, text, expected):
 
 
 @pytest.mark.parametrize('row', [
-    number('omega4', 'rad/s', '7.1791', 7.17814),
-    number('a', '', '9000', 7873.0, DRAWN, within=0.02),
-    number('v2', '', '-0.4840', -0.48403, MISPRINT, 'none'),
-    number('v4', '', '0.9094', 0.90945, GARBLED, 'none'),
-    number('a', '', '3250', 3250.0, WRONG, 'none'),
-    number('v4', '', '0.9094', 0.90945, DRAWN, within=0.1),         # it agrees
-    number('alpha4', '', '-462.6986675', -462.69865742, GARBLED, within=1e-9),
+    printed('omega4', 'rad/s', '7.1791', 7.17814),
+    printed('a', '', '9000', 7873.0, DRAWN, within=0.02),
+    printed('v2', '', '-0.4840', -0.48403, MISPRINT, 'none'),
+    printed('v4', '', '0.9094', 0.90945, GARBLED, 'none'),
+    printed('a', '', '3250', 3250.0, WRONG, 'none'),
+    printed('v4', '', '0.9094', 0.90945, DRAWN, within=0.1),         # it agrees
+    printed('alpha4', '', '-462.6986675', -462.69865742, GARBLED, within=1e-9),
     zero('Eq.', 1.0, -2.0, 1.1), equal('Eq.', '', 1.0, 1.0 + 1e-9),
     zero('Eq.', 1.0, -1.0, verdict=MISPRINT, why='none', correct=[1.0, -1.0]),
     zero('Eq.', 1.0, -2.0, verdict=MISPRINT, why='so', correct=[1.0, -1.5]),
@@ -205,7 +205,7 @@ def test_table_3_is_momentum(sections):
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
     weighted = published.counterweighted(published.THIN)
-    at, x = published.place_of_largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
+    at, x = published.input_of_largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
     forces = weighted.loads(x, 1.0).shaking_force
     assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
     assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass
