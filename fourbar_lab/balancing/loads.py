@@ -3,8 +3,8 @@
 """
 Loads as linear functions of masses.
 
-At a given motion every component of a load is linear in four numbers of each link: its mass m,
-its first moments m x and m y about its first joint, and its moment of inertia J about that joint,
+At one motion every component of a load is linear in four moments of each link: its mass m, its
+first moments m x and m y about its first joint, and its moment of inertia J about that joint,
 
     (G1)  load(q) = A(q) p,     p = (m, m x, m y, J) of all links.
 
@@ -30,7 +30,7 @@ from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import power_of_two
 import numpy as np
 
-NUMBERS = 4                 # of a link, (G1)
+MOMENTS = 4                 # of a link: m, m x, m y, J of (G1)
 # Inputs of a root mean square: doubled from, at most to, until two results agree to this part.
 POINTS, MOST_POINTS, AGREE = 128, 2**13, 1e-10
 
@@ -39,16 +39,16 @@ class BalanceError(FourBarError, ValueError):
     """A mechanism cannot be balanced as asked; the message gives the reason."""
 
 
-def numbers_of(body: Body) -> Array:
+def moments_of(body: Body) -> Array:
     """Return (m, m x, m y, J) of a body, with J about the first joint: J = J_cg + m r^2."""
     along, across = body.cg_along, body.cg_across
     return np.array((body.mass, body.mass * along, body.mass * across,
                      body.inertia + body.mass * (along * along + across * across)))
 
 
-def body_of(numbers: Array) -> Body:
-    """Return the body with (m, m x, m y, J): the inverse of :func:`numbers_of`, J_cg >= 0."""
-    mass, along, across, inertia = numbers.tolist()
+def body_of(moments: Array) -> Body:
+    """Return the body with (m, m x, m y, J): the inverse of :func:`moments_of`, J_cg >= 0."""
+    mass, along, across, inertia = moments.tolist()
     if mass == 0.0:
         return Body(0.0, inertia=max(inertia, 0.0))
     x, y = along / mass, across / mass
@@ -72,12 +72,12 @@ class Loads:
     """
 
     def __init__(self, mechanism: Mechanism, rate: float):
-        """Refuse mechanisms that no mass can balance; collect the numbers of all links."""
+        """Refuse mechanisms that no mass can balance; collect the moments of all links."""
         if not isinstance(mechanism, Mechanism):
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         if mechanism.bodies is None:
             raise BalanceError('nothing to balance: the scene gives no masses')
-        if not rate or not isfinite(rate):
+        if rate == 0.0 or not isfinite(rate):
             raise InvalidParameter('rate', rate, 'must be finite, not zero')
         toggles = {end for bounds in mechanism.closing_ranges for end in bounds}
         if not mechanism.turns_fully and not toggles.isdisjoint(
@@ -87,14 +87,8 @@ class Loads:
         self.mechanism, self.rate = mechanism, rate
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body
-        self.given = np.concatenate([numbers_of(body or Body(0.0)) for body in mechanism.bodies])
+        self.given = np.concatenate([moments_of(body or Body(0.0)) for body in mechanism.bodies])
         self._weightless = without_weight(mechanism)
-
-    @cached_property
-    def _most_points(self) -> int:
-        """Return the most inputs of a root mean square in each range."""
-        is_trapezoidal = self.mechanism.turns_fully and not self.mechanism.flat_inputs
-        return MOST_POINTS if is_trapezoidal else MOST_OF_RANGE
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -113,39 +107,38 @@ class Loads:
             raise InvalidParameter('minimize', name, f'unknown{nearest(name, self.groups)}')
         return self.groups[name]
 
-    def _rounding(self, name: str, numbers: Array) -> float:
+    def _rounding(self, name: str, moments: Array) -> float:
         """Return the size [N or N m] of a load that is rounding alone: its terms cancel."""
         size = max(map(abs, self.mechanism.lengths))
         speed = self.rate * (1.0 if self.mechanism.is_driven_by_slide else size)
-        energy = float(numbers[::NUMBERS].sum()) * speed * speed
+        energy = float(moments[::MOMENTS].sum()) * speed * speed
         return 16.0 * EPS * energy / (1.0 if name in ('moment', 'torque') else size)
 
     def matrices(self, x: Array, name: str) -> Array:
         """
         Return A of (G1) for a load by name at inputs x: shape (components, inputs, 4 links).
 
-        A column is the load of a mechanism without masses but for one link, which is a probe:
-        1 kg at its first joint, 1 kg at a distance u along or across, 1 kg m^2. The second of
-        them has the numbers (1, u, 0, u^2), so A_x = (load - A_m - u^2 A_J) / u.
+        A column is the load of a mechanism whose links have no mass but one, a probe: 1 kg at its
+        first joint, 1 kg at a distance u along or across, 1 kg m^2. The second probe has the
+        moments (1, u, 0, u^2), so A_x = (load - A_m - u^2 A_J) / u.
         """
         fields, columns = self.group(name), list[Array]()
         unit = power_of_two(*self.mechanism.lengths)        # u
         probes = (Body(1.0), Body(1.0, cg_along=unit), Body(1.0, cg_across=unit),
                   Body(0.0, inertia=1.0))
         for link in range(len(self.links)):
-            mass, along, across, inertia = (self._of_probe(x, link, probe, fields)
-                                            for probe in probes)
+            of_probes = []                              # loads, shape (components, inputs)
+            for probe in probes:
+                bodies = [Body(0.0)] * len(self.links)
+                bodies[link] = probe
+                mechanism = replace(self._weightless, bodies=self.mechanism.BODIES(*bodies))
+                of_probes.append(np.array([
+                    np.broadcast_to(load, x.shape)
+                    for load in mechanism.step(x, self.rate, fields=fields)]))
+            mass, along, across, inertia = of_probes
             rest = mass / unit + unit * inertia         # (A_m + u^2 A_J) / u
             columns += [mass, along / unit - rest, across / unit - rest, inertia]
         return np.stack(columns, axis=-1)
-
-    def _of_probe(self, x: Array, link: int, probe: Body, fields: tuple[str, ...]) -> Array:
-        """Return loads, shape (fields, inputs); the link by number is a probe, others massless."""
-        bodies = [Body(0.0)] * len(self.links)
-        bodies[link] = probe
-        mechanism = replace(self._weightless, bodies=self.mechanism.BODIES(*bodies))
-        return np.array([np.broadcast_to(value, x.shape)
-                         for value in mechanism.step(x, self.rate, fields=fields)])
 
     def root(self, names: Iterable[str], must_settle: bool = True) -> Array:
         """
@@ -157,6 +150,8 @@ class Loads:
         does not, and ``must_settle``.
         """
         names, points, before = tuple(names), POINTS, np.inf
+        most = (MOST_POINTS if self.mechanism.turns_fully and not self.mechanism.flat_inputs
+                else MOST_OF_RANGE)
         if not names:
             raise InvalidParameter('minimize', names, 'must name a load at least'
                                    f'{nearest("", self.groups)}')
@@ -173,7 +168,7 @@ class Loads:
             size = float(np.linalg.norm(root))
             has_settled = abs(size - before) <= AGREE * size + max(
                 self._rounding(name, self.given) for name in names)
-            if has_settled or points >= self._most_points:
+            if has_settled or points >= most:
                 break
             points, before = 2 * points, size
         if must_settle and not has_settled:
@@ -183,26 +178,25 @@ class Loads:
             raise BalanceError(f'{" and ".join(names)}: the root mean square {why}')
         return root
 
-    def rms(self, name: str, numbers: Array) -> float:
+    def rms(self, name: str, moments: Array) -> float:
         """
-        Return the root mean square [N or N m] of a load with these numbers of all links.
+        Return the root mean square [N or N m] of a load with these moments of all links.
 
         NaN if it does not settle, as where the load has no bound.
         """
         def squares(x: Array) -> Array:
-            load = self.matrices(x, name) @ numbers
+            load = self.matrices(x, name) @ moments
             return np.asarray((load * load).sum(axis=0))[None]
 
-        rounding = self._rounding(name, numbers)
+        rounding = self._rounding(name, moments)
         mean, = mean_over_input(self.mechanism, squares, least_size=rounding * rounding / AGREE)
         return float(np.sqrt(mean))
 
-    def balanced(self, numbers: Array) -> Mechanism:
+    def balanced(self, moments: Array) -> Mechanism:
         """
-        Return the mechanism whose links have the masses that ``numbers`` tell.
+        Return the mechanism with ``moments`` of its links: (m, m x, m y, J), shape (4 links,).
 
-        ``numbers``: (m, m x, m y, J) of link after link, shape (4 links,), as :attr:`given`.
         Weight and outer forces, which balancing leaves out, act on it as before.
         """
-        bodies = [body_of(part) for part in numbers.reshape(-1, NUMBERS)]
+        bodies = [body_of(of_link) for of_link in moments.reshape(-1, MOMENTS)]
         return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

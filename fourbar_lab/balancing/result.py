@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What balancing did: loads before and after, the scene with its counterweights, figures."""
+"""The result of balancing: loads before and after, the scene with counterweights, figures."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_lab.balancing.cone import Balance, peak
-from fourbar_lab.balancing.loads import body_of, Loads, NUMBERS
+from fourbar_lab.balancing.loads import body_of, Loads, MOMENTS
 from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
@@ -31,17 +31,17 @@ class Change(NamedTuple):
     peak: tuple[float, float]
 
 
-def changes(loads: Loads, numbers: Array) -> list[Change]:
-    """Return the :class:`Change` of each load; ``numbers``: of all links after balancing."""
+def changes(loads: Loads, moments: Array) -> list[Change]:
+    """Return the :class:`Change` of each load; ``moments``: of all links after balancing."""
     def both(name: str, of_links: Array) -> tuple[float, float]:
-        """Return root mean square and peak; at a flat position both or none are infinite."""
+        """Return root mean square and peak; at a flat position both are infinite or none is."""
         largest, _ = peak(loads, name, of_links)
         return (loads.rms(name, of_links), largest) if isfinite(largest) else (inf, inf)
 
     results = []
     for name in loads.groups:
         (rms, largest), (rms_after, largest_after) = (both(name, of_links)
-                                                      for of_links in (loads.given, numbers))
+                                                      for of_links in (loads.given, moments))
         results.append(Change(name, unit_of(loads, name), (rms, rms_after),
                               (largest, largest_after)))
     return results
@@ -52,7 +52,7 @@ def unit_of(loads: Loads, name: str) -> str:
     return 'N m' if loads.group(name)[0].endswith(('moment', 'torque')) else 'N'
 
 
-def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
+def scene_values(scene: Scene, moments: Array) -> dict[str, float]:
     """
     Return the parameters of a scene with (m, m x, m y, J) of its links, those that are no default.
 
@@ -60,7 +60,7 @@ def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
     """
     values = {name: value for name, value in scene.values.items()
               if not name.startswith('bodies.')}
-    for link, of_link in zip(scene.linkage.BODIES._fields, numbers.reshape(-1, NUMBERS)):
+    for link, of_link in zip(scene.linkage.BODIES._fields, moments.reshape(-1, MOMENTS)):
         body = body_of(of_link)
         values |= {f'bodies.{link}.mass': body.mass, f'bodies.{link}.cg_along': body.cg_along,
                    f'bodies.{link}.cg_across': body.cg_across}
@@ -70,20 +70,19 @@ def scene_values(scene: Scene, numbers: Array) -> dict[str, float]:
             and value != getattr(find_parameter(name), 'default', None)}
 
 
-def scene_text(scene: Scene, balance: Balance, what: str) -> str:
+def scene_text(scene: Scene, balance: Balance, how: str) -> str:
     """
     Return a scene file of the balanced mechanism; comments list its counterweights.
 
-    ``what`` says how it was balanced.
+    ``how``: the first words of these comments.
     """
-    head = [f'# {what}; the bodies below include these counterweights, from the first joint:']
-    head += [f'#   {one.link}: {one.mass:.9g} kg at along {one.along:.9g} m, '
-             f'across {one.across:.9g} m'
-             for one in balance.counterweights]
+    head = [f'# {how}; the bodies below include these counterweights, from the first joint:']
+    head += [f'#   {weight.link}: {weight.mass:.9g} kg at along {weight.along:.9g} m, '
+             f'across {weight.across:.9g} m' for weight in balance.counterweights]
     return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.numbers))
 
 
-def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
+def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
     is_angle = loads.mechanism.input_coordinate.unit == 'rad'
     x = np.sort(nodes(loads.mechanism, SAMPLES)[0])
@@ -94,13 +93,14 @@ def draw_changes(loads: Loads, numbers: Array, path: str | Path) -> None:
         panels[f'{title} [{unit_of(loads, name)}]'] = [
             (label, np.degrees(x) if is_angle else x,
              load[0] if len(load) == 1 else np.linalg.norm(load, axis=0))
-            for label, load in (('before', matrices @ loads.given), ('after', matrices @ numbers))]
+            for label, load in (('before', matrices @ loads.given), ('after', matrices @ moments))]
     save(make_panels(panels, 'input [deg]' if is_angle else 'input [m]',
                      'loads of inertia, moment about O1'), path)
 
 
 def draw_front(names: Sequence[str], balances: Sequence[Balance], path: str | Path) -> None:
     """Draw the remaining loads over the added mass; the first balance has no added mass."""
-    added, values = np.array([(one.added, one.value) for one in balances]).T
-    save(make_panels({f'RMS of {" and ".join(names)} [%]': [
-        ('', added, 100.0 * values / (values[0] or 1.0))]}, 'added mass [kg]', ''), path)
+    added, values = np.array([(balance.added, balance.value) for balance in balances]).T
+    percent = 100.0 * values / (values[0] if values[0] != 0.0 else 1.0)
+    save(make_panels({f'RMS of {" and ".join(names)} [%]': [('', added, percent)]},
+                     'added mass [kg]', ''), path)

@@ -15,7 +15,7 @@ from fourbar_lab.balancing import (
     Places,
 )
 from fourbar_lab.balancing.cone import peak
-from fourbar_lab.balancing.loads import Loads, numbers_of
+from fourbar_lab.balancing.loads import Loads, moments_of
 from fourbar_lab.balancing.result import scene_values
 from fourbar_ros import Bodies, FourBar
 from fourbar_ros.cli.main import main
@@ -63,7 +63,7 @@ def test_loads_are_linear_in_masses_moments_and_inertias(name):
         bodies = [record(Body, rng.uniform(0.1, 2.0), *(unit * rng.uniform(-0.5, 0.5, 2)),
                          rng.uniform(0.0, 1.0) * unit**2) for _ in loads.links]
         mechanism = replace(still(loads.mechanism), bodies=loads.mechanism.BODIES(*bodies))
-        numbers = np.concatenate([numbers_of(body) for body in bodies])
+        numbers = np.concatenate([moments_of(body) for body in bodies])
         expected = mechanism.loads(x, loads.rate)
         condition = float(np.max(mechanism.motion(x).condition))
         for field, matrix in matrices.items():
@@ -138,7 +138,7 @@ def test_the_least_rms_is_proven_and_no_other_optimiser_finds_less(names):
         """One counterweight on each link: masses from shares, places in polar coordinates."""
         share, r, angle = free.reshape(3, -1)
         masses = mass * share**2 / max(1.0, np.sum(share**2))
-        return np.linalg.norm(root @ places.numbers(
+        return np.linalg.norm(root @ places.moments(
             Counterweight(link, m, d * np.cos(a), d * np.sin(a)) for link, m, d, a in
             zip(places.radii, masses, 0.6 * np.sin(r), angle)))
 
@@ -218,7 +218,7 @@ def test_a_counterweight_beside_the_coupler_has_no_finite_reactions_at_a_change_
     lengths = (0.05, 0.1, 0.05, 0.1)
     loads = Loads(FourBar(*lengths, bodies=Bodies(*map(rod, lengths[:3]))), 2.0 * pi)
     places = places_of(loads)
-    added = places.numbers([Counterweight('coupler', 0.1, 0.0, 0.01)])
+    added = places.moments([Counterweight('coupler', 0.1, 0.0, 0.01)])
     change = next(change for change in changes(loads, added) if change.name == 'f32')
     assert change.rms[0] < change.peak[0] < inf
     assert change.rms[1] == change.peak[1] == inf
@@ -273,7 +273,7 @@ def test_what_takes_more_inertia_than_a_point_is_two_points_within_the_radius():
     places = places_of(loads_of('paper'), ['output'], 0.6)
     for part in ((0.3, 0.1, -0.2, 0.25), (0.5, 0.0, 0.0, 0.5), (0.2, 0.12, 0.16, 0.2)):
         weights = places.counterweights(np.array(part), 4.0)
-        added = sum(one.numbers for one in weights)
+        added = sum(one.moments for one in weights)
         assert np.allclose(added, 4.0 * np.array(part) * places.units, rtol=1e-12)
         assert len(weights) == 1 + (part[0] * part[3] > part[1]**2 + part[2]**2 + 1e-9)
         assert all(np.hypot(*one[2:]) <= 0.6 * (1.0 + 1e-12) for one in weights)
