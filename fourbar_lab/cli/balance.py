@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
     """
     Add the verb: with --minimize ``_best`` does the work, else ``_full``.
 
-    These check which options go together.
+    Both check which options go together.
     """
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
@@ -73,16 +73,15 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    """Balance a scene; print counterweights and loads, write the scene and the pictures asked."""
+    """Balance a scene; print counterweights and loads, write the files that options name."""
     from fourbar_lab.balancing import Loads, Places
     from fourbar_lab.balancing.result import draw_changes, scene_text
     from fourbar_ros.scene.scene import load
     from fourbar_ros.terminal import make_console
     scene = load(arguments.scene)
     loads = Loads(scene.bare_linkage, scene.drive.speed)
-    places = Places(loads, _radii(scene.linkage, arguments.radius))
-    balance, how = (_best(arguments, places) if arguments.minimize
-                    else _full(arguments, places))
+    sites = Places(loads, _radii(scene.linkage, arguments.radius))
+    balance, how = (_best if arguments.minimize else _full)(arguments, sites)
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
     for table in _tables(loads, balance):
@@ -102,16 +101,15 @@ def _radii(linkage: Mechanism, options: Sequence[tuple[str, float]]) -> dict[str
     return named or {link.name: for_all for link in linkage.LINKS if link.turns}
 
 
-def _full(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
-    """Return the full force balance, and its description as text."""
+def _full(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
     from fourbar_lab.balancing import BalanceError, full_force_balance
     if arguments.peak or arguments.front or arguments.mass is not None:
         raise BalanceError('--mass, --peak and --front go with --minimize')
-    balance = full_force_balance(places)
+    balance = full_force_balance(sites)
     return balance, f'full force balance, at least {balance.bound:.6g} kg are needed'
 
 
-def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
+def _best(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
     """Return the balance that --minimize asks for, and its description; draw the --front."""
     from fourbar_lab.balancing import BalanceError, front, least_peak, least_rms
     from fourbar_lab.balancing.result import draw_front, unit_of
@@ -120,12 +118,12 @@ def _best(arguments: argparse.Namespace, places: Places) -> tuple[Balance, str]:
         raise BalanceError('--minimize needs --mass: how much may be added')
     if arguments.peak and (len(names) > 1 or arguments.front):
         raise BalanceError('--peak takes one load, and no --front')
-    balance = (least_peak(places, names[0], mass) if arguments.peak
-               else least_rms(places, names, mass))
+    balance = (least_peak(sites, names[0], mass) if arguments.peak
+               else least_rms(sites, names, mass))
     if arguments.front:
         masses = [mass * i / (arguments.points - 1 or 1) for i in range(arguments.points)]
-        draw_front(names, front(places, names, masses), arguments.front)
-    unit = unit_of(places.loads, names[0]) if len(names) == 1 else 'relative'
+        draw_front(names, front(sites, names, masses), arguments.front)
+    unit = unit_of(sites.loads, names[0]) if len(names) == 1 else 'relative'
     how = f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}'
     return balance, (f'{how}: {balance.value:.9g} {unit}, and none below '
                      f'{balance.bound:.9g} is possible')

@@ -23,7 +23,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _list(arguments: Namespace) -> None:
-    """Print tables of the shipped scenes and studies: name, first sentence of the file."""
     from fourbar_ros.scene.files import folder
     from fourbar_ros.terminal import make_console, make_table
     console = make_console()

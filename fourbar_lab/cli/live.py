@@ -32,7 +32,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _live(arguments: Namespace) -> None:
-    """Serve the page of a scene until it is interrupted."""
     from fourbar_lab.live.server import free_port, serve
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)

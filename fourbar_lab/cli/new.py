@@ -67,8 +67,7 @@ def add(verbs: Verbs) -> None:
     new.add_argument('--mode', type=assembly_mode, default=2, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
     new.add_argument('--speed', type=of('rad/s'), metavar='SPEED',
-                     default='60rpm',
-                     help='of the crank [rad/s], or 300rpm (default 60rpm)')
+                     default='60rpm', help='of the crank [rad/s], or 300rpm (default 60rpm)')
     section = new.add_mutually_exclusive_group()
     section.add_argument('--bar', type=_bar, metavar='WIDTHxTHICKNESS',
                          help='flat bars of this section, e.g. 20x5mm')
@@ -88,15 +87,16 @@ def _bar(text: str) -> str:
 
 
 def _rod(text: str) -> str:
-    """Return the YAML of rods of a diameter."""
     return f'radius: {0.5 * of("m")(text)!r}'
 
 
 def _density(text: str) -> float:
     """Return the density [kg/m^3] for the name of a material or a number with a unit."""
-    if text[:1].isalpha() and text not in MATERIALS:
+    if text in MATERIALS:
+        return MATERIALS[text]
+    if text[:1].isalpha():
         raise ArgumentTypeError(f'{text!r} must be {", ".join(MATERIALS)}, or a density')
-    return MATERIALS[text] if text in MATERIALS else of('kg/m^3', above=0.0)(text)
+    return of('kg/m^3', above=0.0)(text)
 
 
 def _new(arguments: Namespace) -> None:
@@ -125,7 +125,7 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
     Links without a length, as slides, get zeros, for which the user puts in their own.
     """
     texts = {length.name: length.text for length in FACTS[kind].lengths}
-    slides = [f'      {link.name}: {{mass: 0.0{", inertia: 0.0" * link.turns}}}     '
+    slides = [f'      {link.name}: {{mass: 0.0{", inertia: 0.0" if link.turns else ""}}}     '
               f'# {link.text}: give its own\n' for link in FACTS[kind].links if not link.length]
     return SCENE.format(
         title=kind.replace('_', '-'), kind=kind, mode=mode,

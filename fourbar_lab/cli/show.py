@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
@@ -72,36 +71,32 @@ def _show(arguments: Namespace) -> None:
     why_no_loads = scene.why_no_loads
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
               if scene.tells_loads else None)
-    with_masses = scene.bare_linkage.in_mode(linkage.mode)      # for what it is
+    bare = scene.bare_linkage.in_mode(linkage.mode)         # without springs and forces
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
             **({'within': list(within)} if within else {}), 'why_no_loads': why_no_loads,
             **({'drive_effort': effort._asdict()} if effort else {}),
-            **record_of(with_masses, extrema, scene.points, pose)}))
+            **record_of(bare, extrema, scene.points, pose)}))
     else:
         from fourbar_lab.drawing import tables
+        from fourbar_ros.terminal import make_console
         rates = tables.rates_in_words(linkage, speed, acceleration)
         if within:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
-        _print([
-            tables.what_it_is(with_masses, path),
+        console = make_console()
+        blocks = [
+            tables.what_it_is(bare, path),
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,
             why_no_loads or None,
             _effort_in_words(linkage, effort) if effort else None,
-            *(_pose_tables(linkage, pose, scene) if pose else ())])
-
-
-def _print(tables: Sequence[Table | str | None]) -> None:
-    """Print tables with empty lines between, and lines of text behind them."""
-    from fourbar_ros.terminal import make_console
-    console = make_console()
-    for place, table in enumerate(filter(None, tables)):
-        if place and not isinstance(table, str):
-            console.print()
-        console.print(table)
+            *(_pose_tables(linkage, pose, scene) if pose else ())]
+        for index, block in enumerate(filter(None, blocks)):
+            if index and not isinstance(block, str):
+                console.print()             # between tables; lines of text follow their table
+            console.print(block)
 
 
 def _pose_tables(linkage: Mechanism, pose: DrawnPose, scene: Scene) -> list[Table | None]:

@@ -124,26 +124,26 @@ def _show(arguments: argparse.Namespace) -> None:
               for row, design in ((row, results.design(row)) for row in rows)])
 
     study, missing = results.study, results.study['rows'] - results.designs
-    console.print(f'{results.designs} of {study["rows"]} designs ({study["method"]}, seed '
-                  f'{study["seed"]}), {results.kept} kept'
-                  + f'; {missing} are not computed yet: --resume' * bool(missing))
-    show('designs', ('', '>'), [(reason, str(number))
-                                for reason, number in results.counts.items()])
+    text = (f'{results.designs} of {study["rows"]} designs ({study["method"]}, seed '
+            f'{study["seed"]}), {results.kept} kept')
+    console.print(f'{text}; {missing} are not computed yet: --resume' if missing else text)
+    show('designs', ('', '>'), [(reason, str(count))
+                                for reason, count in results.counts.items()])
     if results.kept:
         show('ranges', ('column', 'unit', 'least>', *(f'{p} %>' for p in PERCENTILES),
                         'greatest>', 'mean>', 'without>'),
-             [(one.name, one.unit, *(f'{value:.6g}' for value in (
-                 one.least, *one.percentiles, one.greatest, one.mean, one.missing)))
-              for one in results.summaries()])
+             [(column.name, column.unit, *(f'{value:.6g}' for value in (
+                 column.least, *column.percentiles, column.greatest, column.mean, column.missing)))
+              for column in results.summaries()])
         for name, sense in results.objectives.items():
             show_designs(f'best designs: {sense} {name}', results.best(name))
         if len(results.objectives) > 1:
             front = results.front()
-            one, other = list(results.objectives)[:2]
-            rows = front['row'][front[one].argsort()].tolist()
+            first, second = list(results.objectives)[:2]
+            rows = front['row'][front[first].argsort()].tolist()
             step = -(-len(rows) // LISTED)
-            show_designs(f'front: {len(rows)} designs that none beats in {one} without being '
-                         f'worse in {other}', rows[::step])
+            show_designs(f'front: {len(rows)} designs that none beats in {first} without being '
+                         f'worse in {second}', rows[::step])
     for row, text in results.failures[:5]:
         console.print(f'row {row} failed: {text}')
 
@@ -185,7 +185,7 @@ def _run(arguments: argparse.Namespace) -> int:
         raise
     seconds, results = time.monotonic() - begun, Results(arguments.out)
     print(f'{done} designs in {seconds:.1f} s ({done / seconds:.0f}/s): {arguments.out}')
-    print(', '.join(f'{reason}: {number}' for reason, number in results.counts.items()),
+    print(', '.join(f'{reason}: {count}' for reason, count in results.counts.items()),
           flush=True)
     for row, text in results.failures[:5]:
         print(f'row {row} failed: {text}', file=sys.stderr)

@@ -50,7 +50,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) -> None:
-    """Add what both take; ``out``, ``suffix``: of ``--out``, ``default``: of no QUANTITY."""
+    """Add the arguments of both verbs; ``default``: the text of no QUANTITY."""
     add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help='e.g. omega4, f41, inertia and bias of the drive, middle.speed of a '
@@ -87,9 +87,10 @@ def _plot(arguments: Namespace) -> None:
     scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
         (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
-    given = scene, linkage, names, speed, arguments.acceleration
-    curves = curves_of(*given, arguments.samples)
-    print(save(make_figure(curves, marks_of(linkage, extrema_of(*given))), arguments.out))
+    acceleration = arguments.acceleration
+    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples)
+    extrema = extrema_of(scene, linkage, names, speed, acceleration)
+    print(save(make_figure(curves, marks_of(linkage, extrema)), arguments.out))
     _tell_weight(scene, curves.names)
 
 

@@ -45,7 +45,7 @@ def _run(arguments: argparse.Namespace) -> None:
     study = read(arguments.study)
     if arguments.rows:
         study = replace(study, rows=arguments.rows)
-    box, units = box_of(study), {one.name: one.unit for one in study.vary}
+    box, units = box_of(study), {parameter.name: parameter.unit for parameter in study.vary}
     results, corners = tolerances(study)
     drawn, draws = _drawn(study)
     console = make_console()
@@ -57,10 +57,10 @@ def _run(arguments: argparse.Namespace) -> None:
              ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
                                               ('first order', 'of corners', 'drawn')
                                               for end in ('least', 'greatest')),
-              '5 %>', '50 %>', '95 %>'), [_bounds_row(one, drawn) for one in results]),
+              '5 %>', '50 %>', '95 %>'), [_bounds_row(result, drawn) for result in results]),
             ('derivatives, and what each tolerance contributes',
              ('measure', 'parameter', 'derivative>', 'unit', '+->'),
-             [row for one in results for row in _derivative_rows(one, box, units)])):
+             [row for result in results for row in _derivative_rows(result, box, units)])):
         console.print(make_table(title, heads, rows))
         console.print()
     for line in _left_out(results, corners, drawn, draws):
@@ -72,65 +72,64 @@ def _run(arguments: argparse.Namespace) -> None:
 
 def _drawn(study: Study) -> tuple[dict[str, Summary], Counter[str]]:
     """
-    Compute the rows of a study; return {measure: its Summary} and {reason: designs}.
+    Compute the rows of a study; return {measure: Summary} and {reason: number of designs}.
 
-    All rows that can be built count, feasible or not, and nobody wants objectives here.
+    All rows that can be built count, feasible or not; objectives are left out.
     """
     from fourbar_lab.studies.chunks import compute
     from fourbar_lab.studies.results import summary
     import numpy as np
     study = replace(study, keeps_all=True, objectives={})
-    chunks = [compute(study, number) for number in range(study.chunks)]
+    chunks = [compute(study, index) for index in range(study.chunks)]
     counts = sum((Counter(chunk.counts) for chunk in chunks), Counter[str]())
-    return {one.name: summary(one.name, one.unit, np.concatenate(
-        [chunk.columns[one.name] for chunk in chunks]))
-        for one in study.measures if one.part != 'class'}, counts
+    return {measure.name: summary(measure.name, measure.unit, np.concatenate(
+        [chunk.columns[measure.name] for chunk in chunks]))
+        for measure in study.measures if measure.part != 'class'}, counts
 
 
 def _known(counts: dict[str, int]) -> int:
-    """Return how many designs were computed."""
     from fourbar_lab.studies.chunks import FAILED, NOT_BUILT
     return sum(counts.values()) - counts.get(NOT_BUILT, 0) - counts.get(FAILED, 0)
 
 
 def _left_out(results: list[Toleranced], corners: dict[str, int], drawn: dict[str, Summary],
               draws: dict[str, int]) -> Iterator[str]:
-    """Yield a line for whatever the tables leave out: designs, values, first orders."""
+    """Yield a line for all that the tables leave out: designs, values, first orders."""
     from fourbar_lab.studies.chunks import FAILED, NOT_BUILT
 
     def counted(of_draws: int, of_corners: int, all_draws: int, all_corners: int) -> str:
-        return ' and '.join(f'{number} of {whole} {name}' for number, whole, name in (
-            (of_draws, all_draws, 'draws'), (of_corners, all_corners, 'corners')) if number)
+        return ' and '.join(f'{count} of {total} {name}' for count, total, name in (
+            (of_draws, all_draws, 'draws'), (of_corners, all_corners, 'corners')) if count)
 
     for reason in (NOT_BUILT, FAILED):
         text = counted(draws.get(reason, 0), corners.get(reason, 0), sum(draws.values()),
                        sum(corners.values()))
         if text:
             yield f'{text} {reason}'
-    for one in results:
-        measure = one.sensitivity.measure
-        text = counted(drawn[measure.name].missing, one.corners.missing, _known(draws),
+    for result in results:
+        measure = result.sensitivity.measure
+        text = counted(drawn[measure.name].missing, result.corners.missing, _known(draws),
                        _known(corners))
         if text:
             yield f'{measure.name} has no value in {text}'
-        if one.sensitivity.why_unknown:
-            yield f'{measure.name} has no first order: {one.sensitivity.why_unknown}'
+        if result.sensitivity.why_unknown:
+            yield f'{measure.name} has no first order: {result.sensitivity.why_unknown}'
 
 
-def _bounds_row(one: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
+def _bounds_row(result: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
     """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
-    measure, value = one.sensitivity.measure, one.sensitivity.value
+    measure, value = result.sensitivity.measure, result.sensitivity.value
     of_drawn = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
-    numbers = (value, value - one.first_order, value + one.first_order, one.corners.least,
-               one.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
-    return (measure.name, measure.unit, *map(_text, numbers))
+    values = (value, value - result.first_order, value + result.first_order, result.corners.least,
+               result.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
+    return (measure.name, measure.unit, *map(_text, values))
 
 
-def _derivative_rows(one: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
+def _derivative_rows(result: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
                      ) -> list[tuple[str, ...]]:
     """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
-    measure, by = one.sensitivity.measure, one.sensitivity.by
+    measure, by = result.sensitivity.measure, result.sensitivity.by
     if not any(isfinite(value) for value in by.values()):
         return []
     shares = {name: abs(by[name]) * size for name, (_, size) in box.items()}
@@ -146,5 +145,4 @@ def _unit(of: str, by: str) -> str:
 
 
 def _text(value: float) -> str:
-    """Return a number as text; a dash for an unknown one."""
     return '-' if isnan(value) else f'{value:.6g}'
