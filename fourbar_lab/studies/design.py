@@ -11,17 +11,8 @@ from collections.abc import Sequence
 from functools import cached_property
 from math import nan
 
-from fourbar_lab.studies.measures import (
-    CHANGE_POINT,
-    CLASS,
-    Extent,
-    INPUT_RANGE,
-    Measure,
-    Measures,
-    STROKE,
-    SWING,
-    TIME_RATIO,
-)
+from fourbar_lab.studies import measures as kinds
+from fourbar_lab.studies.measures import Extent, Measure, Measures
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
@@ -34,20 +25,20 @@ class Design:
     def __init__(self, scene: Scene, acceleration: float = 0.0):
         self.scene, self.linkage = scene, scene.linkage
         self.rates = scene.drive.speed, acceleration        # of the input
-        self._measures = Measures(scene)
+        self.measures = Measures(scene)
         self.extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
 
     def search(self, measures: Sequence[Measure]) -> None:
         """Find the extrema that some measures need, all in one search."""
         # the mean square over a full turn is an integral of something smooth; in a range, infinite
         # extrema at toggles tell that it diverges
-        names = [self._measures.source(measure) for measure in measures
+        names = [self.measures.source(measure) for measure in measures
                  if measure.part != 'rms' or not self.linkage.turns_fully]
         new = [name for name in dict.fromkeys(names) if name and name not in self.extrema]
         if new:
             self.extrema |= {name: [] for name in new}
             for extremum in find_extrema(
-                    self.linkage, [self._measures.quantities[name] for name in new], *self.rates,
+                    self.linkage, [self.measures.quantities[name] for name in new], *self.rates,
                     conditions=False):
                 self.extrema[extremum.quantity].append(extremum)
 
@@ -57,20 +48,20 @@ class Design:
 
         :meth:`search` must have found its extrema.
         """
-        linkage, name = self.linkage, self._measures.source(measure)
-        if measure.part == CLASS:
+        linkage, name = self.linkage, self.measures.source(measure)
+        if measure.part == kinds.CLASS:
             return linkage.classification
-        if measure.part == CHANGE_POINT:
+        if measure.part == kinds.CHANGE_POINT:
             return linkage.change_point_margin
-        if measure.part == INPUT_RANGE:
+        if measure.part == kinds.INPUT_RANGE:
             low, high = self.input_range
             return high - low
-        if measure.part in (SWING, STROKE):
+        if measure.part in (kinds.SWING, kinds.STROKE):
             return self.output_range.width
         if measure.part == 'rms':
-            return OverInput(linkage, self._measures.quantities[name], *self.rates,
+            return OverInput(linkage, self.measures.quantities[name], *self.rates,
                              extrema=self.extrema.get(name)).rms
-        if measure.part == TIME_RATIO and not linkage.turns_fully:
+        if measure.part == kinds.TIME_RATIO and not linkage.turns_fully:
             return nan
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
         extent = (Extent(most.value, most.input, least.value, least.input,
@@ -97,6 +88,6 @@ class Design:
     @cached_property
     def output_range(self) -> OutputRange:
         """Return what the output sweeps over :attr:`input_range`."""
-        known = self.extrema.get(self._measures.output)
+        known = self.extrema.get(self.measures.output)
         return next(swept for swept in output_ranges(self.linkage, extrema=known)
                     if swept.inputs == self.input_range)
