@@ -3,7 +3,7 @@
 """
 A chunk of a study: its designs drawn and computed, and why each design is left out.
 
-A pure function of the study and the chunk's number: the same bits wherever it runs.
+A pure function of the study and the index of the chunk: the same bits wherever it runs.
 """
 from __future__ import annotations
 
@@ -32,9 +32,8 @@ class Chunk(NamedTuple):
     Results of one chunk.
 
     ``columns``: {name: array of the rows kept}: ``row``, the parameters that vary, the measures;
-    ``feasible`` if all are kept.
-    ``counts``: {reason: number} of its designs, kept or left out by which constraint;
-    ``failures``: rows whose computation raised an error, and its text.
+    ``feasible`` if all are kept. ``counts``: {reason: designs}, kept or left out by which
+    constraint; ``failures``: rows whose computation raised an error, and its text.
     """
 
     columns: dict[str, Array]
@@ -48,8 +47,8 @@ def measured(study: Study, drawn: dict[str, Array]
     Return the measures of n designs, why each is left out, and (index, error) of failures.
 
     ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where
-    one was not computed; a reason may be :data:`FEASIBLE`. As many as possible are computed
-    together; those in doubt, and other kinds, one by one.
+    none was computed; a reason may be :data:`FEASIBLE`. As many designs as possible are computed
+    together, those in doubt one by one.
     """
     size = len(next(iter(drawn.values())))
     # counts are floats here too: NaN says that one is unknown
@@ -57,7 +56,7 @@ def measured(study: Study, drawn: dict[str, Array]
         measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
         else np.full(size, np.nan) for measure in study.measures}
     is_done = _together(study, drawn, columns)
-    reasons = np.full(is_done.size, FEASIBLE, dtype=object)
+    reasons = np.full(size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
     for i in np.nonzero(~is_done)[0].tolist():
         values = {name: column[i].item() for name, column in drawn.items()}
@@ -80,7 +79,7 @@ def measured(study: Study, drawn: dict[str, Array]
 
 
 def compute(study: Study, chunk: int) -> Chunk:
-    """Return the results of one of the chunks of a study, counted from 0: of the rows kept."""
+    """Return the results of a chunk of a study, counted from 0."""
     rows = study.rows_of(chunk)
     drawn = study.drawn(rows.start, rows.stop)
     measures, reasons, failures = measured(study, drawn)
@@ -100,15 +99,15 @@ def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) 
     """
     Fill columns with the results of designs computed together; return which are right, (n,).
 
-    None of those that this cannot compute: drives at rest, driven slides, machines (which are put
-    together at run time), and whatever :class:`DesignBlock` is not sure of.
+    Not computed so: drives at rest, driven slides, machines (each is put together at run time),
+    and designs that :class:`DesignBlock` is not sure of.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if (not scene.drive.speed or scene.linkage.is_driven_by_slide
+    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide
             or scene.kind not in FACTS):
         return none
     block = DesignBlock(study, scene, drawn, columns)
@@ -127,7 +126,7 @@ def _allows(bound: Bound, columns: dict[str, Array]) -> Array:
 
 
 def _cheap_first(study: Study) -> list[Bound]:
-    """Return the constraints; the ones that need no motion come first: they drop most designs."""
+    """Return the constraints, first those that need no motion: they drop most designs."""
     return sorted(study.bounds, key=lambda bound: (bound.measure.part not in CHEAP,
                                                    bound.measure.part == INPUT_RANGE))
 

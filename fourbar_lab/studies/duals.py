@@ -17,24 +17,23 @@ class Dual(NamedTuple):
     by: Mapping[str, Any]
 
 
-def value_of(number: Any) -> Any:
-    """Return the value of a dual, and any other number as it is."""
-    return number.value if isinstance(number, Dual) else number
+def value_of(dual: Any) -> Any:
+    """Return the value of a dual, and anything else as it is."""
+    return dual.value if isinstance(dual, Dual) else dual
 
 
-def derivatives_of(number: Any) -> Mapping[str, Any]:
-    """Return {parameter: derivative} of a dual, nothing of any other number."""
-    return number.by if isinstance(number, Dual) else {}
+def derivatives_of(dual: Any) -> Mapping[str, Any]:
+    """Return {parameter: derivative} of a dual, nothing of anything else."""
+    return dual.by if isinstance(dual, Dual) else {}
 
 
 def _by_partials(name: str) -> Function:
     """Return an operation on duals, from its derivatives by each argument."""
-    def call(*numbers: Any) -> Any:
-        """Return the dual; of numbers without derivatives, a number."""
-        values = [value_of(number) for number in numbers]
+    def call(*arguments: Any) -> Any:
+        values = [*map(value_of, arguments)]
         value, by = ARRAYS[name](*values), dict[str, Any]()
-        for rule, number in zip(PARTIALS[name], numbers):
-            changes = derivatives_of(number)
+        for rule, argument in zip(PARTIALS[name], arguments):
+            changes = derivatives_of(argument)
             slope = rule(value, *values) if callable(rule) and changes else rule
             for parameter, change in changes.items():
                 term = change if slope is rule == 1.0 else slope * change
@@ -45,15 +44,16 @@ def _by_partials(name: str) -> Function:
 
 def _of_values(name: str) -> Function:
     """Return a function of the values alone: a comparison, a unit."""
-    return lambda *numbers: ARRAYS[name](*map(value_of, numbers))
+    return lambda *arguments: ARRAYS[name](*map(value_of, arguments))
 
 
-def _choice(condition: Any, one: Any, other: Any) -> Any:
-    """Return one or the other, with its derivatives."""
-    where, by, others = ARRAYS['where'], derivatives_of(one), derivatives_of(other)
-    value = where(condition, value_of(one), value_of(other))
-    return Dual(value, {name: where(condition, by.get(name, 0.0), others.get(name, 0.0))
-                        for name in by.keys() | others.keys()}) if by or others else value
+def _choice(condition: Any, first: Any, second: Any) -> Any:
+    """Return the first value where the condition holds, else the second, with derivatives."""
+    where, by_first, by_second = ARRAYS['where'], derivatives_of(first), derivatives_of(second)
+    value = where(condition, value_of(first), value_of(second))
+    by = {name: where(condition, by_first.get(name, 0.0), by_second.get(name, 0.0))
+          for name in by_first.keys() | by_second.keys()}
+    return Dual(value, by) if by else value
 
 
 DUALS: Table = {

@@ -4,18 +4,12 @@
 Run a study: a folder of Parquet files, one part a chunk, computed by processes or a Dask cluster.
 
 A part stands under its name only when it is whole, and carries the study and the versions that
-made it. So whatever was killed, parts that exist are right, and the others are computed again.
+made it. So whatever was killed, parts that exist are right, and missing ones are computed again.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import (
-    as_completed,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    ProcessPoolExecutor,
-)
+from concurrent import futures
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
 from functools import lru_cache
@@ -43,12 +37,12 @@ KEPT = 'what is done is kept, --resume goes on'
 
 
 @contextmanager
-def processes(workers: int | None = None) -> Iterator[Executor]:
+def processes(workers: int | None = None) -> Iterator[futures.Executor]:
     """Give a pool of processes, one a processor by default, that end with the context."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else None
     context = multiprocessing.get_context('spawn')
     theirs, ours = context.Pipe(duplex=False)       # closes even if this process is killed
-    pool = ProcessPoolExecutor(workers or usable, context, _begin_worker, (theirs,))
+    pool = futures.ProcessPoolExecutor(workers or usable, context, _begin_worker, (theirs,))
     try:
         yield pool
     finally:
@@ -68,7 +62,7 @@ def _begin_worker(alive: Connection) -> None:
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[Executor]:
+def cluster(address: str) -> Iterator[futures.Executor]:
     """Give the executor of a Dask cluster by the address of its scheduler, tcp://host:8786."""
     import distributed
     try:
@@ -80,7 +74,7 @@ def cluster(address: str) -> Iterator[Executor]:
 
 
 def run(study: Study, folder: str | Path,
-        pool: Callable[[], AbstractContextManager[Executor]] = processes, *,
+        pool: Callable[[], AbstractContextManager[futures.Executor]] = processes, *,
         resume: bool = False, report: Callable[[int], object] = lambda there: None) -> int:
     """
     Compute the parts of a study that its folder does not hold yet; return how many designs.
@@ -93,55 +87,56 @@ def run(study: Study, folder: str | Path,
     folder = Path(folder)
     _begin(study, folder, resume)
     there = parts(folder).keys()
-    before, done = sum(len(study.rows_of(number)) for number in there), 0
+    before, done = sum(len(study.rows_of(chunk)) for chunk in there), 0
     report(before)
     try:
         with pool() as executor:
-            for future in as_completed([executor.submit(compute_part, study, number, made_with())
-                                        for number in range(study.chunks) if number not in there]):
-                number, content = future.result()
-                _write(folder / PART.format(number), content)
-                done += len(study.rows_of(number))
+            work = [executor.submit(compute_part, study, chunk, made_with())
+                    for chunk in range(study.chunks) if chunk not in there]
+            for future in futures.as_completed(work):
+                chunk, content = future.result()
+                _write(folder / PART.format(chunk), content)
+                done += len(study.rows_of(chunk))
                 report(before + done)
-    except (BrokenExecutor, CancelledError):        # what was under way is lost
+    except (futures.BrokenExecutor, futures.CancelledError):    # chunks under way are lost
         raise StudyError(f'the workers are gone; {KEPT}') from None
     return done
 
 
-def compute_part(study: Study, number: int, versions: dict[str, str]) -> tuple[int, bytes]:
-    """Return a chunk's number and its part; runs in a worker, which must have these versions."""
+def compute_part(study: Study, chunk: int, versions: dict[str, str]) -> tuple[int, bytes]:
+    """Return a chunk's index and part; runs in a worker, which must have these versions."""
     if versions != made_with():
         raise StudyError(f'a worker has {made_with()}, and this command {versions}: install the '
                          'same there')
     try:
-        return number, encode(study, number)
+        return chunk, encode(study, chunk)
     except Exception as error:     # noqa: B902
-        rows = study.rows_of(number)
+        rows = study.rows_of(chunk)
         raise StudyError(f'rows {rows[0]} to {rows[-1]} could not be computed: '
                          f'{type(error).__name__}: {error}; {KEPT}') from None
 
 
-def encode(study: Study, number: int) -> bytes:
-    """Return the part of a chunk: a Parquet file, the same bytes for the same numbers."""
+def encode(study: Study, chunk: int) -> bytes:
+    """Return the part of a chunk: a Parquet file, the same bytes for the same values."""
     import pyarrow
     from pyarrow import parquet
-    chunk = compute(study, number)
-    units = {one.name: one.unit for one in study.vary}
-    units |= {one.name: one.unit for one in study.measures}
-    arrays = [pyarrow.array(column) for column in chunk.columns.values()]
+    results = compute(study, chunk)
+    units = {varied.name: varied.unit for varied in study.vary}
+    units |= {measure.name: measure.unit for measure in study.measures}
+    arrays = [pyarrow.array(column) for column in results.columns.values()]
     fields = [pyarrow.field(name, array.type,
                             metadata={'unit': units[name]} if units.get(name) else None)
-              for name, array in zip(chunk.columns, arrays)]
-    schema = pyarrow.schema(fields, {KEY: _about(study, counts=chunk.counts,
-                                                 failures=chunk.failures)})
+              for name, array in zip(results.columns, arrays)]
+    schema = pyarrow.schema(fields, {KEY: _about(study, counts=results.counts,
+                                                 failures=results.failures)})
     file = BytesIO()
     parquet.write_table(pyarrow.table(arrays, schema=schema), file, compression='zstd')
     return file.getvalue()
 
 
-def _about(study: Study, **others: Any) -> str:
+def _about(study: Study, **results: Any) -> str:
     """Return the text that a part carries: the study and the versions, counts and failures."""
-    return json.dumps({'made_with': made_with(), 'study': asdict(study), **others})
+    return json.dumps({'made_with': made_with(), 'study': asdict(study), **results})
 
 
 @lru_cache(maxsize=1)
@@ -155,7 +150,7 @@ def made_with() -> dict[str, str]:
 # --- the folder ----------------------------------------------------------------------------------
 
 def parts(folder: Path) -> dict[int, Path]:
-    """Return {number of a chunk: its file} of the parts there are, in order."""
+    """Return {chunk: its file} of the parts there are, in order."""
     return {int(path.stem.removeprefix('part-')): path
             for path in sorted(folder.glob('part-*.parquet'))}
 
@@ -164,10 +159,10 @@ def about(part: Path) -> dict[str, Any]:
     """Return counts, failures, study and versions of a part; StudyError if it is none."""
     from pyarrow import parquet
     try:
-        found: dict[str, Any] = json.loads(parquet.read_schema(part).metadata[KEY])
-        if not isinstance(found.get('study', {}).get('objectives'), dict):
+        record: dict[str, Any] = json.loads(parquet.read_schema(part).metadata[KEY])
+        if not isinstance(record.get('study', {}).get('objectives'), dict):
             raise ValueError('it was computed by another version')
-        return found
+        return record
     except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is one
         raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None
 
@@ -178,22 +173,22 @@ def _begin(study: Study, folder: Path, resume: bool) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         for path in folder.glob('.part-*'):                 # of a run that was killed
             path.unlink(missing_ok=True)
-        others = [path for path in folder.iterdir() if not path.name.startswith(('.', 'part-'))]
+        is_foreign = any(not path.name.startswith(('.', 'part-')) for path in folder.iterdir())
     except OSError as error:
         raise StudyError(f'{folder}: {error.strerror}') from None
-    if others:
+    if is_foreign:
         raise StudyError(f'{folder}: exists already and is no study of this version')
     there = parts(folder)
     if there and not resume:
         raise StudyError(f'{folder}: holds a study already; --resume goes on with it')
     ours = json.loads(_about(study))
     for path in there.values():
-        found = about(path)
-        differ = [name for part in ('made_with', 'study') for name, value in ours[part].items()
-                  if value != found[part].get(name)]
+        theirs = about(path)
+        differ = [name for group in ('made_with', 'study') for name, value in ours[group].items()
+                  if value != theirs[group].get(name)]
         if differ:
             raise StudyError(f'{folder}: holds another study: {", ".join(differ)} '
-                             f'differ{"s" * (len(differ) == 1)}; give another folder')
+                             f'{"differs" if len(differ) == 1 else "differ"}; give another folder')
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -4,14 +4,13 @@
 Extrema of the output's rate and acceleration of many four-bars, given as arrays of lengths.
 
 They are designs of a study: :mod:`fourbar_lab.studies.block` searches together those whose cranks
-turn fully. Other four-bars and those in doubt are searched one by one.
+turn fully. Rockers and four-bars in doubt are searched one by one.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
-from fourbar_lab.studies.block import Designs, in_parts, search
+from fourbar_lab.studies.block import Designs, in_groups, search
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.mechanisms.four_bars import FourBar
@@ -28,7 +27,7 @@ RATES = 'omega4', 'alpha4'
 TOGETHER = 512
 # Values nearer to each other than this part of them may be equal, as far as their conditions tell.
 NEARLY = 1e-8
-# A four-bar whose crank turns fully: the parameters of all designs but those that are given.
+# A four-bar whose crank turns fully: its lengths are replaced by those of the designs.
 SCENE = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
          'outputs': ['state']}
 
@@ -86,12 +85,12 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         For 'omega4' and 'alpha4'.
 
     """
-    given = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4, 'mode': mode, 'rate': rate}
-    columns = [array(name, value) for name, value in given.items()]
+    arguments = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4, 'mode': mode, 'rate': rate}
+    columns = [array(name, value) for name, value in arguments.items()]
     try:
         columns = [column.ravel() for column in np.broadcast_arrays(*columns)]
     except ValueError:
-        raise InvalidParameter(', '.join(given), [column.shape for column in columns],
+        raise InvalidParameter(', '.join(arguments), [column.shape for column in columns],
                                'must have shapes that broadcast') from None
     *lengths, mode, rate = columns
     if not ((np.abs(rate) <= FASTEST) & (rate != 0.0)).all():
@@ -99,26 +98,26 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     if not ((mode == CROSSED) | (mode == OPEN)).all():
         raise InvalidParameter('mode', mode, 'must be 1 (crossed) or 2 (open)')
     names = (*(f'linkage.{name}' for name in ('a1', 'a2', 'a3', 'a4', 'mode')), 'drive.speed')
-    scene, parts = from_values(SCENE), {name: list[Extrema]() for name in RATES}
+    scene, blocks = from_values(SCENE), {name: list[Extrema]() for name in RATES}
 
-    def searched(which: Array, count: int) -> Array:
+    def searched(which: Array, samples: int) -> Array:
         """Search some linkages together, from samples of a turn; return which are done."""
         designs = Designs(scene, scene.values,
                           {name: column[which] for name, column in zip(names, columns)})
-        turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, count)
+        turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, samples)
         compared = [_compared(*both) for both in zip(turns.values, turns.counts)]
         done = designs.are_allowed() & ~turns.is_doubtful
         for *_, has_ties in compared:
             done &= ~has_ties
-        for name, places, values, (is_maximum, is_global, _) in zip(
+        for name, inputs, values, (is_maximum, is_global, _) in zip(
                 RATES, turns.places, turns.values, compared):
-            row, k = np.nonzero(np.isfinite(places) & done[:, None])
-            parts[name].append(Extrema(
-                which[row], places[row, k], values[row, k], is_maximum[row, k], is_global[row, k],
+            row, k = np.nonzero(np.isfinite(inputs) & done[:, None])
+            blocks[name].append(Extrema(
+                which[row], inputs[row, k], values[row, k], is_maximum[row, k], is_global[row, k],
                 np.zeros(row.size, int), np.full(row.size, '', object)))
         return done
 
-    for index in in_parts(np.arange(rate.size), searched, TOGETHER).tolist():
+    for index in in_groups(np.arange(rate.size), searched, TOGETHER).tolist():
         extrema, reason = list[Extremum](), ''
         try:
             linkage = FourBar(*[length[index].item() for length in lengths])
@@ -126,24 +125,22 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         except FourBarError as error:
             reason = str(error)
         for name in RATES:
-            parts[name].append(_columns(index, [one for one in extrema if one.quantity == name],
-                                        reason))
-    return {name: _sorted(found) for name, found in parts.items()}
-
-
-def _sorted(parts: Sequence[Extrema]) -> Extrema:
-    """Return extrema of one quantity, given in parts, by linkage and theta1."""
-    whole = Extrema(*map(np.concatenate, zip(*parts)))
-    order = np.lexsort((whole.theta1, whole.index))
-    return Extrema(*(column[order] for column in whole))
+            blocks[name].append(_columns(
+                index, [extremum for extremum in extrema if extremum.quantity == name], reason))
+    results = {}
+    for name in RATES:
+        whole = Extrema(*map(np.concatenate, zip(*blocks[name])))
+        order = np.lexsort((whole.theta1, whole.index))
+        results[name] = Extrema(*(column[order] for column in whole))
+    return results
 
 
 def _columns(index: int, extrema: list[Extremum], reason: str) -> Extrema:
     """Return the extrema of one quantity of one linkage as arrays, or the reason for none."""
-    largest = max([one.value for one in extrema], default=0.0)
-    rows = [(index, one.theta1, one.value,
-             one.kind == MAXIMUM or one.kind == CONSTANT and one.value == largest, one.is_global,
-             one.side, '') for one in extrema]
+    largest = max([extremum.value for extremum in extrema], default=0.0)
+    rows = [(index, e.theta1, e.value,
+             e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest,
+             e.is_global, e.side, '') for e in extrema]
     rows = rows or [(index, np.nan, np.nan, False, False, 0, reason)]
     types = int, float, float, bool, bool, int, object
     return Extrema(*(np.array(column, kind) for column, kind in zip(zip(*rows), types)))

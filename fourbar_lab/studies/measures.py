@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What a study can compute of each design, by name.
+The measures that a study can compute of each design, by name.
 
 A quantity that can be searched for extrema has parts behind a dot: ``shaking_force.max``.
-The mechanism as a whole has measures of one name: ``swing``.
+The mechanism as a whole has measures without a dot: ``swing``.
 """
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-Searched = Union[Quantity, Function]         # what extrema are searched of
-# {part: (what it is, its unit: that of the quantity, of the input, or another)}
+Searched = Union[Quantity, Function]         # a quantity whose extrema are searched
+# {part: (meaning, unit: that of the quantity, of the input, or another)}
 QUANTITY, INPUT = 'quantity', 'input'
 PARTS = {
     'max': ('largest value over the input', QUANTITY),
@@ -33,7 +33,7 @@ PARTS = {
     'rms': ('root mean square over the input at constant rate; infinite where it grows without '
             'bound at a toggle position', QUANTITY),
 }
-# What the name of a quantity without a part stands for.
+# The parts that the name of a quantity alone stands for.
 USUAL = ('max', 'max_at', 'min', 'min_at', 'extrema')
 CLASS, CHANGE_POINT = 'class', 'change_point_margin'
 INPUT_RANGE, LEAST_ANGLE = 'input_range', 'least_transmission_angle'
@@ -60,8 +60,8 @@ class Measure:
     """
     A number or text of each design, a column of the results: ``shaking_force.max`` or ``swing``.
 
-    ``quantity`` and ``part`` are what it is of and which of :data:`PARTS`; of a measure of the
-    mechanism the quantity is empty, and the part one of :data:`OF_MECHANISM`.
+    ``part`` of a ``quantity`` is in :data:`PARTS`; of a measure of the mechanism the quantity is
+    empty, and the part in :data:`OF_MECHANISM`.
     """
 
     name: str
@@ -74,8 +74,8 @@ class Extent(NamedTuple):
     """
     The largest and the least extremum of a quantity over the input, and the inputs where they are.
 
-    Numbers of one design, or arrays of shape (n,) of many. ``extrema``: how many there are; where
-    there is none, as of an output that turns fully, all others are NaN.
+    Floats of one design, or arrays of shape (n,) of many. ``extrema`` counts them; where there is
+    none, as of an output that turns fully, all other fields are NaN.
     """
 
     max: Values
@@ -86,10 +86,10 @@ class Extent(NamedTuple):
 
     def of(self, part: str) -> Values:
         """
-        Return a part of the quantity by name, but for rms, or a measure of the mechanism.
+        Return a part of the quantity by name, all but rms, or a measure of the mechanism.
 
-        The measure is one that this extent tells: the time ratio if it is that of the output, the
-        least transmission angle if it is that of the transmission angle.
+        The latter is the time ratio (of the extent of the output) or the least transmission angle
+        (of that of the transmission angle).
         """
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
@@ -105,15 +105,14 @@ class Extent(NamedTuple):
 
 
 class Measures:
-    """The measures that a scene has: which there are by name, and what each follows from."""
+    """The measures of a scene by name, and the quantity that each follows from."""
 
     def __init__(self, scene: Scene):
-        """Collect the quantities of a scene by name, and the units that measures get from it."""
         linkage = scene.linkage
         self.quantities: dict[str, Searched] = {
             **known_quantities(linkage, linkage.input), **positions(linkage, linkage.input),
             **{quantity.name: quantity for quantity in scene.point_quantities}}
-        self.output = str(linkage.outputs[0].coordinate.position)       # its name: theta4
+        self.output = str(linkage.outputs[0].coordinate.position)       # as theta4
         self._why_no_loads = scene.why_no_loads         # '' if there are loads
         self._input_unit = linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
@@ -129,10 +128,15 @@ class Measures:
         """
         Return the measures of a name in an entry of a study, several for a quantity alone.
 
-        InvalidParameter names the entry, and says what there is.
+        InvalidParameter names the entry and the nearest names that exist.
         """
         if name in OF_MECHANISM:
-            return [self._of_mechanism(entry, name)]
+            _, unit = OF_MECHANISM[name]
+            if name in (SWING, STROKE) and unit != self._output_unit:
+                raise InvalidParameter(entry, name, f'the output of this {self._kind} is in '
+                                                    f'{self._output_unit}: ask for '
+                                                    f'{STROKE if name == SWING else SWING}')
+            return [Measure(name, self._input_unit if unit == INPUT else unit, '', name)]
         quantity, _, part = name.rpartition('.')
         if name in self.quantities:
             return [self._of_quantity(entry, name, part) for part in USUAL]
@@ -143,22 +147,13 @@ class Measures:
             raise InvalidParameter(entry, name, f'unknown part{nearest(part, PARTS)}')
         return [self._of_quantity(entry, quantity, part)]
 
-    def one(self, entry: str, name: str) -> Measure:
+    def single(self, entry: str, name: str) -> Measure:
         """Return the measure of this name; InvalidParameter if it stands for several or none."""
         measures = self.named(entry, name)
         if len(measures) > 1:
             raise InvalidParameter(entry, name, f'say which part of it: {name}.max or another of '
                                                 f'{", ".join(PARTS)}')
         return measures[0]
-
-    def _of_mechanism(self, entry: str, name: str) -> Measure:
-        """Return a measure of the mechanism; outputs that turn have a swing, slides a stroke."""
-        _, unit = OF_MECHANISM[name]
-        if name in (SWING, STROKE) and unit != self._output_unit:
-            other = STROKE if name == SWING else SWING
-            raise InvalidParameter(entry, name, f'the output of this {self._kind} is in '
-                                                f'{self._output_unit}: ask for {other}')
-        return Measure(name, self._input_unit if unit == INPUT else unit, '', name)
 
     def _of_quantity(self, entry: str, name: str, part: str) -> Measure:
         """Return a part of a quantity; InvalidParameter for loads of a scene without masses."""

@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A scene whose parameters are numbers of any type: columns of many designs, recorded ones.
+A scene whose parameters are of any arithmetic: columns of many designs, operations of a trace.
 
-The formulas of motion and loads are those of every other computation, made for such numbers.
+The formulas of motion and loads are those of every scene, made for such values.
 """
 from __future__ import annotations
 
@@ -26,15 +26,14 @@ import numpy as np
 NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum, are the same
 
 
-class _BodiesOfAnyNumbers(BodiesOfLinks):
-    """The ``bodies.*`` of a scene whose values may be columns or recorded: not checked."""
+class _UncheckedBodies(BodiesOfLinks):
+    """The ``bodies.*`` of a scene whose values are of any arithmetic."""
 
     body = staticmethod(partial(unchecked, Body))
 
     def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
-        is_round = self._section == SECTIONS[0]
-        numbers = rod_numbers if is_round else bar_numbers
-        return unchecked(Body, *numbers(length, density, *section))
+        fields = rod_numbers if self._section == SECTIONS[0] else bar_numbers
+        return unchecked(Body, *fields(length, density, *section))
 
 
 def is_machine(scene: Scene) -> bool:
@@ -42,31 +41,31 @@ def is_machine(scene: Scene) -> bool:
     return scene.kind == MACHINE
 
 
-def constants_of(scene: Scene, values: ParameterValues, numbers: NumberType = ARRAY) -> Constants:
+def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
     """
     Return lengths, bodies, gravity and outer loads for the formulas of a scene's mechanism.
 
-    ``values`` are all parameters, floats or ``numbers`` of any type; ``scene`` is one like it: of
-    the same kind or the same dyads, in the same mode.
+    ``values`` are all parameters, floats or of the arithmetic ``n``; ``scene`` has the same kind
+    or the same dyads, and the same mode.
     """
     linkage = scene.linkage
     external = external_of(values, linkage, partial(unchecked, Applied))
     constants: Constants = linkage.constants._replace(
         gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))
     if is_machine(scene):
-        # only these scenes need its formulas
+        # scenes of other kinds need no machines
         from fourbar_ros.machine import Machine
         from fourbar_ros.scene import machines
 
         lengths = {link.length: values[f'dyads.{link.length}']
                    for link in linkage.LINKS if link.length}
-        bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
+        bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
         assert isinstance(linkage, Machine)
         return constants._replace(
-            lengths=machines.numbers_of(linkage, values, numbers),
+            lengths=machines.numbers_of(linkage, values, n),
             bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
     lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
-    bodies = _BodiesOfAnyNumbers(values, linkage.LINKS, lengths)
+    bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
     return constants._replace(
         lengths=tuple(lengths.values()),
         bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
@@ -88,17 +87,17 @@ def margin_signs(linkage: Mechanism) -> Array | None:
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
                         ) -> dict[str, Searched]:
     """
-    Return {name: speed or acceleration of a point}, its place and the lengths being any numbers.
+    Return {name: speed or acceleration of a point} for coordinates and lengths of any arithmetic.
 
     ``parametric``: of :func:`.with_any_lengths`. Names and units are those of the scene's points.
     """
     quantities: dict[str, Searched] = {}
     for name, point in scene.points.items():
-        place = values[f'points.{name}.along'], values[f'points.{name}.across']
+        coordinates = values[f'points.{name}.along'], values[f'points.{name}.across']
         for make in (point_speed, point_acceleration):
             quantity = make(scene.linkage, *point, name=name)
             of: Any = quantity.of           # partial(length, linkage, link, along, across, first)
             _, link, _, _, first = of.args
             quantities[quantity.name] = quantity._replace(
-                of=partial(of.func, parametric, link, *place, first))
+                of=partial(of.func, parametric, link, *coordinates, first))
     return quantities

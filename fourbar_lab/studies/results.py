@@ -41,22 +41,23 @@ class Results:
     """
 
     def __init__(self, folder: str | Path):
-        """Read what the parts say of themselves, but no results yet."""
+        """Read the heads of the parts, but no results yet."""
         from pyarrow import dataset
         self.folder = Path(folder)
         files = parts(self.folder)
         if not files:
             raise StudyError(f'{folder}: no study, or nothing of it is computed yet')
-        all_about = [about(path) for path in files.values()]
-        self.study: dict[str, Any] = all_about[0]['study']
+        heads = [about(path) for path in files.values()]
+        self.study: dict[str, Any] = heads[0]['study']
         counts: Counter[str] = Counter()
-        for one in all_about:
-            counts.update(one['counts'])
+        for head in heads:
+            counts.update(head['counts'])
         self.counts = dict(counts.most_common())
-        self.failures = [(row, text) for one in all_about for row, text in one['failures']]
+        self.failures = [(row, text) for head in heads for row, text in head['failures']]
         self.objectives: dict[str, str] = self.study['objectives']
-        self.varied = [one['name'] for one in self.study['vary']]
-        self.measures = [one['name'] for one in self.study['measures'] if one['part'] != 'class']
+        self.varied = [entry['name'] for entry in self.study['vary']]
+        self.measures = [measure['name'] for measure in self.study['measures']
+                         if measure['part'] != 'class']
         self.designs = sum(counts.values())             # that were computed
         self._data = dataset.dataset([str(path) for path in files.values()])
         self.kept = self._data.count_rows()             # of them, how many are rows of the parts
@@ -93,7 +94,7 @@ class Results:
         Return {``row`` and the first two objectives: columns} of the Pareto front of these two.
 
         A design is beaten if another is as good in both and better in one: in the order of the
-        first, one before it is as good in the second.
+        first objective, a design before it is as good in the second.
         """
         names = list(self.objectives)[:2]
         columns = self.table(['row', *names])
@@ -108,11 +109,11 @@ class Results:
     def design(self, row: int) -> ParameterValues:
         """Return {column: value} of one row; StudyError if it was not kept."""
         import pyarrow.compute as pc
-        found = self._data.to_table(filter=pc.field('row') == row).to_pylist()
-        if not found:
+        rows = self._data.to_table(filter=pc.field('row') == row).to_pylist()
+        if not rows:
             raise StudyError(f'{self.folder}: row {row} is not among the {self.kept} designs kept '
                              f'of {self.study["rows"]}')
-        return dict(found[0])
+        return dict(rows[0])
 
     def scene_text(self, row: int) -> str:
         """Return the scene file of one row; comments list its measures."""
@@ -127,7 +128,7 @@ class Results:
 
 
 def summary(name: str, unit: str, column: Array) -> Summary:
-    """Return the :class:`Summary` of a column; NaN of one without numbers."""
+    """Return the :class:`Summary` of a column; NaN if all of it is NaN."""
     values = np.asarray(column, dtype=float)
     values = values[~np.isnan(values)]
     if not values.size:

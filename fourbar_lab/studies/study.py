@@ -4,8 +4,8 @@
 A study: a scene, its variations, and the measures to compute, keep and rank.
 
 Read from YAML and checked as a whole before anything is computed. In the checks ``entry`` is the
-name of an entry in the study, ``value`` what YAML gives for it; InvalidParameter names the entry
-and says what is allowed.
+name of an entry in the study, ``value`` its value in YAML; InvalidParameter names the entry and
+says what is allowed.
 """
 from __future__ import annotations
 
@@ -13,16 +13,9 @@ from dataclasses import dataclass
 from math import inf, isfinite, prod
 from pathlib import Path
 
+from fourbar_lab.studies import variation
 from fourbar_lab.studies.measures import CLASS, Measure, Measures
-from fourbar_lab.studies.variation import (
-    METHODS,
-    MOST_ROWS,
-    TOLERANCES,
-    unit_points,
-    Variation,
-    variation,
-    Yaml,
-)
+from fourbar_lab.studies.variation import METHODS, MOST_ROWS, TOLERANCES, Variation, Yaml
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.given import number
@@ -47,7 +40,7 @@ class StudyError(FourBarError, ValueError):
 
 @dataclass(frozen=True)
 class Bound:
-    """A constraint: a measure between two values; of a text, which parts it must have one of."""
+    """A constraint: a measure between two values, or a text that contains one of some texts."""
 
     measure: Measure
     least: float
@@ -88,9 +81,9 @@ class Study:
 
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
         """Return {parameter that varies: its values in rows start to stop - 1, shape (n,)}."""
-        points = unit_points(self.method, (start, stop), self.seed,
-                             tuple(one.of_grid for one in self.vary))
-        return {one.name: one.at(p) for one, p in zip(self.vary, points.T)}
+        points = variation.unit_points(self.method, (start, stop), self.seed,
+                                       tuple(varied.of_grid for varied in self.vary))
+        return {varied.name: varied.quantiles(p) for varied, p in zip(self.vary, points.T)}
 
 
 def read(path: str | Path) -> Study:
@@ -110,16 +103,16 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     """
     document = mapping_of('study', document, KEYS)
     scene = _scene(document.get('scene'), folder)
-    vary = tuple([variation(name, how, scene.values)
-                  for name, how in mapping_of('vary', document.get('vary')).items()])
+    vary = tuple([variation.variation(name, entry, scene.values)
+                  for name, entry in mapping_of('vary', document.get('vary')).items()])
     if not vary:
         raise InvalidParameter('vary', None, 'must name a parameter of the scene, as '
                                              '{linkage.a1: {range: [0.2, 0.6]}}')
     method = choice_of('method', document.get('method', 'sobol'), METHODS)
     measures = Measures(scene)
-    bounds = tuple([_bound(measures.one('constraints', name), limits) for name, limits
+    bounds = tuple([_bound(measures.single('constraints', name), limits) for name, limits
                     in mapping_of('constraints', document.get('constraints', {})).items()])
-    ranked = {measures.one('objectives', name): sense for name, sense
+    ranked = {measures.single('objectives', name): sense for name, sense
               in mapping_of('objectives', document.get('objectives', {})).items()}
     for measure in ranked:
         if measure.part == CLASS:
@@ -175,11 +168,11 @@ def _scene(value: Yaml, folder: Path) -> Scene:
 
 
 def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
-    """Return the number of rows: the product of the levels of a grid, else as given."""
+    """Return how many rows there are: the product of the levels of a grid, else the entry."""
     if method == 'grid':
-        if any(one.kind in TOLERANCES for one in vary):
+        if any(varied.kind in TOLERANCES for varied in vary):
             raise InvalidParameter('method', method, 'takes ranges and lists only')
-        count = prod(one.levels for one in vary)
+        count = prod(varied.levels for varied in vary)
         if value not in (None, count) or count > MOST_ROWS[method]:
             raise InvalidParameter('rows', value, f'a grid has the product of its levels, {count},'
                                                   f' at most {MOST_ROWS[method]}')
@@ -208,10 +201,10 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
 
 
 def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str, Yaml]:
-    """Return a mapping; its keys must be some of ``keys``, if these are given."""
+    """Return a mapping; its keys must be some of ``keys``, if there are any."""
     if not isinstance(value, dict):
-        raise InvalidParameter(entry, value, 'must be a mapping'
-                               + f' of {", ".join(keys)}' * bool(keys))
+        allowed = f' of {", ".join(keys)}' if keys else ''
+        raise InvalidParameter(entry, value, f'must be a mapping{allowed}')
     for key in value if keys else ():
         if key not in keys:
             raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(str(key), keys)}')

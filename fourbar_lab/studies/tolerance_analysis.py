@@ -41,13 +41,14 @@ class Toleranced(NamedTuple):
 def box_of(study: Study) -> dict[str, tuple[float, float]]:
     """Return {parameter: (centre, size)}; InvalidParameter for a list or a log_range."""
     box = {}
-    for one in study.vary:
-        if one.kind in ('list', 'log_range'):
-            raise InvalidParameter(f'vary.{one.name}', one.kind,
+    for varied in study.vary:
+        if varied.kind in ('list', 'log_range'):
+            raise InvalidParameter(f'vary.{varied.name}', varied.kind,
                                    'is not a tolerance; use uniform, normal or range')
-        low, high = one.values
-        box[one.name] = {'range': (0.5 * (low + high), 0.5 * (high - low)),
-                         'uniform': (low, high), 'normal': (low, DEVIATIONS * high)}[one.kind]
+        low, high = centre, size = varied.values
+        box[varied.name] = {'range': (0.5 * (low + high), 0.5 * (high - low)),
+                            'uniform': (centre, size),
+                            'normal': (centre, DEVIATIONS * size)}[varied.kind]
     return box
 
 
@@ -66,10 +67,10 @@ def tolerances(study: Study) -> tuple[list[Toleranced], dict[str, int]]:
     columns, reasons, _ = measured(replace(study, bounds=(), keeps_all=True),
                                    _corners(box, at_middle))
     is_known = np.array(reasons) == FEASIBLE
-    return [Toleranced(one, sum(abs(one.by[name]) * size for name, (_, size) in box.items()),
-                       summary(one.measure.name, one.measure.unit,
-                               columns[one.measure.name][is_known]))
-            for one in at_middle], dict(Counter(reasons))
+    return [Toleranced(
+        middle, sum(abs(middle.by[name]) * size for name, (_, size) in box.items()),
+        summary(middle.measure.name, middle.measure.unit, columns[middle.measure.name][is_known]))
+        for middle in at_middle], dict(Counter(reasons))
 
 
 def _corners(box: dict[str, tuple[float, float]], at_middle: Sequence[Sensitivity]
@@ -84,8 +85,8 @@ def _corners(box: dict[str, tuple[float, float]], at_middle: Sequence[Sensitivit
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
     else:
-        worst = [tuple([1.0 if one.by[name] >= 0.0 else -1.0 for name in box])
-                 for one in at_middle if not one.why_unknown] or [(1.0,) * len(box)]
-        signs = {*worst, *(tuple([-sign for sign in one]) for one in worst)}
+        worst = [tuple([1.0 if middle.by[name] >= 0.0 else -1.0 for name in box])
+                 for middle in at_middle if not middle.why_unknown] or [(1.0,) * len(box)]
+        signs = {*worst, *(tuple([-sign for sign in corner]) for corner in worst)}
     return {name: centre + size * sign
             for (name, (centre, size)), sign in zip(box.items(), np.array(sorted(signs)).T)}

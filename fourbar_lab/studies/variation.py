@@ -39,26 +39,25 @@ from fourbar_ros.scene.settings import PARAMETERS, ParameterValues
 import numpy as np
 from scipy import stats
 
-BITS = 32               # of Sobol's numbers: scipy cannot begin at a row of a longer sequence
+BITS = 32               # of a point of Sobol: scipy cannot begin at a row of a longer sequence
 MOST_ROWS = {'grid': 2**44, 'sobol': 2**BITS, 'random': 2**44}      # of each method
 METHODS = tuple(MOST_ROWS)
+RANGES, TOLERANCES = ('range', 'log_range'), ('uniform', 'normal')
+KINDS = (*RANGES, 'list', *TOLERANCES)
 # {kind: distribution of its two values}
-RANGES: dict[str, Callable[[float, float], Any]] = {
-    'range': lambda low, high: stats.uniform(low, high - low), 'log_range': stats.loguniform}
-TOLERANCES: dict[str, Callable[[float, float], Any]] = {
+DISTRIBUTIONS: dict[str, Callable[[float, float], Any]] = {
+    'range': lambda low, high: stats.uniform(low, high - low), 'log_range': stats.loguniform,
     'uniform': lambda centre, size: stats.uniform(centre - size, 2.0 * size),
     'normal': stats.norm}
-KINDS = (*RANGES, 'list', *TOLERANCES)
-LEVELS = 10             # of a range in a grid, if not given
+LEVELS = 10             # of a range in a grid by default
 # Beginnings of the names of parameters that change motion or loads.
 ACTING = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'points.',
           'drive.speed')
-LISTED = ('linkage.mode',)      # those of them that are no numbers on a scale
+MODE = 'linkage.mode'   # varies by a list only: it is no number on a scale
 # The p next to 0 and 1 that designs give: a normal distribution reaches 8.2 deviations there.
 EDGE = 2.0**-53
 
-# What YAML gives.
-Yaml = Any
+Yaml = Any              # a value as YAML reads it
 
 
 @dataclass(frozen=True)
@@ -75,19 +74,19 @@ class Variation:
     values: tuple[float, ...]
     levels: int                     # how many values a grid takes
 
-    def at(self, p: Array) -> Array:
-        """Return the values at p, of any shape: quantiles of the distribution."""
+    def quantiles(self, p: Array) -> Array:
+        """Return the values at p, of any shape."""
         if self.kind == 'list':
-            place = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
-            return np.asarray(np.array(self.values)[place])
-        distribution = {**RANGES, **TOLERANCES}[self.kind](*self.values)
-        return np.asarray(distribution.ppf(p if self.kind != 'normal'
-                                           else np.clip(p, EDGE, 1.0 - EDGE)))
+            index = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
+            return np.asarray(np.array(self.values)[index])
+        return np.asarray(DISTRIBUTIONS[self.kind](*self.values).ppf(
+            np.clip(p, EDGE, 1.0 - EDGE) if self.kind == 'normal' else p))
 
     @property
     def bounds(self) -> list[float]:
         """Return the least and the greatest value, or all of a list."""
-        return list(self.values if self.kind == 'list' else map(float, self.at(np.arange(2.0))))
+        return list(self.values if self.kind == 'list' else
+                    self.quantiles(np.arange(2.0)).tolist())
 
     @property
     def of_grid(self) -> Array:
@@ -97,64 +96,67 @@ class Variation:
         return np.linspace(0.0, 1.0, self.levels)
 
 
-def variation(name: str, given: Yaml, values: ParameterValues) -> Variation:
+def variation(name: str, entries: Yaml, values: ParameterValues) -> Variation:
     """
     Return the :class:`Variation` of a parameter from {KIND: VALUES} in a study.
 
-    ``values``: of the scene. InvalidParameter names the entry of the study, what was given and
-    what is allowed.
+    ``values``: of the scene. InvalidParameter names the entry of the study and what is allowed.
     """
     entry, parameter = f'vary.{name}', find_parameter(name)
     if parameter is None:
         known = list(PARAMETERS)
         raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known)}')
-    if (not name.startswith(ACTING) or not (parameter.type == 'double' or name in LISTED)
+    if (not name.startswith(ACTING) or not (parameter.type == 'double' or name == MODE)
             or name.startswith('cylinder.') and values['linkage.input'] != 'cylinder'):
         raise InvalidParameter(entry, None, 'cannot vary in this study: numbers of '
-                               f'{", ".join(f"{part}*" for part in ACTING)} and {LISTED[0]} can')
-    kind, *others = [key for key in given if key != 'levels'] if isinstance(given, dict) else ['']
-    if kind not in KINDS or others or name in LISTED and kind != 'list':
-        raise InvalidParameter(entry, given, 'must be {KIND: VALUES}, a list for '
-                               f'{LISTED[0]}, else one of {", ".join(KINDS)}')
-    sizes, unit = given[kind], unit_in(parameter, values)
+                               f'{", ".join(f"{start}*" for start in ACTING)} and {MODE} can')
+    found = [key for key in entries if key != 'levels'] if isinstance(entries, dict) else []
+    kind = found[0] if len(found) == 1 else ''
+    if kind not in KINDS or name == MODE and kind != 'list':
+        raise InvalidParameter(entry, entries, 'must be {KIND: VALUES}, a list for '
+                               f'{MODE}, else one of {", ".join(KINDS)}')
+    sizes, unit = entries[kind], unit_in(parameter, values)
     if isinstance(sizes, list) and parameter.type == 'double':
         sizes = [as_number(f'{entry}.{kind}', size, unit) for size in sizes]
     elif isinstance(sizes, str):
         sizes = as_number(f'{entry}.{kind}', sizes, unit)
-    numbers = _numbers(f'{entry}.{kind}', kind, sizes, values.get(name))
-    levels = given.get('levels', len(numbers) if kind == 'list' else LEVELS)
-    if not isinstance(levels, int) or levels < 1 or kind == 'list' and 'levels' in given:
+    sizes = _checked(f'{entry}.{kind}', kind, sizes, values.get(name))
+    levels = entries.get('levels', len(sizes) if kind == 'list' else LEVELS)
+    if not isinstance(levels, int) or levels < 1 or kind == 'list' and 'levels' in entries:
         raise InvalidParameter(f'{entry}.levels', levels, 'must be an integer, 1 or more; not '
                                                           'with list, which has its own')
-    result = Variation(name, parameter.unit, kind, numbers, levels)
+    result = Variation(name, parameter.unit, kind, sizes, levels)
     for value in result.bounds:
         try:
             check_value(parameter, value, values)
         except InvalidParameter as error:
-            raise InvalidParameter(f'{entry}.{kind}', given[kind],
+            raise InvalidParameter(f'{entry}.{kind}', entries[kind],
                                    f'reaches {value:.6g}, and it {error.allowed}') from None
     return result
 
 
-def _numbers(entry: str, kind: str, given: Yaml, scene_value: Yaml) -> tuple[float, ...]:
-    """Return the values of a variation, checked; a tolerance alone is around the scene's value."""
-    if kind in TOLERANCES and not isinstance(given, list):
-        given = [scene_value, given]
-    numbers = given if isinstance(given, list) else []
-    are_finite = all(isinstance(value, (int, float)) and isfinite(value) for value in numbers)
+def _checked(entry: str, kind: str, sizes: Yaml, centre: Yaml) -> tuple[float, ...]:
+    """Return the values of a variation; a tolerance alone is around the centre of the scene."""
+    if kind in TOLERANCES and not isinstance(sizes, list):
+        sizes = [centre, sizes]
+    values = sizes if isinstance(sizes, list) else []
+    are_finite = all(isinstance(value, (int, float)) and isfinite(value) for value in values)
     if kind == 'list':
-        if not numbers or not are_finite or len(set(numbers)) < len(numbers):
-            raise InvalidParameter(entry, given, 'must be a list of different finite numbers')
-        return tuple(numbers)
-    is_right = are_finite and len(numbers) == 2 and (
-        numbers[1] > 0.0 if kind in TOLERANCES else
-        numbers[0] < numbers[1] and (kind == 'range' or numbers[0] > 0.0))
+        if not values or not are_finite or len(set(values)) < len(values):
+            raise InvalidParameter(entry, sizes, 'must be a list of different finite numbers')
+        return tuple(values)
+    if kind in TOLERANCES:
+        allowed = ('must be a size above 0, or [centre, size]; without a centre the scene must '
+                   'give the parameter')
+        is_right = are_finite and len(values) == 2 and values[1] > 0.0
+    else:
+        allowed = ('must be [low, high], two finite numbers, low less than high; for log_range '
+                   'positive')
+        is_right = (are_finite and len(values) == 2 and values[0] < values[1]
+                    and (kind == 'range' or values[0] > 0.0))
     if not is_right:
-        raise InvalidParameter(entry, given, 'must be a size above 0, or [centre, size]; without '
-                               'a centre the scene must give the parameter'
-                               if kind in TOLERANCES else 'must be [low, high], two finite '
-                               'numbers, low less than high; for log_range positive')
-    return float(numbers[0]), float(numbers[1])
+        raise InvalidParameter(entry, sizes, allowed)
+    return float(values[0]), float(values[1])
 
 
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...]) -> Array:
@@ -165,9 +167,15 @@ def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Arr
     """
     start, stop = rows
     if method == 'grid':
-        return _grid(levels, np.arange(start, stop))
+        # the digits of a row in a mixed base: with 2 and 3 levels, row 4 = 1 * 3 + 1 is (1, 1)
+        left: Array = np.arange(start, stop)
+        columns = []
+        for values in reversed(levels):
+            left, digits = np.divmod(left, values.size)
+            columns.append(values[digits])
+        return np.stack(columns[::-1], axis=1)
     if method == 'random':
-        # its counter can begin at any row: a row takes whole blocks, of four numbers each
+        # its counter can begin at any row: a row takes whole blocks, of four values each
         generator = np.random.Philox(key=seed)
         blocks = -(-len(levels) // 4)
         generator.advance(start * blocks)
@@ -180,16 +188,3 @@ def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Arr
     with warnings.catch_warnings():         # that only powers of two are balanced: a user's choice
         warnings.simplefilter('ignore', UserWarning)
         return np.asarray(sequence.random(stop - start))
-
-
-def _grid(levels: tuple[Array, ...], rows: Array) -> Array:
-    """
-    Return the combinations of levels with these numbers, shape (rows, parameters).
-
-    The digits of a number in a mixed base: with 2 and 3 levels, row 4 = 1 * 3 + 1 is (1, 1).
-    """
-    columns = []
-    for values in reversed(levels):
-        rows, place = np.divmod(rows, values.size)
-        columns.append(values[place])
-    return np.stack(columns[::-1], axis=1)

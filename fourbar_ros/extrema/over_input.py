@@ -19,14 +19,8 @@ from functools import cached_property
 from math import inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
 from typing import NamedTuple
 
-from fourbar_ros.extrema.find import (
-    AskedQuantity,
-    CONSTANT,
-    Extremum,
-    find_extrema,
-    INERTIA,
-    resolve,
-)
+from fourbar_ros.extrema import find
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.extrema.search import SAMPLES
@@ -49,15 +43,14 @@ class OverInput:
     quantity grows without bound and the figure with it; NaN if it is not certain.
     """
 
-    def __init__(self, linkage: Mechanism, quantity: AskedQuantity, rate: float = 1.0,
+    def __init__(self, linkage: Mechanism, quantity: find.AskedQuantity, rate: float = 1.0,
                  acceleration: float = 0.0, within: tuple[float, float] | None = None,
                  extrema: Sequence[Extremum] | None = None) -> None:
-        """Note what is to be computed."""
-        if quantity == INERTIA:         # the drive at rest, accelerated by one
+        if quantity == find.INERTIA:         # the drive at rest, accelerated by one
             linkage, quantity = linkage.weightless, linkage.drive_load
             rate, acceleration = 0.0, 1.0
         self._linkage, self._rates, self._within = linkage, (rate, acceleration), within
-        self._quantity, = resolve(quantity, linkage)
+        self._quantity, = find.resolve(quantity, linkage)
         if extrema is not None:
             self.extrema = list(extrema)
 
@@ -144,8 +137,8 @@ class OverInput:
     @property
     def _is_constant(self) -> bool:
         """Return whether it is one constant all over the input, or its rounding."""
-        return (bool(self.extrema) and {one.kind for one in self.extrema} == {CONSTANT}
-                and len({one.value for one in self.extrema}) == 1)
+        return ({extremum.kind for extremum in self.extrema} == {CONSTANT}
+                and len({extremum.value for extremum in self.extrema}) == 1)
 
 
 # --- what an output sweeps -----------------------------------------------------------------------
@@ -181,7 +174,7 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
     if linkage.turns_fully and is_angle and (not extrema or _turns_on(linkage, quantity)):
         return [OutputRange(ranges[0], -pi, pi, True, ())]
 
-    def place_in(bounds: tuple[float, float], extremum: Extremum) -> float:
+    def input_in(bounds: tuple[float, float], extremum: Extremum) -> float:
         """Return the input of an extremum, in the turn of a range, on its side of an end."""
         middle, width = 0.5 * (bounds[0] + bounds[1]), bounds[1] - bounds[0]
         away = extremum.input + NEAR_END * width * extremum.side - middle
@@ -189,8 +182,8 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
 
     def is_outside_by(bounds: tuple[float, float], extremum: Extremum) -> float:
         """Return how far an extremum lies outside a range, less than zero inside."""
-        place = place_in(bounds, extremum)
-        return max(bounds[0] - place, place - bounds[1])
+        x = input_in(bounds, extremum)
+        return max(bounds[0] - x, x - bounds[1])
 
     def whole_turns(angle: float) -> float:
         """Return the whole turns [rad] nearest to an angle; none of a slide."""
@@ -201,7 +194,7 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
         by_range[min(ranges, key=lambda bounds: is_outside_by(bounds, extremum))].append(extremum)
     swept = []
     for bounds, inside in by_range.items():
-        inside.sort(key=lambda extremum: place_in(bounds, extremum))
+        inside.sort(key=lambda extremum: input_in(bounds, extremum))
         values, turns = list[float](), 0.0
         for extremum in inside:     # each part between two flat positions has a turn of its own
             if values and extremum.side > 0:
@@ -217,10 +210,9 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
 
 def _turns_on(linkage: Mechanism, quantity: Quantity) -> bool:
     """Return whether an angle is on by whole turns after one turn of the input."""
-    sampler = Sampler(linkage, [quantity], (0.0, 0.0))
-    # a path that closes lacks its last step, less than half a turn
-    way = 0.0
+    sampler, way = Sampler(linkage, [quantity], (0.0, 0.0)), 0.0
     for path in input_paths(linkage, SAMPLES):
         angles = sampler.along(path).values[0]
         way += angles[-1] - angles[0]
+    # a path that closes lacks its last step, less than half a turn
     return round(way / tau) != 0

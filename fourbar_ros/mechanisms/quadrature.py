@@ -48,8 +48,8 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
     """
     if mechanism.turns_fully and not ranges and not mechanism.flat_inputs:
         return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
-    places, weights = _gauss(min(points, MOST_OF_RANGE))
-    phi, ranges = 0.5 * pi * places, ranges or smooth_ranges(mechanism)
+    roots, weights = _gauss(min(points, MOST_OF_RANGE))
+    phi, ranges = 0.5 * pi * roots, ranges or smooth_ranges(mechanism)
     whole = sum(high - low for low, high in ranges)
     x = [0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi) for low, high in ranges]
     parts = [0.25 * pi * weights * np.cos(phi) * ((high - low) / whole) for low, high in ranges]
@@ -81,14 +81,14 @@ def mean_over_input(mechanism: Mechanism, values_at: Callable[[Array], Array],
 def _mean_by_parts(values_at: Callable[[Array], Array], ranges: Ranges, least_size: Array
                    ) -> Array:
     """Return the means of functions as :func:`mean_over_input`, from parts that are halved."""
-    places, weights = _gauss(POINTS_OF_PART)
+    roots, weights = _gauss(POINTS_OF_PART)
     low, high = np.repeat(np.array(ranges).T, 4, axis=1)
     first = np.tile(0.25 * pi * np.arange(-2, 2), len(ranges))
     last = first + 0.25 * pi
 
     def integrals(low: Array, high: Array, first: Array, last: Array) -> tuple[Array, Array]:
         """Return the integrals of functions and of their sizes, (k, parts), between two phi."""
-        phi = 0.5 * (first + last) + 0.5 * (last - first) * places[:, None]
+        phi = 0.5 * (first + last) + 0.5 * (last - first) * roots[:, None]
         values = values_at(sine_between(low, high, phi).ravel())
         values = values.reshape(-1, *phi.shape) * (0.5 * (high - low) * np.cos(phi))
         width = 0.5 * (last - first)
@@ -106,8 +106,8 @@ def _mean_by_parts(values_at: Callable[[Array], Array], ranges: Ranges, least_si
         is_open = ~(np.abs(halves - whole) <= least).all(axis=0)
         total += halves[:, ~is_open].sum(axis=1)
         low, high = (np.tile(end[is_open], 2) for end in (low, high))
-        first, last = (np.concatenate((one[is_open], other[is_open]))
-                       for one, other in ((first, middle), (middle, last)))
+        first, last = (np.concatenate((of_left[is_open], of_right[is_open]))
+                       for of_left, of_right in ((first, middle), (middle, last)))
         whole = np.concatenate((left[0][:, is_open], right[0][:, is_open]), axis=1)
         if not first.size:
             return np.asarray(total / width)

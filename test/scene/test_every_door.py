@@ -150,7 +150,7 @@ def test_the_page():
 
 def test_studies_and_balancing():
     with pytest.raises(InvalidParameter, match=r'is a load, and .*forces\.gas'):
-        Measures(THERE).one('measures', 'f41.max')
+        Measures(THERE).single('measures', 'f41.max')
     with pytest.raises(BalanceError, match='masses'):
         Loads(THERE.linkage, SPEED)
 

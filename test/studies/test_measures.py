@@ -136,7 +136,7 @@ def test_an_output_that_turns_fully_and_reverses_swings_a_turn():
                   'links': ['block', 'bar'], 'offset': 0.0, 'mode': 2}.items()},
               'drive.speed': 10.0, 'outputs': ['state']}
     design = Design(from_values(values))
-    swing = Measures(design.scene).one('quantities', 'swing')
+    swing = Measures(design.scene).single('quantities', 'swing')
     design.search([swing])
     assert design.of(swing) == tau
 
