@@ -24,7 +24,7 @@ def rss():
 
 def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
-    from fourbar_ros.pipeline.stepper import Stepper
+    from fourbar_ros.pipeline.stepper import Stepper, Wanted
     from fourbar_ros.scene import scene as scenes
     from fourbar_ros.scene.topics import DRIVEN
     from support import bags
@@ -34,10 +34,10 @@ def steps():
     topics = [DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
-    stepper, messages = Stepper(scene), []
+    stepper, wanted, messages = Stepper(scene), Wanted.of(scene), []
     for k in range(PERIOD * RATE):
         crank = (25.0 * k / RATE, 25.0, 0.0)
-        status, values = stepper.step(*crank, True, True)
+        status, values = stepper.step(*crank, wanted)
         messages.append([bags.output_message(name, 1, status, values, scene)
                          for name in ('driven', *scene.outputs)])
     return [bags.channel(names[t.name], t.type) for t in topics], about, messages

@@ -21,7 +21,7 @@ from fourbar_ros import (  # noqa: E402, I100
     round_rod,
     SliderCrank,
 )
-from fourbar_ros.pipeline.stepper import Stepper  # noqa: E402, I100
+from fourbar_ros.pipeline import stepper as pipeline  # noqa: E402, I100
 
 try:
     from fourbar_lab.studies import find_extrema_many
@@ -59,11 +59,14 @@ def steps_by_torque():
 def steps_of_the_node():
     """Do the node's work at each input of the paper's scene, without messages."""
     for angle in angles:
-        stepper.step(angle, OMEGA, 0.0, True, True)
+        stepper.step(angle, OMEGA, 0.0, *wanted)
 
 
 mover = load_scene(CONFIG / 'motor.yaml').mover
-stepper = Stepper(load_scene(CONFIG / 'paper.yaml'))
+paper = load_scene(CONFIG / 'paper.yaml')
+stepper = pipeline.Stepper(paper)
+wanted = ((pipeline.Wanted(True, paper.topics),) if hasattr(pipeline.Wanted, 'of')
+          else (True, True))                 # an older version
 linkage = make(FourBar, LENGTHS)
 WORK = {
     'sine': (lambda: deque(map(math.sin, angles), 0), COUNT),

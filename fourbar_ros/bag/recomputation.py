@@ -25,7 +25,7 @@ from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.joints import SceneJoints
-from fourbar_ros.pipeline.stepper import InModes, INPUT_TIMEOUT, joints_of, OK
+from fourbar_ros.pipeline.stepper import INPUT_TIMEOUT, joints_of, OK, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
@@ -138,7 +138,6 @@ class Recomputation:
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about)
         self._joints: SceneJoints | None = None
-        self._wanted = frozenset(origin.topics)     # other points and links are not computed
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
         self._joints_have_begun = False
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
@@ -149,7 +148,10 @@ class Recomputation:
         self._scene, self._topics = scene, scene.topics
         self._block = min(BLOCK, MOST_VALUES // len(scene.layout.index_of))
         self._joints = joints_of(scene, last, self._is_wrapped)
-        self._steppers = InModes(scene, self._acting, self._joints)
+        self._stepper = Stepper(scene, self._acting, self._joints)
+        # points and links without a topic in the bag are not computed
+        self._wanted = Wanted.of(scene, self._origin.topics)._replace(
+            with_loads=scene.needs_loads)
         self._acts.clear()
         # what acts, but the bag does not tell yet
         self._untold = {name for name in scene.acting
@@ -215,19 +217,17 @@ class Recomputation:
         They are computed one by one, as in the node: arrays may differ in the last bit. ``first``:
         number of the first one.
         """
-        scene, steppers, rows = self._scene, self._steppers, []
-        own, known = steppers.own_mode, scene.linkage.modes_passed
-        needs_loads = scene.needs_loads     # it looks through all outputs each time
+        stepper, modes, rows = self._stepper, self._scene.linkage.modes_passed, []
         for number, (time, message) in enumerate(motions, first):
             while self._acts and self._acts[0][0] <= number:
                 _, name, what = self._acts.popleft()
-                steppers.act(name, what)
+                stepper.act(name, what)
                 self._untold.discard(name)
             stamp = _stamp_of(message)
-            mode = self._modes.pop(stamp, own)
-            mode = mode if mode in known else own
-            status, values = steppers.step(mode, message.position, message.velocity,
-                                           message.acceleration, needs_loads, self._wanted)
+            mode = self._modes.pop(stamp, stepper.mode)
+            mode = mode if mode in modes else stepper.mode
+            status, values = stepper.step(message.position, message.velocity,
+                                          message.acceleration, self._wanted, mode)
             if status == OK:
                 self._holds_unknown = False
             rows.append((stamp, mode, status, self._why_unsure(time), values))

@@ -1,36 +1,35 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Evaluate inputs one by one: a status qualifies the numbers, nothing raises.
+Evaluate inputs one by one: a status qualifies the values, nothing raises.
 
-Steppers evaluate those of a scene, by its policy out of range and in its assembly modes.
+A Stepper evaluates those of a scene, by its policy out of range and in its assembly modes.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
-from typing import cast, NamedTuple, TYPE_CHECKING, Union
+from types import MappingProxyType
+from typing import cast, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
-from fourbar_ros.mechanisms.curves import LinkFields, PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.scene.message_fields import EQUATION, joint_values, RIGID
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, PICTURES, Topic
 import numpy as np
 
 if TYPE_CHECKING:      # scenes with wrenches need it
     from fourbar_ros.pipeline.joints import SceneJoints
     from fourbar_ros.pipeline.wrenches import ActingInput
 
-# The same numbers as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
+# The same values as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
 OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
 STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout',
                 'loads unknown')
-
 
 Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
 
@@ -75,10 +74,10 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
 def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acceleration: float
             ) -> Evaluated:
     """
-    Return (status, motion, loads) where a part of the motion exists, without loads.
+    Return (status, motion, loads) where some fields of the motion exist, without loads.
 
-    It is evaluated as an array of one input. An array has infinite or undefined fields where a
-    single input raises; they become NaN.
+    The input is evaluated as an array of length 1: an array has infinite or undefined fields where
+    a float raises. They become NaN.
     """
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     no_loads = _none_of(mechanism.LOADS)
@@ -91,128 +90,134 @@ def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acc
 
 # --- samples of a scene --------------------------------------------------------------------------
 
-Wanted = Union[bool, Collection[str]]       # outputs as points/NAME and equation; True: all
-Sample = tuple[int, tuple[float, ...]]      # status and values
+Sample = tuple[int, tuple[float, ...]]      # status, and values in the order of the scene's layout
 
 # endings of the fields that are infinite at a limit, besides omega and alpha
 _UNBOUNDED = ('_ratio', 'condition', '_velocity', '_acceleration')
-_NO_POINT, _NO_LINK = (nan,) * len(PointMotion._fields), (nan,) * len(LinkFields._fields)
+
+
+class Wanted(NamedTuple):
+    """
+    What a step computes and sends.
+
+    Points, links, equation and inertia are computed for their topics alone: their values are NaN
+    in a step that does not want the output.
+    """
+
+    with_loads: bool = False
+    outputs: Mapping[str, Topic] = MappingProxyType({})     # those of the scene, by their names
+    pictures: tuple[str, ...] = ()                          # tf, markers
+    driven: bool = False
+    drive_state: bool = False
+
+    @classmethod
+    def of(cls, scene: Scene, names: Iterable[str] | None = None) -> Wanted:
+        """Return what a step needs that sends the topics of these names, by default all."""
+        wanted = {*scene.topics, *scene.pictures, DRIVEN.name, DRIVE_STATE.name} if (
+            names is None) else set(names)
+        outputs = {name: topic for name, topic in scene.topics.items() if name in wanted}
+        return cls(any(topic.needs_loads for topic in outputs.values())
+                   or 'joint_states' in outputs and scene.needs_loads, outputs,
+                   tuple(name for name, topic in PICTURES.items()
+                         if name in wanted and name in scene.pictures and not topic.latched),
+                   DRIVEN.name in wanted, DRIVE_STATE.name in wanted)
 
 
 class Stepper:
     """
-    Evaluates inputs of one scene in order.
+    Evaluates inputs of one scene in order, in any of its assembly modes.
 
-    Out of range its policy holds: 'none' (nothing is known), 'hold' (the last good values again),
-    or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so NaN). The
-    status says OUT_OF_RANGE in any case.
+    Out of range the scene's policy holds: 'none' (nothing is known), 'hold' (the last good values
+    again), or 'clamp' (the pose at the nearest limit; rates and loads are unbounded there, so
+    NaN). The status says OUT_OF_RANGE in any case.
 
-    ``acting``: a wrench for each link that a topic loads, and the base if it has one, by default
-    the scene's before a first message. ``joints``: those of joint_states, by default at the start.
+    ``mode`` is that of the scene. A drive that passes a toggle goes on in another one; its joints
+    go on too. ``acting``: a wrench for each link that a topic loads, and the base if a topic moves
+    it, by default the scene's before a first message. ``joints``: those of joint_states, by
+    default at the start.
     """
 
     def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
                  joints: SceneJoints | None = None) -> None:
         """Prepare all that depends on the scene alone; no step has been made."""
-        self._scene = scene
-        self.linkage, self._policy = scene.bare_linkage, scene.drive.out_of_range
-        # outputs: (name, function of the solved values, its values where nothing is known)
-        self._parts: list[tuple[str, Callable[[NamedFields], Iterable[float]],
-                                tuple[float, ...]]] = []
-        if scene.points:
-            from fourbar_ros.mechanisms.points import make_point  # other scenes do without
-            self._parts += [(f'points/{name}', make_point(REAL, scene.linkage, *point), _NO_POINT)
-                            for name, point in scene.points.items()]
-        if 'links' in scene.outputs:
-            from fourbar_ros.mechanisms.points import link_fields  # other scenes do without
-            self._parts += [(f'links/{link.name}',
-                             partial(link_fields, scene.linkage, link=link.name), _NO_LINK)
-                            for link in scene.linkage.LINKS]
-        # for the policy hold: the last values within range; for clamp: inputs at the limits
-        self._good: tuple[float, ...] | None = None
-        self._limits: list[float] | None = None
-        self._drive_wrench, self.joints = None, joints or joints_of(scene)
-        # outputs of the linkage with what acts on it: (name, function of it, its motion and loads,
-        # values where nothing is known)
-        self._of_linkage: list[tuple[
-            str, Callable[[Mechanism, NamedFields, NamedFields], Iterable[float]],
-            tuple[float, ...]]] = []
-        self._carried = scene.carried
-        if self._carried or 'inertia' in scene.outputs:
-            from fourbar_ros.mechanisms import inertia  # other scenes do without
-            self._rest_of = inertia.rest_of
-        if 'equation' in scene.outputs:
-            self._of_linkage.append(('equation', partial(
-                _equation, scene.bare_linkage.weightless, scene.drive.carried_inertia),
-                (nan,) * len(EQUATION)))
-        if 'inertia' in scene.outputs:
-            self._of_linkage.append((
-                'inertia', lambda linkage, motion, _: inertia.held_rigid(linkage, motion),
-                (nan,) * len(RIGID)))
-        own_joints = joint_values(len(scene.layout.joints)) if self.joints else ()
-        # the values of a sample where nothing is known, without those of its joints
-        self._nothing = (nan,) * (len(scene.layout.index_of) - len(own_joints))
+        self._scene, self.mode = scene, mode_number(scene.linkage.mode)
+        self._policy = scene.drive.out_of_range
+        self.joints = joints or joints_of(scene)
+        self._drive_wrench = None
         if 'drive_wrench' in scene.outputs:
             from fourbar_ros.pipeline.wrenches import drive_wrench
             self._drive_wrench = drive_wrench(scene.linkage, scene.layout.index_of)
-        # (position, rate) -> linkage with the forces of springs and dampers there, if any
-        self._with_element_forces = scene.make_loaded(self.linkage)
         self.acting: dict[str, ActingInput] = {}
-        self._loads_unknown = False
-        for name in scene.acting:
+        if scene.acting:
             from fourbar_ros.pipeline.wrenches import in_silence
-            self.act(name, (acting or {}).get(name) or in_silence(scene, name, None))
+            self.acting = {name: (acting or {}).get(name) or in_silence(scene, name, None)
+                           for name in scene.acting}
+        self._branches: dict[int, _Branch] = {}     # by mode
+        self.prepare([self.mode])
 
-    def act(self, name: str, what: ActingInput) -> None:
+    def prepare(self, modes: Iterable[int]) -> None:
+        """Prepare modes that may come, so that no step has to wait for one."""
+        for mode in modes:
+            if mode not in self._branches:
+                scene = self._scene if mode == self.mode else self._scene.taken_in(mode)
+                self._branches[mode] = _Branch(scene)
+                if self.acting:
+                    self._branches[mode].load(self.acting)
+
+    def act(self, name: str, acting: ActingInput) -> None:
         """
         Let a wrench act on a link, or let the base move, from the next step on.
 
         If anything that acts is not known, no load is.
         """
-        from fourbar_ros.pipeline.wrenches import loaded  # other scenes do without
-        self.acting[name] = what
-        linkage = loaded(self.linkage, self._scene, self.acting)
-        self._loads_unknown = linkage is None and self._scene.needs_loads
-        if linkage is not None:
-            self.linkage = linkage
-            self._with_element_forces = self._scene.make_loaded(self.linkage)
+        self.acting[name] = acting
+        for branch in self._branches.values():
+            branch.load(self.acting)
 
-    def step(self, position: float, rate: float, acceleration: float, with_loads: bool,
-             with_parts: Wanted) -> Sample:
+    def step(self, position: float, rate: float, acceleration: float, wanted: Wanted,
+             mode: int | None = None) -> Sample:
         """
         Return (status, values) at an input, [rad] or [m], and its rate and acceleration.
 
-        The values are (*motion, *loads, *motion of each point and link, *equation, *rigid, *drive
-        wrench, *joints), as the scene's FieldMap places them. ``with_parts``: which of the points
-        and links, of equation and inertia are wanted; the values of others are NaN.
+        The order of the values is that of the scene's layout. ``mode``: None for the scene's.
         """
-        linkage = self.linkage
-        if self._with_element_forces and with_loads:       # springs act on the links too
-            loaded = self._with_element_forces(position, rate)
-            linkage, with_loads = loaded or linkage, loaded is not None
-        status, motion, loads = evaluate(linkage, position, rate, acceleration,
-                                         with_loads and not self._loads_unknown)
-        if self._loads_unknown and status == OK:
+        if mode is None:
+            mode = self.mode
+        try:
+            branch = self._branches[mode]
+        except KeyError:
+            self.prepare([mode])
+            branch = self._branches[mode]
+        mechanism, with_loads = branch.mechanism, wanted.with_loads
+        if branch.with_elements and with_loads:            # springs act on the links too
+            loaded = branch.with_elements(position, rate)
+            mechanism, with_loads = loaded or mechanism, loaded is not None
+        status, motion, loads = evaluate(mechanism, position, rate, acceleration,
+                                         with_loads and not branch.loads_unknown)
+        if branch.loads_unknown and status == OK:
             status = LOADS_UNKNOWN
-        elif self._carried and with_loads and status == OK:
-            loads = self._rest_of(loads, self._carried, linkage)
+        elif branch.carried and with_loads and status == OK:
+            loads = branch.rest_of(loads, branch.carried, mechanism)
             if not isfinite(loads.shaking_force + loads.shaking_moment):
-                status, loads = INVALID_INPUT, _none_of(linkage.LOADS)
-                motion = linkage.unknown(position, rate, acceleration)
-        values = self._completed((*motion, *loads, *self._of_parts(motion, with_parts),
-                                  *self._shown_of(linkage, status, motion, loads, with_parts)))
+                status, loads = INVALID_INPUT, _none_of(mechanism.LOADS)
+                motion = mechanism.unknown(position, rate, acceleration)
+        values = self._completed((*motion, *loads, *branch.outputs(mechanism, status, motion,
+                                                                   loads, wanted.outputs)))
         if self._policy == 'hold':
             if status in (OK, LOADS_UNKNOWN):
-                self._good = values
-            elif status in (OUT_OF_RANGE, INVALID_INPUT) and self._good:
-                values = self._good
+                branch.held = values
+            elif status in (OUT_OF_RANGE, INVALID_INPUT) and branch.held:
+                values = branch.held
         elif self._policy == 'clamp' and status == OUT_OF_RANGE:
-            values = self._at_limit(position)
+            values = self._at_limit(branch, position)
         return status, values
 
     def silence(self) -> tuple[float, ...]:
         """Return the values during a timeout: NaN, except for held joint positions."""
-        return self._nothing + self.joints.of(self._nothing) if self.joints else self._nothing
+        if not self.joints:
+            return self._scene.layout.unknown
+        unknown = self._scene.layout.unknown[:self._scene.layout.groups['joint_states'].start]
+        return unknown + self.joints.of(unknown)
 
     def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
         """Append the drive wrench and the joints, where the scene has them."""
@@ -220,56 +225,107 @@ class Stepper:
             values += self._drive_wrench(values)
         return values + self.joints.of(values) if self.joints else values
 
-    def _of_parts(self, motion: NamedFields, wanted: Wanted) -> list[float]:
-        """Return the motion of all points and links, NaN for any that is not wanted."""
-        return [value for name, part, unknown in self._parts
-                for value in (part(motion) if wanted is True or wanted and name in wanted
-                              else unknown)]
-
-    def _shown_of(self, linkage: Mechanism, status: int, motion: NamedFields, loads: NamedFields,
-                  wanted: Wanted) -> list[float]:
-        """Return equation of motion and inertia, NaN where they are not wanted or not known."""
-        values: list[float] = []
-        for name, part, unknown in self._of_linkage:
-            found = unknown
-            if status == OK and (wanted is True or wanted and name in wanted):
-                with suppress(FourBarError):        # numbers overflow
-                    found = tuple(part(linkage, motion, loads))
-            values += found if isfinite(sum(found)) else unknown
-        return values
-
-    def _at_limit(self, position: float) -> tuple[float, ...]:
+    def _at_limit(self, branch: _Branch, position: float) -> tuple[float, ...]:
         """Return the values at the limit nearest to an input; rates and loads are NaN there."""
-        if self._limits is None:
-            self._limits = [_first_assembled(self.linkage, end, toward)
-                            for low, high in self.linkage.input_ranges
-                            for end, toward in ((low, high), (high, low))]
-        nearest = min(self._limits,
-                      key=lambda limit: abs(float(self.linkage.distance(position, limit))))
-        _, motion, loads = evaluate(self.linkage, nearest, nan, nan, False)
+        mechanism = branch.mechanism
+        if branch.limits is None:
+            branch.limits = [_first_assembled(mechanism, end, toward)
+                             for low, high in mechanism.input_ranges
+                             for end, toward in ((low, high), (high, low))]
+        nearest = min(branch.limits,
+                      key=lambda limit: abs(float(mechanism.distance(position, limit))))
+        _, motion, loads = evaluate(mechanism, nearest, nan, nan, False)
         motion = motion._replace(**{name: nan for name in motion._fields
                                     if name.startswith(('omega', 'alpha'))
                                     or name.endswith(_UNBOUNDED)})
-        return self._completed((*motion, *loads, *self._of_parts(motion, True),
-                                *self._shown_of(self.linkage, OUT_OF_RANGE, motion, loads,
-                                                False)))
+        return self._completed((*motion, *loads, *branch.outputs(
+            mechanism, OUT_OF_RANGE, motion, loads, self._scene.topics)))
 
 
-def _equation(weightless: Mechanism, carried: float, linkage: Mechanism, motion: NamedFields,
-              loads: NamedFields) -> list[float]:
-    from fourbar_ros.mechanisms.inertia import input_equation  # other scenes do without
-    position, rate, acceleration = (getattr(motion, name) for name in linkage.input_coordinate)
-    return [*input_equation(linkage, position, rate, weightless),
-            getattr(loads, linkage.drive_load) - carried * acceleration]
-
-
-def _first_assembled(linkage: Mechanism, end: float, toward: float) -> float:
+class _Branch:
     """
-    Return the first float from the end of a range at which the linkage can be assembled.
+    The mechanism of a scene in one mode, with what acts on it, and the outputs computed of it.
+
+    ``held``: the last good values, for the policy hold; ``limits``: inputs at the ends of the
+    ranges, for clamp.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self.mechanism, self.loads_unknown = scene, scene.bare_linkage, False
+        self.held: tuple[float, ...] | None = None
+        self.limits: list[float] | None = None
+        # (position, rate) -> mechanism with the forces of springs and dampers there, if any
+        self.with_elements = scene.make_loaded(self.mechanism)
+        self.carried = scene.carried
+        if self.carried or 'inertia' in scene.outputs:
+            from fourbar_ros.mechanisms import inertia  # imported where a scene needs it
+            self.rest_of = inertia.rest_of
+        if scene.points or 'links' in scene.outputs:
+            from fourbar_ros.mechanisms import points  # imported where a scene needs it
+        # outputs: (name, function of motion, or of mechanism, motion and loads, unknown values)
+        self._of_motion: list[tuple[str, Callable[[NamedFields], Iterable[float]],
+                                    tuple[float, ...]]] = []
+        self._of_loads: list[tuple[
+            str, Callable[[Mechanism, NamedFields, NamedFields], Iterable[float]],
+            tuple[float, ...]]] = []
+        for output, group in scene.layout.groups.items():
+            unknown, (family, _, name) = scene.layout.unknown[group], output.partition('/')
+            if family == 'points':
+                self._of_motion.append((output, points.make_point(
+                    REAL, scene.linkage, *scene.points[name]), unknown))
+            elif family == 'links':
+                self._of_motion.append((output, partial(points.link_fields, scene.linkage,
+                                                        link=name), unknown))
+            elif output == 'equation':
+                self._of_loads.append((output, partial(
+                    _equation, scene.bare_linkage.weightless, scene.drive.carried_inertia),
+                    unknown))
+            elif output == 'inertia':
+                self._of_loads.append((output, lambda mechanism, motion, _: inertia.held_rigid(
+                    mechanism, motion), unknown))
+
+    def load(self, acting: Mapping[str, ActingInput]) -> None:
+        """Let wrenches and the motion of the base act; if any is unknown, no load is known."""
+        from fourbar_ros.pipeline.wrenches import loaded  # imported where a scene needs it
+        mechanism = loaded(self.mechanism, self._scene, acting)
+        self.loads_unknown = mechanism is None and self._scene.needs_loads
+        if mechanism is not None:
+            self.mechanism = mechanism
+            self.with_elements = self._scene.make_loaded(mechanism)
+
+    def outputs(self, mechanism: Mechanism, status: int, motion: NamedFields,
+                loads: NamedFields, wanted: Mapping[str, Topic]) -> list[float]:
+        """
+        Return motion of points and links, equation of motion and inertia; NaN if not wanted.
+
+        The last two are NaN also where the status is not OK.
+        """
+        values = [value for name, function, unknown in self._of_motion
+                  for value in (function(motion) if name in wanted else unknown)]
+        for name, function, unknown in self._of_loads:
+            result = unknown
+            if status == OK and name in wanted:
+                with suppress(FourBarError):        # an overflow
+                    result = tuple(function(mechanism, motion, loads))
+            values += result if isfinite(sum(result)) else unknown
+        return values
+
+
+def _equation(weightless: Mechanism, carried: float, mechanism: Mechanism, motion: NamedFields,
+              loads: NamedFields) -> list[float]:
+    from fourbar_ros.mechanisms.inertia import input_equation  # imported where a scene needs it
+    position, rate, acceleration = (getattr(motion, name) for name in mechanism.input_coordinate)
+    return [*input_equation(mechanism, position, rate, weightless),
+            getattr(loads, mechanism.drive_load) - carried * acceleration]
+
+
+def _first_assembled(mechanism: Mechanism, end: float, toward: float) -> float:
+    """
+    Return the first float from the end of a range at which the mechanism can be assembled.
 
     By rounding that may be some floats inside.
     """
-    while evaluate(linkage, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
+    while evaluate(mechanism, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
         end = nextafter(end, toward)
     return end
 
@@ -279,47 +335,5 @@ def joints_of(scene: Scene, angles: Sequence[float] | None = None, is_wrapped: b
     """Return the SceneJoints of a scene, None for one without the output joint_states."""
     if 'joint_states' not in scene.outputs:
         return None
-    from fourbar_ros.pipeline.joints import SceneJoints  # other scenes do without
+    from fourbar_ros.pipeline.joints import SceneJoints  # imported where a scene needs it
     return SceneJoints(scene, angles, is_wrapped)
-
-
-class InModes:
-    """
-    A :class:`Stepper` for each assembly mode, made when it is needed; arguments as of a stepper.
-
-    A drive that passes a toggle goes on in another mode than the scene's; its joints go on too.
-    """
-
-    def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
-                 joints: SceneJoints | None = None) -> None:
-        self._scene, self.own_mode = scene, mode_number(scene.linkage.mode)
-        self.joints = joints or joints_of(scene)
-        self._own = Stepper(scene, acting, self.joints)
-        self._all = {self.own_mode: self._own}
-
-    @property
-    def acting(self) -> dict[str, ActingInput]:
-        """Return what acts as topics say, see :meth:`Stepper.act`."""
-        return self._own.acting
-
-    def act(self, name: str, what: ActingInput) -> None:
-        """Let something act from the next step on."""
-        for stepper in self._all.values():
-            stepper.act(name, what)
-
-    def prepare(self, modes: Iterable[int]) -> None:
-        """Make the steppers of modes that may come, so that no step has to wait for one."""
-        for mode in modes:
-            if mode not in self._all:
-                self._all[mode] = Stepper(self._scene.taken_in(mode), self.acting, self.joints)
-
-    def step(self, mode: int, position: float, rate: float, acceleration: float,
-             with_loads: bool, with_parts: Wanted) -> Sample:
-        """Return (status, values) as :meth:`Stepper.step`, in the mode of this number."""
-        if mode not in self._all:
-            self.prepare([mode])
-        return self._all[mode].step(position, rate, acceleration, with_loads, with_parts)
-
-    def silence(self) -> tuple[float, ...]:
-        """Return the values during a timeout."""
-        return self._own.silence()

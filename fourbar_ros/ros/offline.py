@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import isnan, nan
+from math import isnan
 from pathlib import Path
 import time
 
@@ -12,10 +12,9 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics.node_step import KEY, SILENT
 from fourbar_ros.dynamics.node_step import OK as MOVES
 from fourbar_ros.errors import BagError
-from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.pipeline.stepper import InModes
 from fourbar_ros.pipeline.stepper import OK as KNOWN
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.ros.messages import resolve, sec_nanosec, to_stamp
 from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.node.stream import drive_layout, writer_of
@@ -60,7 +59,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about,
                        clock=lambda: now)
-    channels = {topic.name: number for number, topic in enumerate(topics)}
+    channels = {topic.name: channel_id for channel_id, topic in enumerate(topics)}
     try:
         for done, (stamp, messages) in enumerate(_messages(simulated, topics), 1):
             now = stamp
@@ -91,34 +90,34 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
 
     The first sample also has the scene and the constant torque, if there is one.
     """
-    scene, steppers = simulated.scene, InModes(simulated.scene)
-    mode_of_scene = mode_number(scene.linkage.mode)
-    modes = [mode if mode < 256 else mode_of_scene       # in a message it is a byte
+    scene, stepper = simulated.scene, Stepper(simulated.scene)
+    wanted, layout = Wanted.of(scene), scene.layout
+    modes = [mode if mode < 256 else stepper.mode        # in a message it is a byte
              for mode in simulated.run.modes.tolist()]
     layouts = {DRIVE_STATE.name: drive_layout()}
-    makers = {topic.name: writer_of(topic, scene, layouts.get(topic.name, scene.layout)).pack
+    makers = {topic.name: writer_of(topic, scene, layouts.get(topic.name, layout)).pack
               for topic in topics if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
         first.append((TORQUE.name, _torque(scene, simulated.torque)))
-    driven_places = [scene.layout.index_of[name] for name in scene.linkage.input_coordinate]
+    inputs = [layout.index_of[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
     for offset, mode, drive_values in zip(offsets, modes, simulated.drive_values()):
         motion = drive_values.position, drive_values.velocity, drive_values.acceleration
-        driven = [nan] * len(scene.layout.index_of)
-        for place, value in zip(driven_places, motion):
-            driven[place] = value
-        status, values = steppers.step(mode, *motion, scene.needs_loads, True)
+        driven = list(layout.unknown)
+        for index, value in zip(inputs, motion):
+            driven[index] = value
+        status, values = stepper.step(*motion, wanted, mode)
         outputs = [name for name in scene.topics
-                   if status == KNOWN or not any(isnan(values[place])
-                                                 for place in scene.needed_for(name))]
+                   if status == KNOWN or not any(isnan(values[index])
+                                                 for index in scene.needed_for(name))]
         contents = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, drive_values),
                     DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, values))}
         stamp = sec_nanosec(BEGIN + offset)
         yield BEGIN + offset, first + [
-            (name, makers[name](stamp, its_status, mode, its_values))
-            for name, (its_status, its_values) in contents.items()]
+            (name, makers[name](stamp, status, mode, values))
+            for name, (status, values) in contents.items()]
         first = []
 
 

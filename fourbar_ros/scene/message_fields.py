@@ -44,10 +44,16 @@ class FieldMap(NamedTuple):
     # effort of a passive joint
     fields: Mapping[str, Mapping[str, Source]]
     absent: dict[str, tuple[str, ...]]      # {output: fields that are always NaN}
-    # {name of a value: its index in (*motion, *loads, *motion of each point, *motion of each link,
-    # *equation, *rigid, *drive wrench, *joints)}
-    index_of: dict[str, int]
-    joints: tuple[tuple[Coordinate, str | None], ...]   # with the effort of its drive, or None
+    index_of: dict[str, int]                # {name of a value: its index in a sample}
+    joints: tuple[tuple[Coordinate, str | None], ...]   # with the effort of the drive, or None
+    # {group: slice of a sample}, in this order: motion, loads, and those of the scene's outputs
+    # points/NAME, links/NAME, equation, inertia, drive_wrench, joint_states
+    groups: Mapping[str, slice]
+
+    @property
+    def unknown(self) -> tuple[float, ...]:
+        """Return the values of a sample of which nothing is known: all NaN."""
+        return (nan,) * len(self.index_of)
 
     def expected(self, output: str, values: Sequence[float] | Array) -> dict[str, Any]:
         """
@@ -100,10 +106,13 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
               'loads': tuple(name for name in LOADS if name not in known)}
     names = list(known)         # of the values of a sample, in their order
+    end_of_motion = len(mechanism.MOTION._fields)
+    groups = {'motion': slice(end_of_motion), 'loads': slice(end_of_motion, len(known))}
 
     def add(name: str, sources: dict[str, str]) -> None:
-        """Let an output show further values, which follow those so far."""
+        """Let an output show further values, a group that follows the last one."""
         fields[name] = sources
+        groups[name] = slice(len(names), len(names) + len(sources))
         names.extend(sources.values())
 
     for point in points:
@@ -121,13 +130,14 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
         add('drive_wrench', dict(zip(WRENCH, DRIVE_WRENCH)))
     if 'joint_states' in outputs:
         scaled, count = joint_values(len(joints)), len(joints)
+        groups['joint_states'] = slice(len(names), len(names) + len(scaled))
         names += scaled
         sources = [scaled[i:i + count] for i in (0, count, 2 * count)]
         fields['joint_states'] = {
             field: tuple(of_joints[joint] for joint in shown)
             for field, of_joints in zip(OF_JOINTS, sources)
             if field != 'effort' or with_effort}     # else empty in the message: not known
-    return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints)
+    return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints, groups)
 
 
 def _effort(joint: Coordinate, driven: Coordinate) -> str | None:

@@ -13,7 +13,7 @@ from fourbar_ros.bag.recomputation import recompute, STOPPED, UNTOLD
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene as scenes
 import numpy as np
 import pytest
@@ -161,7 +161,7 @@ def test_outputs_that_say_that_the_input_stopped_are_no_fault(tmp_path):
     scene, raws = scenes.from_values(values), content(path)
     stepper = Stepper(scene)
     for turn in TURNS:
-        stepper.step(*turn, True, True)
+        stepper.step(*turn, Wanted.of(scene))
     topics = json.loads(Bag(path).about['topics'])
     late = [(topics[name], bags.output_message(name, 10**9, 5, stepper.silence(), scene),
              raws[-1][2] + 10**9)

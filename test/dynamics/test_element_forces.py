@@ -9,7 +9,7 @@ from fourbar_ros.mechanics.bodies import Applied, External
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.stepper import OK, Stepper
+from fourbar_ros.pipeline.stepper import OK, Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
@@ -144,11 +144,11 @@ def test_a_scene_publishes_loads_with_its_springs():
               'springs.back.stiffness': 800.0, 'springs.back.damping': 10.0,
               'torsion_springs.pivot.stiffness': 25.0, 'torsion_springs.pivot.damping': 1.0}
     there = scene.from_values(values)
-    status, found = Stepper(there).step(0.4, 2.0, 1.0, True, False)
+    status, found = Stepper(there).step(0.4, 2.0, 1.0, Wanted(with_loads=True))
     torque = found[there.layout.index_of['driving_torque']]
     equation = there.dynamics.system(there.bare_linkage).equation
     assert status == OK and torque == pytest.approx(equation.torque(0.4, 2.0, 1.0), rel=1e-11)
-    assert Stepper(there).step(float('nan'), 2.0, 1.0, True, False)[0] != OK
+    assert Stepper(there).step(float('nan'), 2.0, 1.0, Wanted(with_loads=True))[0] != OK
 
 
 def test_forces_that_overflow_together_are_none():

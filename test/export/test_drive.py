@@ -9,7 +9,7 @@ from fourbar_lab.export import generate
 from fourbar_lab.export.fmu import build
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
-from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -160,7 +160,7 @@ def rocker(tmp_path_factory):
 def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
     scene, _ = rocker
     code = Code(scene, tmp_path, 'code')
-    run, stepper = code.compiled(COMPILERS[0], '-O2'), InModes(scene)
+    run, stepper = code.compiled(COMPILERS[0], '-O2'), Stepper(scene)
     rng, (low, high) = np.random.default_rng(6), scene.linkage.input_ranges[0]
     inputs = np.transpose([rng.uniform(low, high, 100), *rng.normal(0.0, 3.0, (2, 100))])
     for mode in (1, 2):
@@ -168,7 +168,7 @@ def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
         status, rows = run(np.ascontiguousarray(inputs), [
             signs.get(one.place, one.value) for one in code.model.tunable])
         for said, found, given in zip(status, rows, inputs.tolist()):
-            wanted, expected = stepper.step(mode, *given, True, True)
+            wanted, expected = stepper.step(*given, Wanted(True, scene.topics), mode)
             assert said == wanted == OK and bits(found) == bits(expected)
 
 

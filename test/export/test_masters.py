@@ -8,7 +8,7 @@ import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_ros import load_scene
-from fourbar_ros.pipeline.stepper import evaluate, InModes
+from fourbar_ros.pipeline.stepper import evaluate, Stepper, Wanted
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -113,12 +113,12 @@ def test_motion_by_torque(name, changes, master, tmp_path):
     rows = simulated(generate(scene, tmp_path, 'fmu2', name='unit').files[0], step,
                      {'torque': torques} if is_commanded else {})
     assert len(rows) == ROWS + 1
-    mover, stepper = scene.mover, InModes(scene)
+    mover, stepper = scene.mover, Stepper(scene)
     fields = [*scene.linkage.MOTION._fields, *scene.linkage.LOADS._fields]
     values, status, time = mover.start(), 0, 0.0
     for i, row in enumerate(rows):
-        _, numbers = stepper.step(mover.mode, values.position, values.velocity,
-                                  values.acceleration, True, True)
+        _, numbers = stepper.step(values.position, values.velocity, values.acceleration,
+                                  Wanted(with_loads=True), mover.mode)
         check(row, {**dict(zip(fields, numbers)), 'drive.status': status,
                     **{f'drive.{name}': value for name, value in values._asdict().items()}},
               rounded)

@@ -7,7 +7,7 @@ import math
 from fourbar_ros import InvalidParameter, OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema, LIMIT
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
-from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper
+from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
@@ -96,5 +96,5 @@ def test_clamped_inputs_stay_at_the_end_of_the_stroke():
                              'drive.out_of_range': 'clamp'})
     place = its.layout.index_of['slide']
     for asked, expected in ((2.0, 1.5), (0.5, 0.9), (-1.0, 0.9)):
-        status, values = Stepper(its).step(asked, 0.1, 0.0, False, False)
+        status, values = Stepper(its).step(asked, 0.1, 0.0, Wanted())
         assert status == OUT_OF_RANGE and values[place] == expected

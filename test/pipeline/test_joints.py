@@ -5,7 +5,7 @@ import math
 
 from fourbar_ros.description.model import model_of
 from fourbar_ros.pipeline.joints import GearedJoint, Scale
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
 import numpy as np
@@ -23,7 +23,7 @@ def joint_states(scene, *sent):
     stepper = Stepper(scene)
     found = []
     for each in sent:
-        status, values = stepper.step(*each, scene.needs_loads, False)
+        status, values = stepper.step(*each, Wanted(with_loads=scene.needs_loads))
         found.append((status, scene.layout.expected('joint_states', values)))
     return found
 
@@ -82,7 +82,7 @@ def test_held_positions_survive_silence_and_nothing_is_held_before_the_first():
     def position(values):
         return scene.layout.expected('joint_states', values)['position']
     assert all(map(math.isnan, position(stepper.silence())))
-    good = position(stepper.step(0.2, 1.0, 0.0, False, False)[1])
+    good = position(stepper.step(0.2, 1.0, 0.0, Wanted())[1])
     assert position(stepper.silence()) == good and all(map(math.isfinite, good))
 
 

@@ -11,6 +11,7 @@ from fourbar_ros.pipeline.stepper import (
     OUT_OF_RANGE,
     RATES_UNKNOWN,
     Stepper,
+    Wanted,
 )
 from fourbar_ros.pipeline.wrenches import UNKNOWN
 from fourbar_ros.scene import from_values
@@ -29,7 +30,7 @@ def made(policy='none', **more):
     stepper = Stepper(scene)
 
     def step(*given):
-        status, values = stepper.step(*given, True, True)
+        status, values = stepper.step(*given, Wanted(True, scene.topics))
         return status, {name: values[i] for name, i in scene.layout.index_of.items()}
     return scene, stepper, step
 
@@ -115,7 +116,7 @@ def test_what_a_simulator_carries_is_a_number_or_refused():
     with pytest.raises(InvalidParameter, match='base.carried.mean'):
         Stepper(from_values({**heavy, 'base.carried.mean': True}))
     scene = from_values({**heavy, 'outputs': ['state', 'inertia']})
-    status, values = Stepper(scene).step(*INSIDE, False, True)
+    status, values = Stepper(scene).step(*INSIDE, Wanted(False, scene.topics))
     place = scene.layout.index_of
     assert status == OK and isfinite(values[place['theta4']])
     assert isnan(values[place['rigid inertia']]) and isnan(values[place['rigid mass']])

@@ -7,7 +7,7 @@ Power balance of chains, what acts in a silence, what is not known.
 """
 import math
 
-from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, OK, OUT_OF_RANGE, Stepper
+from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, OK, OUT_OF_RANGE, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import a_step_later, constant, in_silence, UNKNOWN, Wrench
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
@@ -44,8 +44,8 @@ def test_a_wrench_from_a_topic_is_that_of_the_scene_to_the_last_bit(link, wrench
     given_loads = {f'external.{link}.{name}': number
                    for name, number in Wrench(*wrench)._asdict().items()}
     fixed = Stepper(scenes.from_values({**LOADED, **place, **given_loads}))
-    found = stepper.step(*given, True, False)
-    assert found == fixed.step(*given, True, False) and found[0] == OK
+    found = stepper.step(*given, Wanted(with_loads=True))
+    assert found == fixed.step(*given, Wanted(with_loads=True)) and found[0] == OK
 
 
 def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
@@ -54,11 +54,11 @@ def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
     one, two, given = Stepper(first), Stepper(second), (0.7, 6.0, -3.0)
     motion = first.linkage.motion(*given)
     passed_on = motion.theta4, motion.omega4, motion.alpha4
-    _, values = two.step(*passed_on, True, False)
+    _, values = two.step(*passed_on, Wanted(with_loads=True))
     reaction = of(second, values, 'drive_wrench')
     one.act('output', Wrench(reaction['wrench.force.x'], reaction['wrench.force.y'],
                              reaction['wrench.torque.z']))
-    _, values = one.step(*given, True, False)
+    _, values = one.step(*given, Wanted(with_loads=True))
     taken = power(first.linkage, *given)[0] + power(second.linkage, *passed_on)[0]
     assert of(first, values, 'loads')['driving_torque'] * given[1] == pytest.approx(taken,
                                                                                     rel=1e-12)
@@ -68,7 +68,7 @@ def test_a_chain_of_linkages_is_driven_by_the_power_that_goes_into_all_links():
                                        (CYLINDER, 0.8)])
 def test_the_wrench_on_a_sliding_drive_is_minus_its_force_along_the_slide(given, at):
     scene = scenes.from_values(given)
-    status, values = Stepper(scene).step(at, 0.4, -2.0, True, False)
+    status, values = Stepper(scene).step(at, 0.4, -2.0, Wanted(with_loads=True))
     loads, wrench = of(scene, values, 'loads'), of(scene, values, 'drive_wrench')
     direction = of(scene, values, 'state').get('theta4', math.nan)
     direction = 0.0 if math.isnan(direction) else direction
@@ -100,7 +100,7 @@ def test_what_acts_in_a_silence(policy, last, expected):
                                 'external.when_silent': policy})
     assert repr(in_silence(scene, 'output', last)) == repr(expected)
     stepper = Stepper(scene)
-    status, values = stepper.step(0.3, 2.0, 1.0, True, False)
+    status, values = stepper.step(0.3, 2.0, 1.0, Wanted(with_loads=True))
     assert status == (LOADS_UNKNOWN if policy == 'unknown' else OK)
     if policy == 'unknown':
         loads = of(scene, values, 'loads')
@@ -109,8 +109,8 @@ def test_what_acts_in_a_silence(policy, last, expected):
         assert math.isfinite(of(scene, values, 'state')['alpha4'])
     else:
         assert constant(scene, 'output') == Wrench(4.0, 0.0, -2.0)
-        assert values == Stepper(scenes.from_values({**LOADED, **CONSTANTS})).step(0.3, 2.0, 1.0,
-                                                                                   True, False)[1]
+        assert values == Stepper(scenes.from_values({**LOADED, **CONSTANTS})).step(
+            0.3, 2.0, 1.0, Wanted(with_loads=True))[1]
 
 
 @pytest.mark.parametrize('number', [math.nan, math.inf, -math.inf])
@@ -119,21 +119,21 @@ def test_a_number_that_is_none_makes_the_loads_unknown_until_the_next(field, num
     scene = scenes.from_values({**LOADED, 'external.output.from_topic': True})
     stepper = Stepper(scene)
     stepper.act('output', LAST._replace(**{field: number}))
-    assert stepper.step(0.3, 2.0, 1.0, True, False)[0] == LOADS_UNKNOWN
+    assert stepper.step(0.3, 2.0, 1.0, Wanted(with_loads=True))[0] == LOADS_UNKNOWN
     stepper.act('output', LAST)
-    assert stepper.step(0.3, 2.0, 1.0, True, False)[0] == OK
+    assert stepper.step(0.3, 2.0, 1.0, Wanted(with_loads=True))[0] == OK
 
 
 def test_both_links_must_be_known_and_other_statuses_come_first():
     scene = scenes.from_values({**ROCKER, **RODS, **FROM_TOPIC, 'outputs': ['loads']})
     stepper = Stepper(scene)
     stepper.act('output', LAST)
-    assert stepper.step(0.2, 2.0, 1.0, True, False)[0] == LOADS_UNKNOWN
-    assert stepper.step(1.0, 2.0, 1.0, True, False)[0] == OUT_OF_RANGE
+    assert stepper.step(0.2, 2.0, 1.0, Wanted(with_loads=True))[0] == LOADS_UNKNOWN
+    assert stepper.step(1.0, 2.0, 1.0, Wanted(with_loads=True))[0] == OUT_OF_RANGE
     stepper.act('coupler', LAST)
-    assert stepper.step(0.2, 2.0, 1.0, True, False)[0] == OK
+    assert stepper.step(0.2, 2.0, 1.0, Wanted(with_loads=True))[0] == OK
 
 
 def test_a_scene_without_loads_has_nothing_unknown():
     scene = scenes.from_values({**PAPER, **FROM_TOPIC})
-    assert Stepper(scene).step(0.2, 2.0, 1.0, False, False)[0] == OK
+    assert Stepper(scene).step(0.2, 2.0, 1.0, Wanted())[0] == OK

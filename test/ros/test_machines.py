@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Time
 from fourbar_msgs.msg import LinkageState, Motion
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quantities import select
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.topics import OUTPUTS
@@ -33,8 +33,8 @@ def test_topics_services_and_bag_are_those_of_the_core(name, run_node, client, t
                                                for heard in client.received.values()),
                      f'answer {number} on every topic')
         answers = {topic: heard[-1] for topic, heard in client.received.items()}
-        status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration, True,
-                                        True)
+        status, expected = stepper.step(sent.position, sent.velocity, sent.acceleration,
+                                        Wanted(True, its.topics))
         assert status == LinkageState.STATUS_OK
         for topic, message in answers.items():          # NaN is NaN here
             assert repr(fields_of(its.layout, topic, message)) == repr(

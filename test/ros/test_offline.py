@@ -6,7 +6,7 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
-from fourbar_ros.pipeline.stepper import InModes
+from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.offline import write_bag
 from fourbar_ros.scene import files, scene
 from fourbar_ros.scene.simulated import simulate_scene
@@ -79,9 +79,8 @@ def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch)
     for m in states[::50]:
         motion = linkage.in_mode(m.mode).motion(m.theta1, m.omega1, m.alpha1)
         assert (m.theta4, m.omega4, m.alpha4) == (motion.theta4, motion.omega4, motion.alpha4)
-    step = InModes.step
-    monkeypatch.setattr(InModes, 'step', lambda self, mode, *given: step(self, self.own_mode,
-                                                                         *given))
+    step = Stepper.step
+    monkeypatch.setattr(Stepper, 'step', lambda self, *given: step(self, *given[:4], self.mode))
     assert recompute(path).problems()
 
 

@@ -12,7 +12,7 @@ import zlib
 
 from fourbar_msgs.msg import LinkageState
 from fourbar_ros.bag.layout import arrays
-from fourbar_ros.pipeline.stepper import STATUS_NAMES, Stepper
+from fourbar_ros.pipeline.stepper import STATUS_NAMES, Stepper, Wanted
 from fourbar_ros.ros import messages
 from fourbar_ros.ros.messages import filler, packer, resolve, set_constants
 from fourbar_ros.scene import scene
@@ -56,7 +56,7 @@ def steps_of(its):
     stepper = Stepper(its)
     for given in ((0.31, 2.0, -3.0), (0.31, math.nan, math.nan), (math.inf, 0.0, 0.0),
                   (99.0, 1e300, 1.0)):
-        yield stepper.step(*given, True, True)
+        yield stepper.step(*given, Wanted(True, its.topics))
     count = len(its.layout.index_of)
     for status, hard in itertools.product(range(len(STATUS_NAMES)),
                                           (math.nan, math.inf, -0.0, 5e-324)):
@@ -95,7 +95,7 @@ def test_any_frame_and_joint_names(frame, monkeypatch):
     for topic in topics_of(its):
         message = message_of(topic, its)
         pack = packer(topic.name, message, its.layout)
-        status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
+        status, values = Stepper(its).step(0.7, 25.0, 1.0, Wanted(True, its.topics))
         data = packed(pack, monkeypatch, (7, 8), status, 2, values)
         found = deserialize_message(data, type(message))
         filler(topic.name, message, its.layout)((7, 8), status, 2, values)
@@ -129,7 +129,7 @@ def test_where_bytes_do_not_read_back_ros_serialises_every_message(middleware, m
     its = scene_of('paper')
     message = message_of(OUTPUTS['state'], its)
     put = packer('state', message, its.layout)
-    status, values = Stepper(its).step(0.7, 25.0, 1.0, True, True)
+    status, values = Stepper(its).step(0.7, 25.0, 1.0, Wanted(True, its.topics))
     assert repr(read(put((7, 8), status, 2, values), LinkageState)) == repr(message)
     assert (message.theta4 == its.linkage.motion(0.7, 25.0, 1.0).theta4
             and message.header.stamp.nanosec == 8)

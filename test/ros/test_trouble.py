@@ -245,14 +245,14 @@ def test_a_clock_below_zero_is_told_and_ignored(run_node, client):
 
 def test_a_fault_in_a_sample_of_the_timer_does_not_end_the_node(run_node, client):
     broken = """
-from fourbar_ros.pipeline.stepper import InModes
-step, calls = InModes.step, []
+from fourbar_ros.pipeline.stepper import Stepper
+step, calls = Stepper.step, []
 def fail(self, *given):
     calls.append(given)
     if len(calls) == 5:
         raise ValueError('as a test')
     return step(self, *given)
-InModes.step = fail
+Stepper.step = fail
 """
     node = run_node({**PAPER, 'outputs': ['state'], 'drive.rate': 50.0}, first=broken)
     client.listen(['state'])

@@ -19,7 +19,7 @@ from fourbar_lab.studies.measures import Measures
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter, MissingBodies, SceneWarning
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_the_scene_in_python_for_one_input_and_for_arrays():
 
 
 def test_the_node():
-    _, values = Stepper(THERE).step(*GIVEN, True, False)
+    _, values = Stepper(THERE).step(*GIVEN, Wanted(with_loads=True))
     assert are_true(*(values[THERE.layout.index_of[name]] for name in ('f41', 'driving_torque')))
 
 

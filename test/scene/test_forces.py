@@ -10,7 +10,7 @@ from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, Way
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.numerics.number_types import REAL
-from fourbar_ros.pipeline.stepper import Stepper
+from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_table, SceneError
@@ -64,7 +64,7 @@ def test_loads_of_a_given_motion_have_the_force():
     stepper, place = Stepper(there), there.layout.index_of
     gas, = there.forces
     for angle in (0.3, TURN + 0.3, 3 * TURN + 1.0, -2.0):
-        _, found = stepper.step(angle, 0.0, 0.0, True, False)
+        _, found = stepper.step(angle, 0.0, 0.0, Wanted(with_loads=True))
         force = gas.factor * gas.value(angle)
         ratio = found[place['slide_ratio']]
         assert found[place['driving_torque']] == pytest.approx(-force * ratio, rel=1e-11, abs=1e-9)
@@ -76,7 +76,7 @@ def test_a_force_and_wrenches_of_a_topic_act_together():
     stepper, place = Stepper(there), there.layout.index_of
     gas, = there.forces
     stepper.act('output', Wrench(-70.0, 0.0, 0.0))
-    _, found = stepper.step(0.3, 0.0, 0.0, True, False)
+    _, found = stepper.step(0.3, 0.0, 0.0, Wanted(with_loads=True))
     force = gas.factor * gas.value(0.3) - 70.0
     assert found[place['f32_x']] == pytest.approx(force, rel=1e-11)
 

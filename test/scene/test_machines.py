@@ -5,7 +5,7 @@ from math import atan2, cos, pi, remainder, sin, tau
 
 from fourbar_ros import FourBar
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, Stepper
+from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import read_values
@@ -73,7 +73,7 @@ def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
         values = without(*(f'bodies.{link}.{name}' for name in ('mass', 'inertia', 'cg_along')),
                          of=values)
     its = scene.from_values(values)
-    _, found = Stepper(its).step(1.8, 0.3, -2.0, True, False)
+    _, found = Stepper(its).step(1.8, 0.3, -2.0, Wanted(with_loads=True))
     _, loads = its.linkage.step(1.8, 0.3, -2.0)
     # the cylinder has no mass: what the drive feels is what the crank does to the rod
     expected = loads.cylinder_first_x, loads.cylinder_first_y
@@ -84,9 +84,9 @@ def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
     assert [each.topic for each in topic.acting_topics] == [
         '~/external/bucket', '~/applied/bucket']
     stepper = Stepper(topic)
-    assert stepper.step(1.8, 0.3, -2.0, True, False)[0] == LOADS_UNKNOWN
+    assert stepper.step(1.8, 0.3, -2.0, Wanted(with_loads=True))[0] == LOADS_UNKNOWN
     stepper.act('bucket', Wrench(-40000.0, 60000.0, 0.0))
-    assert stepper.step(1.8, 0.3, -2.0, True, False)[1] == found
+    assert stepper.step(1.8, 0.3, -2.0, Wanted(with_loads=True))[1] == found
 
 
 def test_the_counterweight_of_the_v_engine_balances_the_first_order():

@@ -8,7 +8,7 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.stepper import joints_of, Stepper
+from fourbar_ros.pipeline.stepper import joints_of, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
 from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
@@ -160,8 +160,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
             stepper.act(link, Wrench(*given))
             for topic, frame in ((wrench_topic(link), ''), (applied_topic(link), scene.frame_id)):
                 writer.write(number[topic.name], wrench(k, given, frame))
-        status, found = stepper.step(*crank, scene.needs_loads,
-                                     not {'points', 'links'}.isdisjoint(scene.outputs))
+        status, found = stepper.step(*crank, Wanted.of(scene))
         writer.write(number['driven'], output_message('driven', (k + 1) * step_ns, 0,
                                                       scene.linkage.unknown(*crank), scene))
         for output in scene.topics:

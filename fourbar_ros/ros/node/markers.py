@@ -54,20 +54,18 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
     """
     Return the function (stamp, values) -> MarkerArray, None where the pose is not known.
 
-    ``values``: motion, then loads, in the order of the fields of the mechanism's records.
+    ``values``: of a sample, in the order of the scene's layout.
     """
-    mechanism = scene.linkage
-    count = len(mechanism.MOTION._fields)                # of values; behind them the loads
-    loads_end = count + len(mechanism.LOADS._fields)
+    mechanism, groups = scene.linkage, scene.layout.groups
     largest: dict[str, float] = {}                       # force and moment so far
 
     def make(stamp: Stamp, values: Sequence[float]) -> MarkerArray | None:
-        motion = mechanism.MOTION(*values[:count])
+        motion = mechanism.MOTION(*values[groups['motion']])
         if isnan(motion.transmission_angle):
             return None
         markers = pose(scene, motion)
         if scene.has_loads:
-            loads = mechanism.LOADS(*values[count:loads_end])
+            loads = mechanism.LOADS(*values[groups['loads']])
             markers += arrows(scene, loads, diagram_of(mechanism, motion), largest)
         for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp

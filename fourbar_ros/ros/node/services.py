@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import nan
 from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
@@ -67,7 +66,7 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         response.message = (f'mode = {request.mode}: must be 0 (of the '
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(scene, stream.now(), response, request.mode, INVALID_INPUT,
-                            (nan,) * len(scene.layout.index_of))
+                            scene.layout.unknown)
     linkage = scene.linkage_at(request.position, request.velocity, request.mode)
     response.has_loads = linkage.bodies is not None
     status, motion, loads = evaluate(linkage, request.position, request.velocity,

@@ -8,7 +8,7 @@ Each message is serialised once: the same bytes go to the subscribers and to the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from math import isnan, nan, sin
+from math import isnan, sin
 from pathlib import Path
 import threading
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -17,23 +17,10 @@ from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.parts import mode_number
-from fourbar_ros.pipeline.stepper import (
-    InModes,
-    INPUT_TIMEOUT,
-    joints_of,
-    OK,
-    OUT_OF_RANGE,
-    STATUS_NAMES,
-)
-from fourbar_ros.ros.messages import (
-    Message,
-    Pack,
-    packer,
-    resolve,
-    sec_nanosec,
-    set_constants,
-    Stamp,
-)
+from fourbar_ros.pipeline import stepper as pipeline
+from fourbar_ros.pipeline.stepper import OK, Wanted
+from fourbar_ros.ros import messages
+from fourbar_ros.ros.messages import Message, resolve, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.recording import Recording
@@ -51,7 +38,6 @@ if TYPE_CHECKING:      # most scenes do without
     from fourbar_ros.pipeline.wrenches import ActingInput
 
 Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is not known
-PARTS = 'points/', 'links/', 'equation', 'inertia'     # computed for their topic alone
 
 
 class Stream:
@@ -89,7 +75,7 @@ class Stream:
 
     def now(self) -> Stamp:
         """Return the time of the node's clock."""
-        return sec_nanosec(self._node.get_clock().now().nanoseconds)
+        return messages.sec_nanosec(self._node.get_clock().now().nanoseconds)
 
     def topics(self) -> list[str]:
         """Return the full names of the topics that the node publishes."""
@@ -127,10 +113,9 @@ class Stream:
 
         It is called when a subscriber comes or leaves: in every step it would take too long.
         """
-        names = self.run.topics
-        self._all = Wanted.of(self.run, names)
-        self._subscribed = Wanted.of(self.run, [name for name in names
-                                                if self._publishers[name].is_subscribed])
+        self._all = Wanted.of(self.scene)
+        self._subscribed = Wanted.of(self.scene, [
+            name for name in self.run.topics if self._publishers[name].is_subscribed])
 
     def act(self, name: str, what: ActingInput, stamp: Time) -> None:
         """Let a wrench act on a link, or the base move, from the next step on; say so."""
@@ -214,8 +199,8 @@ class Stream:
     def timeout(self, seconds: float) -> None:
         """Send one message on every output with the status that the input has stopped."""
         with self._lock:
-            self.status, self._values = INPUT_TIMEOUT, self.run.stepper.silence()
-            self._send(self._known(self.run.outputs), self.now(), INPUT_TIMEOUT, self.run.mode,
+            self.status, self._values = pipeline.INPUT_TIMEOUT, self.run.stepper.silence()
+            self._send(self._known(self.run.outputs), self.now(), self.status, self.run.mode,
                        self._values)
             self._record()
         self._log('timeout', f'no input for {seconds:g} s')
@@ -236,17 +221,18 @@ class Stream:
         if wanted.driven:
             # the input as it came; the evaluation's input may be held or clamped
             driven = list(run.unknown)
-            for place, value in zip(run.input_places, (position, rate, acceleration)):
-                driven[place] = value
+            for index, value in zip(run.inputs, (position, rate, acceleration)):
+                driven[index] = value
             self._send([DRIVEN.name], stamp, OK, mode, driven)
         drawn = self._drawn(wanted.pictures, stamp)
         if not wanted.outputs and not drawn:
             self._record()
             return None
-        with_loads = wanted.with_loads or ('markers' in drawn and run.scene.has_loads)
-        status, self._values = run.stepper.step(mode, position, rate, acceleration, with_loads,
-                                                wanted.parts)
-        outputs = wanted.outputs if status == OK else self._known(wanted.outputs)
+        if 'markers' in drawn and run.scene.has_loads:
+            wanted = wanted._replace(with_loads=True)
+        status, self._values = run.stepper.step(position, rate, acceleration, wanted, mode)
+        outputs: Iterable[str] = (wanted.outputs if status == OK
+                                  else self._known(wanted.outputs))
         self._send(outputs, stamp, status, mode, self._values)
         for name in drawn:
             message = run.makers[name](stamp, self._values)
@@ -255,7 +241,7 @@ class Stream:
         self._record()
         return status
 
-    def _drawn(self, pictures: list[str], stamp: Stamp) -> list[str]:
+    def _drawn(self, pictures: Sequence[str], stamp: Stamp) -> Sequence[str]:
         """
         Return the wanted pictures that are due at a stamp: ``pictures.rate`` limits the markers.
 
@@ -285,13 +271,13 @@ class Stream:
         writers = self.run.writers
         self._publish([(name, writers[name].pack(stamp, status, mode, values)) for name in names])
 
-    def _publish(self, messages: list[tuple[str, bytes]]) -> None:
-        for name, data in messages:
+    def _publish(self, sent: list[tuple[str, bytes]]) -> None:
+        for name, data in sent:
             publisher = self._publishers[name]
             if publisher.is_subscribed:                  # others are for the bag alone
                 publisher.publish(data)
         if self.is_recording:
-            self._sent += messages
+            self._sent += sent
 
     def _record(self) -> None:
         """Record all that was sent since the last time, in one call of the writer."""
@@ -314,10 +300,11 @@ class Stream:
         name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit
         if status == OK:
             self._log('good', 'input good again', 'info')
-        elif status == OUT_OF_RANGE:
+        elif status == pipeline.OUT_OF_RANGE:
             self._log('out_of_range', str(OutOfRange(name, position, linkage.input_ranges, unit)))
         else:
-            self._log(f'status_{status}', f'{name} = {position!r} {unit}: {STATUS_NAMES[status]}')
+            self._log(f'status_{status}',
+                      f'{name} = {position!r} {unit}: {pipeline.STATUS_NAMES[status]}')
 
 
 class TopicPublisher:
@@ -354,34 +341,13 @@ class TopicPublisher:
             self._changed()
 
 
-class Wanted(NamedTuple):
-    """The topics that a step has to send, and the parts of a step that they need."""
-
-    driven: bool
-    drive_state: bool
-    outputs: list[str]        # names of the scene's outputs
-    pictures: list[str]
-    with_loads: bool
-    parts: frozenset[str]     # the points and links among them
-
-    @classmethod
-    def of(cls, run: RunningScene, names: Iterable[str]) -> Wanted:
-        """Return the work of a step of a run that sends the topics of these names."""
-        wanted = set(names)
-        outputs = [name for name in run.outputs if name in wanted]
-        return cls(DRIVEN.name in wanted, DRIVE_STATE.name in wanted, outputs,
-                   [name for name in run.makers if name in wanted],
-                   any(map(run.needs_loads, outputs)),
-                   frozenset(name for name in outputs if name.startswith(PARTS)))
-
-
 # --- a scene with all that its steps need --------------------------------------------------------
 
 class Writer(NamedTuple):
     """Makes the messages of a topic; ``key``: all of the scene that is in their bytes."""
 
     key: object
-    pack: Pack
+    pack: messages.Pack
 
 
 class RunningScene:
@@ -402,8 +368,8 @@ class RunningScene:
         if before and before.layout == scene.layout:
             self.layout = before.layout      # writers compare it: as the same object at once
         self.mode = mode_number(scene.linkage.mode)
-        self.unknown = (nan,) * len(self.layout.index_of)
-        self.input_places = [self.layout.index_of[name] for name in scene.linkage.input_coordinate]
+        self.unknown = self.layout.unknown
+        self.inputs = [self.layout.index_of[name] for name in scene.linkage.input_coordinate]
         own = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
         self.outputs = scene.topics
         answers = {topic.name: topic for topic in own} | self.outputs
@@ -437,7 +403,7 @@ class RunningScene:
               before: RunningScene | None = None) -> None:
         """Evaluate the scene from now on without values held from before; its joints go on."""
         joints = before.stepper.joints if before else None
-        self.stepper: InModes = InModes(self.scene, acting, joints_of(
+        self.stepper: pipeline.Stepper = pipeline.Stepper(self.scene, acting, pipeline.joints_of(
             self.scene, joints.angles if joints else None))
         if self.mover:
             self.stepper.prepare(self.mover.modes)
@@ -450,11 +416,6 @@ class RunningScene:
         if self.mover:
             self.mover.act(name, what)
 
-    def needs_loads(self, name: str) -> bool:
-        """Return whether an output needs the loads of a step."""
-        return self.outputs[name].needs_loads or (name == 'joint_states'
-                                                  and self.scene.needs_loads)
-
 
 def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None = None
               ) -> Writer:
@@ -465,8 +426,8 @@ def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None
     if known and known.key == key:
         return known
     message = kind()                         # one for all steps
-    set_constants(topic.name, message, scene)
-    return Writer(key, packer(topic.name, message, layout))
+    messages.set_constants(topic.name, message, scene)
+    return Writer(key, messages.packer(topic.name, message, layout))
 
 
 def drive_layout() -> FieldMap:
@@ -474,4 +435,4 @@ def drive_layout() -> FieldMap:
     from fourbar_ros.dynamics.node_step import DriveValues  # only these scenes need it
     names = DriveValues._fields
     return FieldMap({DRIVE_STATE.name: dict(zip(names, names))}, {},
-                    {name: i for i, name in enumerate(names)}, ())
+                    {name: i for i, name in enumerate(names)}, (), {})
