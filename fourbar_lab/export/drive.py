@@ -73,13 +73,14 @@ class DriveCode:
         self.modes = self._mover.modes
         writer.used |= {'power'}
         self._functions = [
-            *self._of_phases('place', lambda formulas: formulas.make_place, rosenbrock.GIVEN),
+            *self._of_phases('place', lambda formulas: formulas.make_linearization,
+                             rosenbrock.AT_STATE),
             *self._of_phases('attempt', lambda formulas: formulas.make_attempt,
-                             rosenbrock.GIVEN_STEP),
-            *self._of_phases('euler', lambda formulas: formulas.make_euler,
-                             rosenbrock.GIVEN_STEP)]
+                             rosenbrock.OF_STEP),
+            *self._of_phases('euler', lambda formulas: formulas.make_euler, rosenbrock.OF_STEP)]
         if self._tables:
-            self._functions += self._of_phases('places_of', lambda formulas: formulas.make_tables)
+            self._functions += self._of_phases(
+                'places_of', lambda formulas: formulas.make_table_positions)
 
     def _of_phases(self, its_name: str, make: Callable[[StepFormulas], Function],
                    count: int = 1) -> list[str]:
@@ -127,7 +128,7 @@ class DriveCode:
     @property
     def there(self) -> set[str]:
         """Return the names of its fields, besides position, velocity and acceleration."""
-        own = {self._source.own} if self._source.start else set()
+        own = {self._source.state_field} if self._source.start else set()
         return ({'torque', 'motor_torque', 'evaluations'} | own
                 | ({'mode'} if self.modes else set())
                 | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
@@ -153,7 +154,7 @@ class DriveCode:
 
     def source(self) -> list[str]:
         """Return the text behind the functions of motion and loads."""
-        own, name = self._source.own if self._source.start else '', self._model.name
+        own, name = self._source.state_field if self._source.start else '', self._model.name
         command = self.command
         start = [*self._system.start[:2], self._source.start[0] if self._source.start else 0.0]
         starts = [f'  drive->position = {literal(start[0])};',
@@ -201,7 +202,7 @@ class DriveCode:
                  'HAS_SHAFT': int(self._drive.shaft is not None),
                  'HAS_LIMITS': int(not self._system.mechanism.turns_fully),
                  'TAKES_TORQUE': int(self.takes_torque), 'HALVINGS': node_step.BISECTIONS,
-                 'OF_PLACE': node_step.PLACE, 'OF_ATTEMPT': node_step.ATTEMPT,
+                 'OF_PLACE': node_step.LINEARIZE, 'OF_ATTEMPT': node_step.ATTEMPT,
                  'OF_EULER': node_step.EULER}
         is_turned = self.modes and not self._system.mechanism.is_driven_by_slide
         return [*(f'enum {{ {name} = {value} }};' for name, value in flags.items()),

@@ -50,15 +50,15 @@ class DriveStates:
         """Return the mover in a mode, with all that acts."""
         if mode not in self._movers:
             self._movers[mode] = self._scene.mover_in(mode)
-            for name, what in self._acting.items():
-                self._movers[mode].act(name, what)
+            for name, numbers in self._acting.items():
+                self._movers[mode].act(name, numbers)
         return self._movers[mode]
 
-    def act(self, name: str, what: Sequence[float]) -> None:
+    def act(self, name: str, numbers: Sequence[float]) -> None:
         """Take a wrench on a link, or a motion of the base, that acts from here on."""
-        self._acting[name] = what
+        self._acting[name] = numbers
         for mover in self._movers.values():
-            mover.act(name, what)
+            mover.act(name, numbers)
 
     def command(self, message: Any) -> None:
         """Take a message of the torque topic, cut to the torque limit as the node does."""
@@ -84,14 +84,14 @@ class DriveStates:
             self.stepped += 1
             if self._note_values(values, expected) == 0.0:
                 known = expected     # the mover also keeps what a message next to a toggle lacks
-        elif values.step and not mover.tells_all(mover.at(mover.state(values), mode)):
+        elif values.step and not mover.tells_all(mover.state_of(values, mode)):
             self.unknown += 1
             known = None
         else:
             self.alone += 1
             mover = self._mover(mode)
-            self._note_values(values, mover.values(mover.at(mover.state(values)), values.step,
-                                                   values.command, values.evaluations))
+            self._note_values(values, mover.values(
+                mover.state_of(values), values.step, values.command, values.evaluations))
         self._before, self._mode, self._stamp = known, mode, stamp
 
     def _note_values(self, values: DriveValues, expected: DriveValues) -> float:

@@ -303,14 +303,14 @@ class PositionForce:
         of_place = () if isinstance(self.over, str) else self.over.links
         return self.point.link, self.axes, *of_place
 
-    def place(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
-        """Return the place s in a pose, ``position`` the input."""
-        return position if isinstance(self.over, str) else self.over.of(n, links)
+    def position(self, n: NumberType, links: LinkMotions, input_position: Scalar) -> Scalar:
+        """Return the position s in a pose at an input."""
+        return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
     def _push(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
               position: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """Return F and the unit vector along which it acts, of a couple (0, 0)."""
-        size = n.call(value, self.place(n, links, position))
+        size = n.call(value, self.position(n, links, position))
         if self.direction is None:
             return size, 0.0, 0.0
         return size, *_along(direction(self.direction), links[self.axes])

@@ -131,6 +131,18 @@ class Terms(NamedTuple):
     damping: Any             # D [N m s/rad], [N s/m]
 
 
+class FullTerms(NamedTuple):
+    """All terms of (E1) in a coordinate q, which need not be the input; numbers of a formula."""
+
+    inertia: Scalar
+    half_slope: Scalar
+    force: Scalar
+    damping: Scalar
+    couples: Scalar           # the part of Q without a potential
+    ratio: Scalar             # r = d input / dq: a torque on the input counts r times
+    ratio_slope: Scalar       # dr/dq
+
+
 class Outside(NamedTuple):
     """What acts from outside and changes from step to step: the base, forces and couples."""
 
@@ -348,12 +360,11 @@ class Equation:
     def make_terms(self, coordinate: DrivenLinks, n: NumberType,
                    outside: Outside | None = None) -> Function:
         """
-        Return the formula q -> (J, J'/2, Q, D, C, r, r'), for a coordinate and a number type.
+        Return the formula q -> :class:`FullTerms`, for a coordinate and a number type.
 
-        The first four are those of (E1). C is the part of Q that has no potential: of couples, of
-        forces over a position, of the turning of the base. r = d(input)/dq, r' = dr/dq: a drive
-        acts on the input, so its torque counts r times in another coordinate. ``outside``: numbers
-        of the type ``n`` in place of the mechanism's own gravity and of the forces on some links.
+        Without a potential are couples, forces over a position and the turning of the base.
+        ``outside``: numbers of the type ``n`` in place of the mechanism's gravity and of the
+        forces on some links.
         """
         pose, extra = self._make_pose(coordinate, n), self.extra_inertia
         gravity, base, bodies = self._gravity, self._base, self._bodies
@@ -370,7 +381,7 @@ class Equation:
                   if self._is_turned or outside and outside.base]
         forces = [(force, force.make_value(self.mechanism)) for force in self.forces]
 
-        def terms(position: Scalar) -> tuple[Scalar, ...]:
+        def terms(position: Scalar) -> FullTerms:
             motions, (value, turn, bend) = pose(position)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
@@ -391,41 +402,41 @@ class Equation:
                 for element, size_at in forces:
                     pushed = pushed + element.generalised(n, size_at, motions, value)
                 force, couples = force + pushed, couples + pushed
-            return inertia, half_slope, force, damping, couples, turn, bend
+            return FullTerms(inertia, half_slope, force, damping, couples, turn, bend)
         return terms
 
-    def make_places(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula q -> the places s of all forces with a table."""
+    def make_table_positions(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula q -> the positions s of all forces with a table."""
         pose = self._make_pose(coordinate, n)
 
-        def places(position: Scalar) -> tuple[Scalar, ...]:
+        def table_positions(position: Scalar) -> tuple[Scalar, ...]:
             motions, (value, _, _) = pose(position)
-            return tuple([force.place(n, motions, value) for force, _ in self.tables])
-        return places
+            return tuple([force.position(n, motions, value) for force, _ in self.tables])
+        return table_positions
 
     @cached_property
-    def places(self) -> InBothModes:
-        """Return q -> the places s of all forces with a table."""
-        return self.in_both_modes(self.make_places)
+    def table_positions(self) -> InBothModes:
+        """Return q -> the positions s of all forces with a table."""
+        return self.in_both_modes(self.make_table_positions)
 
     def make_excess(self, position: float) -> Callable[[float], float]:
         """
         Return q -> how far it is beyond the pieces of all tables at ``position``.
 
-        Over 1 and the size of a place; negative within the piece. Positive REACH from
-        ``position``: no place comes round unseen.
+        Over 1 and the size of s; negative within the piece. Positive REACH from ``position``: no
+        point of a table comes round unseen.
         """
-        starts, reach = self.places.of_one(position), REACH * self.coordinate.input_unit
+        starts, reach = self.table_positions.of_one(position), REACH * self.coordinate.input_unit
         pieces = [(start, table.piece(start), 1.0 + abs(start), isinstance(force.over, LinkAngle))
                   for start, (force, table) in zip(starts, self.tables)]
 
         def excess(there: float) -> float:
             most = abs(there - position) - reach
-            for place, (start, (low, high), unit, is_angle) in zip(self.places.of_one(there),
-                                                                   pieces):
+            for s, (start, (low, high), unit, is_angle) in zip(
+                    self.table_positions.of_one(there), pieces):
                 if is_angle:
-                    place = start + remainder(place - start, tau)
-                most = max(most, (low - place) / unit, (place - high) / unit)
+                    s = start + remainder(s - start, tau)
+                most = max(most, (low - s) / unit, (s - high) / unit)
             return most
         return excess
 
@@ -475,7 +486,7 @@ class Equation:
         """
         positions = np.asarray(position, float)
         with np.errstate(all='ignore'):
-            force = [self.make_terms(links, WITH_SLOPES)(positions + 1j * COMPLEX_STEP)[2]
+            force = [self.make_terms(links, WITH_SLOPES)(positions + 1j * COMPLEX_STEP).force
                      for links in self._links_by_mode]
             found = self._in_mode_at(positions, [-np.imag(f) / COMPLEX_STEP for f in force])
         result: Any = found if positions.shape else float(found)

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Steps of the node: of given length, through toggles, in numbers of DriveState messages."""
+"""Steps of the node: of given length, through toggles, from one DriveState message to the next."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.rosenbrock import (
+    Coefficients,
     count_of,
-    Place,
+    Linearization,
     SMALLEST,
-    State,
+    StateVector,
     StepFormulas,
-    TOLD,
 )
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
 from fourbar_ros.dynamics.system import System
@@ -29,36 +29,36 @@ NAME = 'steps of the node, version 6'      # only the same version steps a bag a
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
 STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
                 'held: not finite')
-# evaluations of the equation of motion: of a state, of a step by RODAS, of one by implicit Euler
-PLACE, ATTEMPT, EULER = 1, 6, 1
-LATE = 1e-2                          # part of a step by which a bend of a law may be passed
-SHORTEST, BISECTIONS = 1e-3, 40      # part of a step, in the search for a place of a table
-NEAREST = 1e-9                       # distance beyond a place, in the size of it
+# evaluations of the equation of motion: at a state, of a step by RODAS, of one by implicit Euler
+LINEARIZE, ATTEMPT, EULER = 1, 6, 1
+LATE = 1e-2                          # share of a step by which a bend of a law may be passed
+SHORTEST, BISECTIONS = 1e-3, 40      # share of a step, in the search for a point of a table
+NEAREST = 1e-9                       # distance beyond a point of a table, in the size of it
 LEAST = 1.01 * SMALLEST              # of a step over the next one, where the budget is used up
 DEEPEST, SHORTER = 50.0, 0.3         # lack of room after a step; else it becomes shorter
 REFUSALS = FourBarError, ValueError, ArithmeticError
-UNKNOWN = Place(nan, nan, nan, nan, nan, nan, nan, ())
 
 
 class Refused(FourBarError):
     """The mechanism cannot reach a state, or its equation of motion has no finite terms there."""
 
 
-class At(NamedTuple):
-    """The full state of a system between steps, next to a toggle in the other coordinate."""
+class FullState(NamedTuple):
+    """The state of a system between steps, next to a toggle in the other coordinate."""
 
     coordinate: MotionCoordinate
-    state: State           # in this coordinate
+    vector: StateVector    # in this coordinate
     mode: int              # assembly mode of the mechanism
 
-
-Part = tuple[At, float, bool]        # state, time left, whether the error is within the tolerance
+    def at_rest(self) -> FullState:
+        """Return the state at rest, nothing twisted, nothing summed up."""
+        return self._replace(vector=StateVector(self.vector.position, 0.0, 0.0, 0.0, 0.0))
 
 
 class Stepped(NamedTuple):
     """Result of a step."""
 
-    at: At                 # after it
+    state: FullState       # after it
     status: int            # OK, OUT_OF_BUDGET, AT_LIMIT or NOT_FINITE
     evaluations: int       # of the equation of motion
 
@@ -118,8 +118,8 @@ class Mover:
 
     ``tolerance``: allowed error of one step, in the coordinate and the twist, and in speeds times
     its length; ``budget``: most evaluations of the equation of motion in a step;
-    ``takes_commands``: the torque comes from a topic; ``acting``: what acts from outside, names of
-    links and of the base, unknown before :meth:`act`.
+    ``takes_commands``: the torque comes from a topic; ``acting``: names of the links, and of the
+    base, whose wrenches and motion come from outside: unknown before :meth:`act`.
     """
 
     def __init__(self, system: System, tolerance: float, budget: int,
@@ -134,7 +134,7 @@ class Mover:
         # between which it goes through toggles; () where it does not
         self.modes = modes_of(system.mechanism)
         self.passes = bool(self.modes)
-        # {coordinate: (one that takes over where it falls with it, one where it grows)}
+        # {coordinate: (that which takes over where it falls with it, and where it grows)}
         self.taking_over = (system.coordinates.prepare() if self.passes
                             else {system.coordinates.first: ()})
         # the first is the input in the mode of the system
@@ -143,35 +143,37 @@ class Mover:
         self._acting: dict[str, Sequence[float]] = {name: (nan,) * count_of(name)
                                                     for name in acting}
         self._outside = tuple(chain(*self._acting.values()))        # their numbers, in this order
-        self.budget = budget - EULER - (PLACE + EULER if self.passes else 0)
+        self.budget = budget - EULER - (LINEARIZE + EULER if self.passes else 0)
         self._evaluations = 0        # in this step
-        # the last message and its state: mostly the next step begins there; what is known of it
-        self._last: tuple[DriveValues, At] | None = None
-        self._known: tuple[At, Place] | None = None
+        # the last message and its state: mostly the next step begins there
+        self._last: tuple[DriveValues, FullState] | None = None
+        # the last state at which the equations were linearized
+        self._linear: tuple[FullState, Linearization] | None = None
         # assembly mode of the values that it gave last; 0: a message cannot tell it
         self.mode = mode_number(system.mechanism.mode)
         self._has_shaft = drive.shaft is not None
-        self._own = source.own if source.start else ''
-        own = source.start[0] if source.start else 0.0
+        self._source_field = source.state_field if source.start else ''
         position, rate = system.start[:2]
-        self.first = self.at((position, rate, 0.0, rate if self._has_shaft else 0.0, own))
+        self.first = self.state_at(StateVector(
+            position, rate, twist=0.0, motor_speed=rate if self._has_shaft else 0.0,
+            source=source.start[0] if source.start else 0.0))
 
-    def act(self, name: str, what: Sequence[float]) -> None:
-        """Let the base move, or a wrench act on a link, so from the next step on."""
-        self._acting[name] = what
-        self._outside, self._known = tuple(chain(*self._acting.values())), None
+    def act(self, name: str, numbers: Sequence[float]) -> None:
+        """Let the base move, or a wrench act on a link, from the next step on."""
+        self._acting[name] = numbers
+        self._outside, self._linear = tuple(chain(*self._acting.values())), None
 
     def prepare(self) -> None:
         """Make the functions of all coordinates now: it takes as long as thousands of steps."""
         for formulas in self.formulas.values():
-            for function in (formulas.place, formulas.attempt, formulas.euler):
+            for function in (formulas.linearize, formulas.attempt, formulas.euler):
                 assert function is not None
 
     # --- messages -------------------------------------------------------------------------------
 
     def start(self, command: float = 0.0) -> DriveValues:
         """Return the values at the start."""
-        return self._kept(self.first, 0.0, command, 0)
+        return self._told(self.first, 0.0, command, 0)
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,
              is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
@@ -182,52 +184,63 @@ class Mover:
         not come for long. ``mode``: assembly mode of values from elsewhere, as a bag; None: that
         of the system.
         """
-        at = (self._last[1] if self._last and values is self._last[0]
-              else self.at(self.state(values), mode))
-        at, status, evaluations = self.advance(at, step, command)
+        state = (self._last[1] if self._last and values is self._last[0]
+                 else self.state_of(values, mode))
+        state, status, evaluations = self.advance(state, step, command)
         return (SILENT if status == OK and is_silent else status,
-                self._kept(at, step, command, evaluations))
+                self._told(state, step, command, evaluations))
 
-    def values(self, at: At, step: float, command: float, evaluations: float) -> DriveValues:
+    def _told(self, state: FullState, step: float, command: float, evaluations: int
+              ) -> DriveValues:
+        """Return the values of a state, and keep it: next to a toggle it tells more."""
+        self.mode = mode_number(state.mode)
+        values = self.values(state, step, command, evaluations)
+        self._last = values, state
+        return values
+
+    def values(self, state: FullState, step: float, command: float, evaluations: float
+               ) -> DriveValues:
         """Return the fields of a DriveState message for a state; NaN where a drive has none."""
         self._take(command)
-        position, rate, twist, speed, own = self.state_of_input(at)
+        position, rate, twist, motor_speed, source = self.in_input(state)
         try:
-            place = self._place(at)
+            linear = self._linearized(state)
+            acceleration, torque = linear.acceleration, linear.torque
+            motor_torque = linear.motor_torque
         except Refused:                # the rounded input of a run through a toggle is beyond it
-            place = UNKNOWN
-        twist, speed = (twist, speed) if self._has_shaft else (nan, rate)
+            acceleration = torque = motor_torque = nan
         return DriveValues(
-            step, command if self._takes_commands else nan, position, rate, place.acceleration,
-            twist, position + twist if self._has_shaft else position, speed, place.of_motor,
-            place.on_input, own if self._own == 'current' else nan,
-            own if self._own == 'speed_error_integral' else nan, float(evaluations))
+            step, command if self._takes_commands else nan, position, rate, acceleration,
+            twist=twist if self._has_shaft else nan,
+            motor_position=position + twist if self._has_shaft else position,
+            motor_velocity=motor_speed if self._has_shaft else rate,
+            motor_torque=motor_torque, torque=torque,
+            current=source if self._source_field == 'current' else nan,
+            speed_error_integral=source if self._source_field == 'speed_error_integral' else nan,
+            evaluations=float(evaluations))
 
-    def state(self, values: DriveValues) -> State:
-        """Return the state of the input in a message; a part that it lacks, as NaN, is zero."""
-        own = getattr(values, self._own) if self._own else 0.0
-        own = 0.0 if isnan(own) else own
-        if not self._has_shaft:
-            return values.position, values.velocity, 0.0, 0.0, own
-        twist = 0.0 if isnan(values.twist) else values.twist
-        return values.position, values.velocity, twist, values.motor_velocity, own
+    def state_of(self, values: DriveValues, mode: int | None = None) -> FullState:
+        """
+        Return the state that a message tells, in a mode; None: the mode of the system.
 
-    def _kept(self, at: At, step: float, command: float, evaluations: int) -> DriveValues:
-        """Return the values of a state, and keep it: next to a toggle it tells more."""
-        self.mode = mode_number(at.mode)
-        values = self.values(at, step, command, evaluations)
-        self._last = values, at
-        return values
+        What it lacks, as NaN, is zero.
+        """
+        source = getattr(values, self._source_field) if self._source_field else 0.0
+        source, twist, speed = 0.0 if isnan(source) else source, 0.0, 0.0
+        if self._has_shaft:
+            twist, speed = 0.0 if isnan(values.twist) else values.twist, values.motor_velocity
+        return self.state_at(StateVector(values.position, values.velocity, twist, speed, source),
+                             mode)
 
     # --- states ---------------------------------------------------------------------------------
 
-    def at(self, state: State, mode: int | None = None) -> At:
+    def state_at(self, vector: StateVector, mode: int | None = None) -> FullState:
         """Return a state of the input in a mode; None: the mode of the system."""
         mode = mode if mode in self.modes else int(self.system.mechanism.mode)
-        coordinate = next(one for one in self.taking_over if one.is_input and one.mode == mode)
-        return At(coordinate, state, mode)
+        return FullState(next(coordinate for coordinate in self.taking_over
+                              if coordinate.is_input and coordinate.mode == mode), vector, mode)
 
-    def tells_all(self, at: At) -> bool:
+    def tells_all(self, state: FullState) -> bool:
         """
         Return whether a message with input, rate and mode tells a state, as it mostly does.
 
@@ -236,37 +249,39 @@ class Mover:
         if not self.passes:
             return True
         try:
-            return at.coordinate.is_input and self._place(at).room >= 0.0
+            return state.coordinate.is_input and self._linearized(state).room >= 0.0
         except Refused:
             return False
 
-    def state_of_input(self, at: At) -> State:
-        """Return a state in the input."""
-        if at.coordinate.is_input:
-            return at.state
-        place, (_, rate, *others) = self._place(at), at.state
-        return (self.system.coordinates.continuous(place.other), place.other_ratio * rate,
-                *others)
+    def in_input(self, state: FullState) -> StateVector:
+        """Return the state vector in the input."""
+        if state.coordinate.is_input:
+            return state.vector
+        linear = self._linearized(state)
+        return state.vector._replace(
+            position=self.system.coordinates.continuous(linear.next_position),
+            rate=linear.next_ratio * state.vector.rate)
 
     def _take(self, command: float) -> None:
         """Take a torque of the source [N m], where it comes from outside."""
         if self._takes_commands and command != self._torque:
-            self._torque, self._known = command, None
+            self._torque, self._linear = command, None
 
-    def _place(self, at: At) -> Place:
-        """Return what is known of a state; the last one is kept, as values ask for it again."""
-        if self._known is None or self._known[0] != at:
+    def _linearized(self, state: FullState) -> Linearization:
+        """Return the equations at a state; those of the last are kept, as values ask again."""
+        if self._linear is None or self._linear[0] != state:
             try:
-                found = self.formulas[at.coordinate].place(*at.state, self._torque,
-                                                           *self._outside)
+                *fields, change, coefficients = self.formulas[state.coordinate].linearize(
+                    *state.vector, self._torque, *self._outside)
             except REFUSALS:
                 raise Refused from None
-            self._known = at, Place._make((*found[:TOLD], found[TOLD:]))
-        return self._known[1]
+            self._linear = state, Linearization._make(
+                (*fields, StateVector(*change), Coefficients(*coefficients)))
+        return self._linear[1]
 
     # --- steps ----------------------------------------------------------------------------------
 
-    def advance(self, at: At, length: float, command: float = 0.0) -> Stepped:
+    def advance(self, state: FullState, length: float, command: float = 0.0) -> Stepped:
         """
         Return the state after a step of a length [s]; at a limit or an overflow, the same at rest.
 
@@ -274,120 +289,93 @@ class Mover:
         """
         self._take(command)
         self._evaluations, limited = 0, not self.system.mechanism.turns_fully
-        held = at._replace(state=(at.state[0], 0.0, 0.0, 0.0, 0.0))
-        if not (0.0 < length < inf and all(map(isfinite, (*at.state, *self._outside)))):
-            return Stepped(held, NOT_FINITE, 0)
+        if not (0.0 < length < inf and all(map(isfinite, (*state.vector, *self._outside)))):
+            return Stepped(state.at_rest(), NOT_FINITE, 0)
         try:
-            new, is_good = self._moved(at, length)
+            new, is_good = self._moved(state, length)
             status = OK if is_good else OUT_OF_BUDGET
-            if not all(map(isfinite, new.state)):
+            if not all(map(isfinite, new.vector)):
                 status = NOT_FINITE
-            elif limited and self._is_at_end(new):
+            elif limited and (           # at an end of the stroke, or at a toggle it cannot pass
+                    self.system.distance_to_end(self.in_input(new).position) <= 0.0
+                    or not self.passes and self._linearized(new).room <= 0.0):
                 status = AT_LIMIT
         except REFUSALS:           # an input that turns fully has no limit: a number was too large
             status = AT_LIMIT if limited else NOT_FINITE
-        return Stepped(new if status in (OK, OUT_OF_BUDGET) else held, status, self._evaluations)
+        if status not in (OK, OUT_OF_BUDGET):
+            new = state.at_rest()
+        return Stepped(new, status, self._evaluations)
 
-    def _is_at_end(self, at: At) -> bool:
-        """Return whether the input is at an end of its stroke, or at a toggle it cannot pass."""
-        return (self.system.distance_to_end(self.state_of_input(at)[0]) <= 0.0
-                or not self.passes and self._place(at).room <= 0.0)
-
-    def _moved(self, at: At, left: float) -> tuple[At, bool]:
+    def _moved(self, state: FullState, left: float) -> tuple[FullState, bool]:
         """
         Return the state after ``left`` seconds, and whether its error is within the tolerance.
 
-        The step is made in parts, each in one coordinate, until no time is left.
+        The step is made in stretches, each in one coordinate, until no time is left.
         """
-        if self.passes and at.coordinate.is_input and self._place(at).room < 0.0:
-            at = self._handed_over(at)
-        at, left, is_good = self._part(at, left)
+        if self.passes and state.coordinate.is_input and self._linearized(state).room < 0.0:
+            state = self._handed_over(state)
+        state, left, is_good = self._moved_in_one(state, left)
         while left > 0.0:
             if not self.passes:
                 raise Refused
-            at, left, is_part_good = self._part(self._handed_over(at), left)
-            if left > 0.0 and not (is_good or is_part_good):
+            state, left, is_stretch_good = self._moved_in_one(self._handed_over(state), left)
+            if left > 0.0 and not (is_good or is_stretch_good):
                 raise Refused                   # neither coordinate can finish
-            is_good = is_good and is_part_good
-        if at.coordinate.is_input or not all(map(isfinite, at.state)):
-            return at, is_good
-        in_input = self._handed_over(at)
-        return (in_input if self.tells_all(in_input) else at._replace(mode=in_input.mode)), is_good
+            is_good = is_good and is_stretch_good
+        if state.coordinate.is_input or not all(map(isfinite, state.vector)):
+            return state, is_good
+        in_input = self._handed_over(state)
+        return (in_input if self.tells_all(in_input)
+                else state._replace(mode=in_input.mode)), is_good
 
-    def _handed_over(self, at: At) -> At:
+    def _handed_over(self, state: FullState) -> FullState:
         """Return the same state in the coordinate that takes over; its mode by dq/dp."""
-        place, (_, rate, *others) = self._place(at), at.state
-        coordinate = self.taking_over[at.coordinate][place.other_ratio > 0.0]
-        other, mode = place.other, at.mode
+        linear = self._linearized(state)
+        coordinate = self.taking_over[state.coordinate][linear.next_ratio > 0.0]
+        position, mode = linear.next_position, state.mode
         if coordinate.is_input:
-            other, mode = self.system.coordinates.continuous(other), coordinate.mode
-        return At(coordinate, (other, place.other_ratio * rate, *others), mode)
+            position, mode = self.system.coordinates.continuous(position), coordinate.mode
+        return FullState(coordinate, state.vector._replace(
+            position=position, rate=linear.next_ratio * state.vector.rate), mode)
 
-    def _part(self, at: At, left: float) -> tuple[At, float, bool]:
+    def _moved_in_one(self, state: FullState, left: float) -> tuple[FullState, float, bool]:
         """
-        Return (state, time left, is_good) after ``left`` seconds, or after a part of them.
+        Return (state, time left, is_good) after ``left`` seconds, or less, in one coordinate.
 
         Time is left [s] where another coordinate has to take over. ``is_good``: the error is
         within the tolerance; if not and time is left, this coordinate cannot finish within the
-        budget. Steps that fail are made shorter; one that would pass a place of a force table ends
+        budget. Steps that fail are made shorter; one that would pass a point of a force table ends
         there. Where the budget is used up, all that is left is one step of RODAS, or else of
         implicit Euler: stable, its error bounded.
         """
-        formulas, equation = self.formulas[at.coordinate], at.coordinate.equation
-        place, latest, h = self._place(at), LATE * left, left
+        equation, linear = state.coordinate.equation, self._linearized(state)
+        latest, h = LATE * left, left
         while left > 0.0:
-            self._evaluations += PLACE
-            excess = equation.make_excess(at.state[0]) if equation.tables else None
+            self._evaluations += LINEARIZE
+            position, rate = state.vector.position, state.vector.rate
+            excess = equation.make_excess(position) if equation.tables else None
             new = None
             while new is None:
                 longest = min(h, left)
-                h = min(longest, max(place.to_bend, latest))   # not far beyond a bend of the law
+                h = min(longest, max(linear.to_bend, latest))  # not far beyond a bend of the law
                 if excess:
-                    h = h * _to_table(excess, at.state[0], h * at.state[1],
-                                      0.5 * h * h * place.linear[1])
+                    h = h * _share_to_table(excess, position, h * rate,
+                                            0.5 * h * h * linear.change.rate)
                 # a step that leaves time over needs what another one takes
-                needed = ATTEMPT if h == left else ATTEMPT + PLACE + ATTEMPT
+                needed = ATTEMPT if h == left else ATTEMPT + LINEARIZE + ATTEMPT
                 if self._evaluations + needed > self.budget:
-                    return self._rest(formulas, at, place, left)
-                new, scale = self._attempted(formulas, at, place, h, 1.0)
+                    return self._rest(state, linear, left)
+                new, scale = self._attempted(state, linear, h, 1.0)
                 if new is None:
                     h *= scale
-            at, left, h = new, left - h, max(h * scale, longest)
-            place = self._place(at)
-            if left > 0.0 and place.room < 0.0:
+            state, left, h = new, left - h, max(h * scale, longest)
+            linear = self._linearized(state)
+            if left > 0.0 and linear.room < 0.0:
                 break
-        return at, left, True
+        return state, left, True
 
-    def _attempted(self, formulas: StepFormulas, at: At, place: Place, h: float, least: float
-                   ) -> tuple[At | None, float]:
-        """
-        Return the state after a step of RODAS of ``h`` seconds, and the next length over it.
-
-        None where that is below ``least``: the error is too large, or the step left the range of
-        the coordinate; it is to be made again, so much shorter.
-        """
-        self._evaluations += ATTEMPT
-        try:
-            *state, scale = formulas.attempt(*at.state, h, self._torque, *place.linear,
-                                             *self._outside)
-        except REFUSALS:
-            if self.system.mechanism.turns_fully:               # a number was too large
-                raise
-            return None, SMALLEST                        # a shorter step may be inside
-        if not scale >= least:
-            return None, scale
-        new = self._here(at, state)
-        return new, scale if new else SHORTER
-
-    def _here(self, at: At, state: Sequence[float]) -> At | None:
-        """Return a state after another one, None where its coordinate is not regular."""
-        new = at._replace(state=tuple(state))
-        try:
-            return new if self._place(new).room >= -DEEPEST else None
-        except Refused:
-            return None
-
-    def _rest(self, formulas: StepFormulas, at: At, place: Place, left: float) -> Part:
+    def _rest(self, state: FullState, linear: Linearization, left: float
+              ) -> tuple[FullState, float, bool]:
         """
         Return the state after all the time left in one step, as the budget is used up.
 
@@ -396,36 +384,67 @@ class Mover:
         """
         new = None
         if self._evaluations + ATTEMPT <= self.budget:
-            new, _ = self._attempted(formulas, at, place, left, LEAST)
+            new, _ = self._attempted(state, linear, left, LEAST)
         if new is None:
             self._evaluations += EULER
-            new = self._here(at, formulas.euler(*at.state, left, self._torque, *place.linear,
-                                                *self._outside))
-        return (new, 0.0, False) if new else (at, left, False)
+            new = self._regular(state, self.formulas[state.coordinate].euler(
+                *state.vector, left, self._torque, *linear.change, *linear.coefficients,
+                *self._outside))
+        return (new, 0.0, False) if new else (state, left, False)
+
+    def _attempted(self, state: FullState, linear: Linearization, h: float, least: float
+                   ) -> tuple[FullState | None, float]:
+        """
+        Return the state after a step of RODAS of ``h`` seconds, and the next length over it.
+
+        None where that is below ``least``: the error is too large, or the step left the range of
+        the coordinate; it is to be made again, so much shorter.
+        """
+        self._evaluations += ATTEMPT
+        try:
+            vector, scale = self.formulas[state.coordinate].attempt(
+                *state.vector, h, self._torque, *linear.change, *linear.coefficients,
+                *self._outside)
+        except REFUSALS:
+            if self.system.mechanism.turns_fully:               # a number was too large
+                raise
+            return None, SMALLEST                        # a shorter step may be inside
+        if not scale >= least:
+            return None, scale
+        new = self._regular(state, vector)
+        return new, scale if new else SHORTER
+
+    def _regular(self, state: FullState, vector: Sequence[float]) -> FullState | None:
+        """Return the state with another vector, None where its coordinate is not regular."""
+        new = FullState(state.coordinate, StateVector(*vector), state.mode)
+        try:
+            return new if self._linearized(new).room >= -DEEPEST else None
+        except Refused:
+            return None
 
 
-def _to_table(excess: Callable[[float], float], position: float, gain: float, bend: float
-              ) -> float:
+def _share_to_table(excess: Callable[[float], float], position: float, gain: float, bend: float
+                    ) -> float:
     """
-    Return the part of a step, in (0, 1], after which a force table comes to its next piece.
+    Return the share of a step, in (0, 1], after which a force table comes to its next piece.
 
-    1: it comes to none. The position is quadratic: after a part x of the step it is
+    1: it comes to none. The position is quadratic: after a share x of the step it is
     ``position`` + x (gain + x bend); out of reach counts as beyond.
     """
-    def is_beyond(part: float) -> bool:
+    def is_beyond(share: float) -> bool:
         try:
-            return excess(position + part * (gain + part * bend)) > NEAREST
+            return excess(position + share * (gain + share * bend)) > NEAREST
         except REFUSALS:
             return True
     if not is_beyond(1.0):
         return 1.0
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
-        part = 0.5 * (low + high)
-        if is_beyond(part):
-            high = part
+        share = 0.5 * (low + high)
+        if is_beyond(share):
+            high = share
         else:
-            low = part
+            low = share
         if high - low <= SHORTEST * high:
             break
     return high if high < 1.0 - SHORTEST else 1.0

@@ -31,14 +31,13 @@ from math import nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import FARTHEST, LONGEST, MotionCoordinate
-from fourbar_ros.dynamics.equation import Outside
+from fourbar_ros.dynamics.equation import FullTerms, Outside
 from fourbar_ros.dynamics.sources import Drive, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.write import straight_line
 
-State = tuple[float, ...]        # five numbers
 BASE = 'base'              # name of the base among what acts, beside those of links
 GAMMA = 0.25
 # u_i depends on f(x + sum A_ij u_j) and on sum C_ij u_j / h; the last starts where the one before
@@ -58,36 +57,73 @@ HUGE = 1e100               # derivatives beyond it count as not finite
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 
 
-class StepTerms(NamedTuple):
-    """The terms of (E1) in a coordinate, and the coordinate that takes over there."""
+class StateVector(NamedTuple):
+    """The state x of (RB1) in a coordinate p; floats or numbers of a formula."""
+
+    position: Scalar       # p
+    rate: Scalar           # u
+    twist: Scalar          # s
+    motor_speed: Scalar    # v
+    source: Scalar         # z
+
+
+class TakingOver(NamedTuple):
+    """The coordinate that takes over from p, where one may."""
+
+    position: Scalar
+    ratio: Scalar          # its derivative by p
+    room: Scalar           # positive while p may go on
+
+
+class Coefficients(NamedTuple):
+    """What the Jacobian of (RB1) needs besides the state: terms of (E1), slopes of (A9)."""
 
     inertia: Scalar
     half_slope: Scalar
-    force: Scalar
     damping: Scalar
-    couples: Scalar
     ratio: Scalar             # r = dq/dp
     ratio_slope: Scalar       # r'
-    other: Scalar             # the coordinate that takes over, where one may
-    other_ratio: Scalar       # its derivative by p
-    room: Scalar              # positive while this coordinate may go on
+    torque_by_speed: Scalar
+    torque_by_state: Scalar
+    change_by_speed: Scalar
+    change_by_state: Scalar
 
 
-class Place(NamedTuple):
-    """What is known of a state. ``linear``: what a step from there needs, 14 numbers."""
+class Linearization(NamedTuple):
+    """The equations (RB1) at a state: all that a step from there and a message need."""
 
-    room: float
-    other: float
-    other_ratio: float
+    room: float               # as of TakingOver
+    next_position: float      # of the coordinate that takes over
+    next_ratio: float
     to_bend: float            # time to the next bend of the source's law [s], about
     acceleration: float       # of the input, (Q3)
-    on_input: float           # torque (force) of the drive on it
-    of_motor: float           # torque of the source
-    linear: tuple[float, ...]    # dx/dt; J, J'/2, D, r, r'; dT/dw, dT/dz and those of dz/dt
+    torque: float             # (force) of the drive on the input
+    motor_torque: float       # of the source
+    change: StateVector       # dx/dt
+    coefficients: Coefficients
 
 
-TOLD, LINEAR = len(Place._fields) - 1, 14
-GIVEN, GIVEN_STEP = 5 + 1, 5 + 2 + LINEAR     # x and a command; x, h, a command, linear
+class StepStart(NamedTuple):
+    """The arguments of a step: its start, its length h and what acts during it."""
+
+    state: StateVector
+    length: Scalar
+    command: Scalar
+    change: StateVector       # dx/dt at the start
+    coefficients: Coefficients
+    acting: Sequence[Scalar]
+
+    @classmethod
+    def of(cls, numbers: Sequence[Scalar]) -> StepStart:
+        """Return the record of numbers that follow each other."""
+        rest = iter(numbers)
+        return cls(StateVector(*islice(rest, 5)), next(rest), next(rest),
+                   StateVector(*islice(rest, 5)), Coefficients(*islice(rest, 9)), list(rest))
+
+
+# numbers that the functions of a state and of a step take, besides what acts from outside
+AT_STATE = len(StateVector._fields) + 1
+OF_STEP = 2 * len(StateVector._fields) + 2 + len(Coefficients._fields)
 
 
 def count_of(name: str) -> int:
@@ -110,184 +146,188 @@ class StepFormulas:
         self._coordinate, self._equation = coordinate, coordinate.equation
         self._source, self._passes = drive.source, passes
         self._shaft, self._rotor = drive.shaft, drive.rotor
-        self._acting, self._more = acting, sum(map(count_of, acting))
+        self._has_source_state = bool(drive.source.start)
+        self._acting, self._acting_count = acting, sum(map(count_of, acting))
         self.unit = self._equation.coordinate.input_unit
         self._tolerance = tolerance * self.unit
-        # the parts of the state that there are, as they are eliminated
-        self._order = (0, *((2,) if drive.shaft else ()), *((4,) if drive.source.start else ()), 1,
-                       *((3,) if drive.shaft else ()))
+        # the fields of the state that this drive has, as they are eliminated
+        self._order = [StateVector._fields.index(field) for field in (
+            'position', *(('twist',) if drive.shaft else ()),
+            *(('source',) if drive.source.start else ()), 'rate',
+            *(('motor_speed',) if drive.shaft else ()))]
 
     # --- as functions of floats -----------------------------------------------------------------
 
     @cached_property
-    def place(self) -> Function:
-        """Return (p, u, s, v, z, command, *acting) -> numbers of a Place, flat."""
-        return straight_line(self.make_place, GIVEN + self._more)
+    def linearize(self) -> Function:
+        """Return (p, u, s, v, z, command, *acting) -> fields of a Linearization."""
+        return straight_line(self.make_linearization, AT_STATE + self._acting_count)
 
     @cached_property
     def attempt(self) -> Function:
-        """Return (p, u, s, v, z, h, command, linear, *acting) -> state after h, next length/h."""
-        return straight_line(self.make_attempt, GIVEN_STEP + self._more)
+        """Return (p, u, s, v, z, *StepStart's other numbers) -> (x after h, next length / h)."""
+        return straight_line(self.make_attempt, OF_STEP + self._acting_count)
 
     @cached_property
     def euler(self) -> Function:
-        """Return the same arguments -> state after h by implicit Euler."""
-        return straight_line(self.make_euler, GIVEN_STEP + self._more)
+        """Return the same arguments -> x after h by implicit Euler."""
+        return straight_line(self.make_euler, OF_STEP + self._acting_count)
 
     # --- formulas -------------------------------------------------------------------------------
 
-    def _outside(self, acting: Sequence[Scalar]) -> Outside | None:
-        """Return what acts from outside, by its numbers; None if nothing does."""
-        if not acting:
-            return None
-        numbers = iter(acting)
-        each = {name: list(islice(numbers, count_of(name))) for name in self._acting}
-        base = Base(*each.pop(BASE)) if BASE in each else None
-        return Outside(base, each)
-
     def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
-        """Return the formula p -> :class:`StepTerms`."""
-        terms, coordinate = self._make_step_terms(n, acting), self._coordinate
+        """Return the formula p -> :class:`FullTerms` of (E1)."""
+        if not acting:
+            return self._equation.make_terms(self._equation.coordinate, n)
+        numbers = iter(acting)
+        wrenches = {name: list(islice(numbers, count_of(name))) for name in self._acting}
+        base = Base(*wrenches.pop(BASE)) if BASE in wrenches else None
+        return self._equation.make_terms(self._equation.coordinate, n, Outside(base, wrenches))
+
+    def _make_taking_over(self, n: NumberType) -> Function:
+        """Return the formula p -> :class:`TakingOver`."""
+        coordinate, mechanism = self._coordinate, self._equation.mechanism
         if self._passes:
-            other = coordinate.make_other(self._equation.coordinate, n)
+            successor = coordinate.make_successor(self._equation.coordinate, n)
             middle, half = coordinate.all.middle, coordinate.all.half
 
-            def between_toggles(p: Scalar) -> Any:
-                value, ratio, _ = other(p)
+            def between_toggles(p: Scalar) -> TakingOver:
+                value, ratio, _ = successor(p)
                 room = LONGEST - n.fabs(ratio) * coordinate.unit_of_ratio
                 if coordinate.is_input:            # not in another range, beyond a gap
                     room = n.where(n.fabs(p - middle) < half, room, -FARTHEST)
-                return (*terms(p), value, ratio, room)
+                return TakingOver(value, ratio, room)
             return between_toggles
-        mechanism = self._equation.mechanism
         if mechanism.turns_fully:
-            return lambda p: (*terms(p), 0.0, 1.0, 1.0)
+            return lambda p: TakingOver(0.0, 1.0, 1.0)
         motion_of = mechanism.motion_formula(n, mechanism.constants)
-        return lambda p: (*terms(p), 0.0, 1.0, n.fabs(mechanism.transmission_sine(
+        return lambda p: TakingOver(0.0, 1.0, n.fabs(mechanism.transmission_sine(
             mechanism.MOTION._make(motion_of(p, 0.0, 0.0)))) - NEAR_TOGGLE)
 
-    def _make_step_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
-        """Return the formula p -> terms within a step, which do not ask what takes over."""
-        return self._equation.make_terms(self._equation.coordinate, n, self._outside(acting))
+    def make_table_positions(self, n: NumberType) -> Function:
+        """Return the formula p -> the positions s of all forces with a table."""
+        return self._equation.make_table_positions(self._equation.coordinate, n)
 
-    def make_tables(self, n: NumberType) -> Function:
-        """Return the formula p -> the places of all forces with a table."""
-        return self._equation.make_places(self._equation.coordinate, n)
-
-    def make_place(self, n: NumberType) -> Function:
-        """Return the formula of :attr:`place`."""
-        def place(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any, *acting: Any) -> Any:
-            terms = StepTerms(*self._make_terms(n, acting)(p))
-            change, on_input, of_motor, piece = self._rates(n, terms, (p, u, s, v, z), command)
-            acceleration = (change[1] if self._equation.is_input else
-                            terms.ratio * change[1] + terms.ratio_slope * u * u)            # (Q3)
-            slope = change[3] if self._shaft else acceleration
+    def make_linearization(self, n: NumberType) -> Function:
+        """Return the formula of :attr:`linearize`."""
+        def linearization(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any,
+                          *acting: Any) -> Linearization:
+            x = StateVector(p, u, s, v, z)
+            terms_of, taking_over_at = self._make_terms(n, acting), self._make_taking_over(n)
+            taking_over, terms = taking_over_at(p), terms_of(p)
+            change, torque, motor_torque, piece = self._rates(n, terms, x, command)
+            acceleration = (change.rate if self._equation.is_input else
+                            terms.ratio * change.rate + terms.ratio_slope * u * u)          # (Q3)
+            slope = change.motor_speed if self._shaft else acceleration
             speed = v if self._shaft else terms.ratio * u
-            to_bend = self._to_bend(n, command, (speed, z), (slope, change[4]))
-            return (terms.room, terms.other, terms.other_ratio, to_bend, acceleration, on_input,
-                    of_motor, *change, terms.inertia, terms.half_slope, terms.damping, terms.ratio,
+            to_bend = self._to_bend(n, command, (speed, z), (slope, change.source))
+            return Linearization(
+                taking_over.room, taking_over.position, taking_over.ratio, to_bend, acceleration,
+                torque, motor_torque, change, Coefficients(
+                    terms.inertia, terms.half_slope, terms.damping, terms.ratio,
                     terms.ratio_slope, piece.by_speed, piece.by_state, piece.change_by_speed,
-                    piece.change_by_state)
-        return place
+                    piece.change_by_state))
+        return linearization
 
     def make_attempt(self, n: NumberType) -> Function:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
-        def attempt(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
-                    *given: Any) -> Any:
-            x = p, u, s, v, z
-            terms_there = self._make_step_terms(n, given[LINEAR:])
-            solve = self._solver(n, x, command, given, 1.0 / (GAMMA * h), terms_there)
-            stages = [solve(given[:5])]
+        def attempt(*numbers: Any) -> tuple[StateVector, Scalar]:
+            start = StepStart.of(numbers)
+            h, terms_of = start.length, self._make_terms(n, start.acting)
+            solve = self._solver(n, start, 1.0 / (GAMMA * h), terms_of)
+            stages = [solve(start.change)]
 
-            def add_stage(at: State, weights: Sequence[float]) -> None:
+            def add_stage(x: StateVector, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                change, *_ = self._rates(n, terms_there(at[0]), at, command)
+                change, *_ = self._rates(n, terms_of(x.position), x, start.command)
                 stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
-                at = _sum(x, a, stages)
-                add_stage(at, c)
-            at = _plus(at, 1.0, stages[-1])
-            add_stage(at, C_LAST)
-            dp, du, ds, dv, _ = stages[-1]
-            errors = [n.fabs(part) for part in (dp, ds, h * du, h * dv)]
-            return (*_plus(at, 1.0, stages[-1]), self._scale(n, errors))
+                x = _sum(start.state, a, stages)
+                add_stage(x, c)
+            x = _plus(x, 1.0, stages[-1])
+            add_stage(x, C_LAST)
+            last = stages[-1]
+            errors = [n.fabs(error) for error in (last.position, last.twist, h * last.rate,
+                                                  h * last.motor_speed)]
+            return _plus(x, 1.0, last), self._scale(n, errors)
         return attempt
 
     def make_euler(self, n: NumberType) -> Function:
         """Return the formula of :attr:`euler`: less accurate, and stable whatever the error."""
-        def euler(p: Any, u: Any, s: Any, v: Any, z: Any, h: Any, command: Any,
-                  *given: Any) -> Any:
-            x = p, u, s, v, z
-            terms_there = self._make_step_terms(n, given[LINEAR:])
-            solve = self._solver(n, x, command, given, 1.0 / h, terms_there)
+        def euler(*numbers: Any) -> StateVector:
+            start = StepStart.of(numbers)
+            terms_of = self._make_terms(n, start.acting)
+            solve = self._solver(n, start, 1.0 / start.length, terms_of)
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
-            whole = n.where(n.fabs(given[1]) < HUGE, 1.0, nan)
-            return _plus(x, whole, solve(given[:5]))
+            whole = n.where(n.fabs(start.change.rate) < HUGE, 1.0, nan)
+            return _plus(start.state, whole, solve(start.change))
         return euler
 
-    def _to_bend(self, n: NumberType, command: Scalar, at: Sequence[Scalar],
-                 slopes: Sequence[Scalar]) -> Scalar:
+    def _to_bend(self, n: NumberType, command: Scalar, values: tuple[Scalar, Scalar],
+                 slopes: tuple[Scalar, Scalar]) -> Scalar:
         """
         Return the time after which the law of the source bends, 1e300 where it does not.
 
-        By a tangent: of speed and own state of the source, ``at`` a place, with their ``slopes``
-        over time.
+        By a tangent, of the source's speed and state and of their slopes over time.
         """
         bounded = self._source.bounded(command)
         if bounded is None:
             return 1e300
         inner, bound = bounded
-        torque = inner.torque_at(*at)
+        torque = inner.torque_at(*values)
         slope = inner.by_speed * slopes[0] + inner.by_state * slopes[1]
         sign = n.where(slope < 0.0, -1.0, 1.0)
         torque, slope = sign * torque, n.fabs(slope)                 # rises
         gap = n.where(torque < -bound, -bound - torque, bound - torque)
-        found: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
-        return found
+        time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
+        return time
 
-    def _rates(self, n: NumberType, terms: Sequence[Any], x: State, command: Scalar
-               ) -> tuple[State, Scalar, Scalar, Piece]:
+    def _rates(self, n: NumberType, terms: FullTerms, x: StateVector, command: Scalar
+               ) -> tuple[StateVector, Scalar, Scalar, Piece]:
         """Return dx/dt by (RB1), the torques on the input and of the source, and its law there."""
-        _, u, s, v, z = x
-        inertia, half_slope, force, damping, _, r, *_ = terms
-        w, shaft = r * u, self._shaft
+        u, v, shaft = x.rate, x.motor_speed, self._shaft
+        w = terms.ratio * u
         speed = v if shaft else w
-        piece = self._source.piece(speed, z, n, command)
-        motor = on_input = piece.torque_at(speed, z)
+        piece = self._source.piece(speed, x.source, n, command)
+        motor_torque = torque = piece.torque_at(speed, x.source)
         if shaft:
-            on_input = shaft.stiffness * s + shaft.damping * (v - w)
-        change = (u, (force + r * on_input - (damping + half_slope * u) * u) / inertia,
-                  *((v - w, (motor - on_input) / self._rotor) if shaft else (0.0, 0.0)),
-                  piece.change_at(speed, z) if 4 in self._order else 0.0)
-        return change, on_input, motor, piece
+            torque = shaft.stiffness * x.twist + shaft.damping * (v - w)
+        acceleration = (terms.force + terms.ratio * torque
+                        - (terms.damping + terms.half_slope * u) * u) / terms.inertia
+        twist_rate = v - w if shaft else 0.0
+        motor_acceleration = (motor_torque - torque) / self._rotor if shaft else 0.0
+        source_change = piece.change_at(speed, x.source) if self._has_source_state else 0.0
+        change = StateVector(u, acceleration, twist_rate, motor_acceleration, source_change)
+        return change, torque, motor_torque, piece
 
-    def _solver(self, n: NumberType, x: State, command: Scalar, linear: Sequence[Scalar],
-                g: Scalar, terms_at: Function) -> Callable[[State], State]:
+    def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function
+                ) -> Callable[[StateVector], StateVector]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
-        step = DIFFERENCE * self.unit
+        step, x = DIFFERENCE * self.unit, start.state
         if self._equation.tables:                  # in the piece that lies ahead
-            step = n.where(x[1] < 0.0, -step, step)
-        aside = x[0] + step
-        (_, change, *_), *_ = self._rates(n, terms_at(aside), (aside, *x[1:]), command)
-        jacobian = self._jacobian(x, linear, (change - linear[1]) / (aside - x[0]))
+            step = n.where(x.rate < 0.0, -step, step)
+        aside = x._replace(position=x.position + step)
+        change, *_ = self._rates(n, terms_of(aside.position), aside, start.command)
+        jacobian = self._jacobian(x, start.coefficients, (change.rate - start.change.rate)
+                                  / (aside.position - x.position))
         solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]
                              for i in self._order])
 
-        def solve_all(right: State) -> State:
-            found: list[Any] = [0.0] * 5
+        def solve_all(right: StateVector) -> StateVector:
+            solution: list[Any] = [0.0] * 5
             for i, y in zip(self._order, solve([right[i] for i in self._order])):
-                found[i] = y
-            return tuple(found)
+                solution[i] = y
+            return StateVector(*solution)
         return solve_all
 
-    def _jacobian(self, x: State, linear: Sequence[Scalar], by_position: Scalar
+    def _jacobian(self, x: StateVector, coefficients: Coefficients, by_position: Scalar
                   ) -> list[list[Scalar]]:
         """
         Return d(dx/dt)/dx of (RB1), rows and columns in the order of x.
 
         ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
         """
-        u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x[1], linear[5:LINEAR]
+        u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x.rate, coefficients
         w_p = r_slope * u                          # of the speed w = r u by p
         if not self._shaft:
             return [[0.0, 1.0, 0.0, 0.0, 0.0],
@@ -314,8 +354,8 @@ class StepFormulas:
         error = reduce(partial(_larger, n), errors) / self._tolerance
         longer = SAFETY * _larger(n, error, 1e-10)**-0.25
         longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
-        found: Scalar = n.where(sum(errors) < 1e300, longer, SMALLEST)
-        return found
+        scale: Scalar = n.where(sum(errors) < 1e300, longer, SMALLEST)
+        return scale
 
 
 def _eliminated(rows: Sequence[Sequence[Scalar]]) -> Callable[[Sequence[Scalar]], list[Scalar]]:
@@ -340,19 +380,18 @@ def _eliminated(rows: Sequence[Sequence[Scalar]]) -> Callable[[Sequence[Scalar]]
     return solve
 
 
-def _larger(n: NumberType, one: Scalar, other: Scalar) -> Scalar:
-    """Return the larger of two numbers."""
-    larger: Scalar = n.where(one < other, other, one)
+def _larger(n: NumberType, a: Scalar, b: Scalar) -> Scalar:
+    larger: Scalar = n.where(a < b, b, a)
     return larger
 
 
-def _plus(x: State, weight: float, u: State) -> State:
-    """Return x + weight u for states."""
-    return tuple([a + weight * b for a, b in zip(x, u)])
+def _plus(x: StateVector, weight: float, u: StateVector) -> StateVector:
+    """Return x + weight u."""
+    return StateVector(*[a + weight * b for a, b in zip(x, u)])
 
 
-def _sum(x: State, weights: Sequence[float], stages: Sequence[State]) -> State:
-    """Return the state x + weights[0] stages[0] + weights[1] stages[1] + ..."""
+def _sum(x: StateVector, weights: Sequence[float], stages: Sequence[StateVector]) -> StateVector:
+    """Return x + weights[0] stages[0] + weights[1] stages[1] + ..."""
     for weight, u in zip(weights, stages):
         x = _plus(x, weight, u)
     return x

@@ -26,7 +26,7 @@ Torque sources, w the speed of the output shaft:
 speed w_s is 2 pi f / p, T_b is the breakdown torque, at the slip s_b. It neglects the resistance
 of the stator and electrical transients. Beyond w_s the motor brakes as a generator.
 
-Each but the table states its law once, by :meth:`Law.piece`, next to a speed and own state z as
+Each but the table states its law once, by :meth:`Law.piece`, next to a speed and a state z as
 linear in both:
 
     T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (A9)
@@ -48,7 +48,7 @@ from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 import numpy as np
 
 State = Sequence[float]
-Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the own state
+Answer = tuple[float, tuple[float, ...]]      # torque [N m], derivative of the state
 # Integration restarts at all times of a linear table of up to FEW times. In a longer table it
 # restarts at every EVERY-th time, and at bends that change the next torque by more than SHARP of
 # the whole range. A wave without such bends is at least pi / SHARP^0.5 = 10 000 times long, so no
@@ -67,12 +67,12 @@ class Piece(NamedTuple):
     change_by_state: Scalar = 0.0
 
     def torque_at(self, speed: float, state: float) -> float:
-        """Return the torque T [N m] at a speed and an own state, (A9)."""
+        """Return the torque T [N m] at a speed and a state, (A9)."""
         torque: float = self.torque + self.by_speed * speed + self.by_state * state
         return torque
 
     def change_at(self, speed: float, state: float) -> float:
-        """Return dz/dt of the own state at a speed and an own state, (A9)."""
+        """Return dz/dt of the state at a speed and a state, (A9)."""
         change: float = self.change + self.change_by_speed * speed + self.change_by_state * state
         return change
 
@@ -83,7 +83,7 @@ class Law(ABC):
 
     Attributes
     ----------
-    own : str
+    state_field : str
         The field of a DriveState message that holds the state, one number at most.
     command : str
         The field of which each step may take another value, as a torque or a voltage; '': none.
@@ -91,7 +91,7 @@ class Law(ABC):
     """
 
     breaks: ClassVar[tuple[float, ...]] = ()
-    own: ClassVar[str] = ''
+    state_field: ClassVar[str] = ''
     command: ClassVar[str] = ''
 
     @property
@@ -103,12 +103,12 @@ class Law(ABC):
         check_quantities(self)
 
     @abstractmethod
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         """
-        Return the law that holds next to a speed and an own state.
+        Return the law that holds next to a speed and a state.
 
-        ``command``: a number in place of the field that ``self.command`` names.
+        ``command``: a value in place of the field that ``self.command`` names.
         """
 
     def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
@@ -117,9 +117,9 @@ class Law(ABC):
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
         """Return the torque on the output shaft [N m] and the derivative of the state."""
-        own = state[0] if state else 0.0
-        piece = self.piece(speed, own)
-        return piece.torque_at(speed, own), (piece.change_at(speed, own),) if state else ()
+        value = state[0] if state else 0.0
+        piece = self.piece(speed, value)
+        return piece.torque_at(speed, value), (piece.change_at(speed, value),) if state else ()
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class ConstantTorque(Law):
     command: ClassVar[str] = 'value'
     value: float = quantity(0.0)
 
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         return Piece(self.value if command is None else command)                            # (A2)
 
@@ -154,7 +154,7 @@ class MotorLine(Law):
                                    f'stall_torque ({self.stall_torque:g}): a torque that grows '
                                    'with the speed is no motor line')
 
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         stall, free = self.gear * self.stall_torque, self.free_speed / self.gear
         return Piece(stall, -stall / free)                                                  # (A3)
@@ -164,7 +164,7 @@ class MotorLine(Law):
 class DCMotor(Law):
     """Permanent-magnet DC motor with a gear of ratio N, (A4); fields state units and meanings."""
 
-    own: ClassVar[str] = 'current'
+    state_field: ClassVar[str] = 'current'
     command: ClassVar[str] = 'voltage'
     voltage: float = quantity(unit='V', text='voltage of the armature')
     resistance: float = quantity(unit='ohm', text='resistance of the armature', above=0.0)
@@ -178,7 +178,7 @@ class DCMotor(Law):
     def start(self) -> tuple[float, ...]:
         return (0.0,) if self.inductance else ()
 
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         constant, voltage = self.gear * self.constant, self.voltage if command is None else command
         if self.inductance:                                                                 # (A4)
@@ -197,7 +197,7 @@ class SpeedController(Law):
     Fields state units and meanings.
     """
 
-    own: ClassVar[str] = 'speed_error_integral'
+    state_field: ClassVar[str] = 'speed_error_integral'
     command: ClassVar[str] = 'speed'
     speed: float = quantity(unit='rad/s or m/s', text='speed wanted of the shaft behind the gear')
     proportional: float = quantity(unit='N m s/rad', least=0.0,
@@ -211,7 +211,7 @@ class SpeedController(Law):
     def start(self) -> tuple[float, ...]:
         return (0.0,) if self.integral else ()
 
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         inner, limit = self._inner(command), self.limit
         if limit == inf:
@@ -226,7 +226,7 @@ class SpeedController(Law):
                 return tuple(Piece(torque))
             return (torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,
                     -ki / by)
-        torque = inner.torque_at(speed, own)
+        torque = inner.torque_at(speed, state)
         return Piece(*n.where(torque.real > limit, beyond(limit), n.where(
             torque.real < -limit, beyond(-limit), tuple(inner))))
 
@@ -260,7 +260,7 @@ class InductionMotor(Law):
         """Return the speed behind the gear at which it gives no torque [rad/s]."""
         return tau * self.frequency / self.pole_pairs / self.gear
 
-    def piece(self, speed: Scalar, own: Scalar, n: NumberType = REAL,
+    def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
         synchronous, s_b = self.synchronous_speed, self.breakdown_slip
         factor = 2.0 * self.gear * self.breakdown_torque * s_b
@@ -310,7 +310,7 @@ class TorqueTable:
         return tuple(times[kept].tolist())
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
-        """Return the torque of the table at a time [N m], and (): it has no own state."""
+        """Return the torque of the table at a time [N m], and (): it has no state."""
         after = bisect_right(self.times, time)
         before = max(after - 1, 0)
         if not self.linear or after in (0, len(self.times)):

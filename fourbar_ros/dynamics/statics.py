@@ -152,7 +152,7 @@ def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
         def ways_beyond(inputs: Array, places: Array, i: int = i,
                         period: float = table.period) -> Array:
             """Return how far the table is beyond places, the short way round its period."""
-            ways = equation.places.of_many(inputs)[i] - places
+            ways = equation.table_positions.of_many(inputs)[i] - places
             return ways if period == inf else ways - period * np.round(ways / period)
         places = np.array(table.table.places)
         ways = ways_beyond(samples, places[:, None])

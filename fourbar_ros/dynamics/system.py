@@ -107,15 +107,15 @@ class System:
         """Return the torque (force) of the source, which an elastic shaft passes on."""
         if self.drive is None:
             return 0.0
-        speed, own = state[self._speed], state[self._speed + 1:-1]
-        return float(self.drive.source.torque(time, speed, own)[0])
+        speed, source_state = state[self._speed], state[self._speed + 1:-1]
+        return float(self.drive.source.torque(time, speed, source_state)[0])
 
     def _drive(self, time: float, state: State) -> Answer:
         """Return the torque on the input and the derivatives of the states after q and w, (A1)."""
         drive = self.drive
         assert drive is not None
-        speed, own = state[self._speed], state[self._speed + 1:-1]
-        torque, change = drive.source.torque(time, speed, own)
+        speed, source_state = state[self._speed], state[self._speed + 1:-1]
+        torque, change = drive.source.torque(time, speed, source_state)
         if drive.shaft is None:
             return torque, change
         position, rate, motor = state[:3]

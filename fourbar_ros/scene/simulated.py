@@ -43,12 +43,13 @@ class SimulatedScene(NamedTuple):
 
     def drive_values(self) -> Iterator[DriveValues]:
         """Yield the DriveValues of each sample, as a node publishes them; evaluations are NaN."""
+        from fourbar_ros.dynamics.rosenbrock import StateVector
         modes, command = self.run.modes.tolist(), 0.0 if isnan(self.torque) else self.torque
         movers, before = {mode: self.scene.mover_in(mode) for mode in set(modes)}, nan
         for time, mode, state in zip(self.run.time.tolist(), modes, self.states.T.tolist()):
             step = 0.0 if isnan(before) else time - before
             mover = movers[mode]
-            values = mover.values(mover.at(tuple(state)), step, command, 0)
+            values = mover.values(mover.state_at(StateVector(*state)), step, command, 0)
             yield values._replace(evaluations=nan)
             before = time
 

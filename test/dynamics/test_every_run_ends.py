@@ -73,7 +73,7 @@ def test_the_node_follows_the_limit_within_its_steps():
     run = simulate(system, until, 1e-9, times=1e-3 * np.arange(1, 2001))
     went = steps(Mover(system, scene.drive.tolerance, scene.drive.budget), 2000)
     assert {done.status for done in went} == {OK}
-    assert np.abs(run.position - [done.at.state[0] for done in went]).max() <= 1e-6
+    assert np.abs(run.position - [done.state.vector.position for done in went]).max() <= 1e-6
 
 
 def test_a_crank_that_turns_fully_is_never_at_a_limit():

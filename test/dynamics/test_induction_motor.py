@@ -71,7 +71,7 @@ def test_steps_of_the_node_are_of_order_four_and_as_simulate(shaft):
         mover = Mover(system, 1e9 if shaft is None else 1e-8, 10_000)
         went = steps(mover, round(0.4 / tick), tick)
         assert {done.status for done in went} == {OK}
-        errors.append(abs(went[-1].at.state[0] - run.position[-1]))
+        errors.append(abs(went[-1].state.vector.position - run.position[-1]))
     assert errors[-1] < 1e-6, errors
     if shaft is None:
         assert np.log2(errors[0] / errors[2]) > 2 * 3.5, errors

@@ -402,7 +402,7 @@ def with_narrow_force(over, width, rate):
 
 def passes_of(over, system, end):
     """Return how often more a motion to an input has gone up over the triangle than down."""
-    place = system.equation.places.of_one
+    place = system.equation.table_positions.of_one
     if over == 'way':
         return float(place(end)[0] > 0.7) - float(place(0.0)[0] > 0.7)
     at = 2.0 if over == 'input' else 3.0

@@ -4,6 +4,7 @@
 from fourbar_ros import Bodies, FourBar, round_rod
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import AT_LIMIT, Mover, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.rosenbrock import StateVector
 from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -32,8 +33,8 @@ DRIVES = {'rigid': Drive(LINE, 0.5), 'soft shaft': Drive(LINE, 0.5, shaft=Shaft(
 def by_formulas(mover):
     """Return a mover that calls its formulas themselves, not the functions written from them."""
     for formulas in mover.formulas.values():
-        formulas.place, formulas.attempt, formulas.euler = (make(REAL) for make in (
-            formulas.make_place, formulas.make_attempt, formulas.make_euler))
+        formulas.linearize, formulas.attempt, formulas.euler = (make(REAL) for make in (
+            formulas.make_linearization, formulas.make_attempt, formulas.make_euler))
     return mover
 
 
@@ -42,7 +43,7 @@ def states_of(system, until, tick=TICK, tolerance=1e-6, budget=10_000, command=N
     """Return the states after every tick, and how each step went."""
     mover = taken(Mover(system, tolerance, budget, command is not None))
     went = steps(mover, round(until / tick), tick, command or 0.0)
-    return np.array([mover.first.state, *(done.at.state for done in went)]).T, went
+    return np.array([mover.first.vector, *(done.state.vector for done in went)]).T, went
 
 
 @some('stiffness', [10.0**k for k in range(2, 10)], (1e9,))
@@ -87,19 +88,19 @@ def test_work_is_counted_and_never_more_than_the_budget(monkeypatch):
     system = System(PAPER, 0.0, drive=Drive(LINE, 0.5, shaft=Shaft(1e5, 0.0)))
     for budget in (12, 20, 60):
         mover = by_formulas(Mover(system, 1e-11, budget))
-        place, statuses = mover.first, set()
+        state, statuses = mover.first, set()
         for _ in range(200):
             calls = 0
-            done = mover.advance(place, TICK)
+            done = mover.advance(state, TICK)
             # the state at the end counts in the next step, unless nothing is left of this one
             assert done.evaluations <= calls <= done.evaluations + 1 <= budget + 1
-            place = done.at
+            state = done.state
             statuses.add(done.status)
-        state = place.state
-        assert OUT_OF_BUDGET in statuses and np.isfinite(state).all()
+        vector = state.vector
+        assert OUT_OF_BUDGET in statuses and np.isfinite(vector).all()
         reference = simulate(system, 0.2, 1e-6, times=[0.2]).position[-1]
         # less accurate, and still a motion of this linkage: within a percent of the way
-        assert abs(state[0] - reference) < 0.05 * reference
+        assert abs(vector.position - reference) < 0.05 * reference
 
 
 CONTROLLED = Drive(SpeedController(5.0, 50.0, 10.0, 200.0), 0.5, shaft=Shaft(1e5, 10.0))
@@ -117,14 +118,14 @@ def test_terms_that_are_known_are_not_computed_again():
     system, asked = System(PAPER, 0.5, drive=DRIVES['soft shaft']), []
     mover = Mover(system, 1e-6, 60)
     formulas, = mover.formulas.values()
-    place_of = formulas.place
-    formulas.place = lambda *given: asked.append(given[0]) or place_of(*given)
-    place = mover.advance(mover.first, TICK).at
-    mover.values(place, TICK, 0.0, 0)
-    mover.advance(place, TICK)
-    assert asked.count(place.state[0]) == 1
+    linearize = formulas.linearize
+    formulas.linearize = lambda *numbers: asked.append(numbers[0]) or linearize(*numbers)
+    state = mover.advance(mover.first, TICK).state
+    mover.values(state, TICK, 0.0, 0)
+    mover.advance(state, TICK)
+    assert asked.count(state.vector.position) == 1
     again = Mover(system, 1e-6, 60)        # which knows nothing
-    assert again.advance(place, TICK) == mover.advance(place, TICK)
+    assert again.advance(state, TICK) == mover.advance(state, TICK)
 
 
 @pytest.mark.parametrize('gain', [1e1, 1e3, 1e6])
@@ -135,8 +136,8 @@ def test_a_limited_controller_settles_whatever_its_gain(gain):
     assert all(done.evaluations <= 60 for done in went)
     assert np.abs(states[1, -100:] - 25.0).max() < (0.6 if gain > 50.0 else 8.0)
     mover = Mover(system, 1e-6, 60)
-    torques = np.array([mover.values(mover.at(tuple(state)), TICK, 0.0, 0).motor_torque
-                        for state in states.T])
+    torques = np.array([mover.values(mover.state_at(StateVector(*vector)), TICK, 0.0,
+                                     0).motor_torque for vector in states.T])
     assert np.abs(torques).max() <= 400.0 and bool(torques[1] == 400.0) is (gain > 16.0)
     if gain == 1e3:
         reference = simulate(system, 1.0, 1e-6, times=[0.5, 1.0], check=False)
@@ -156,8 +157,8 @@ def test_at_a_limit_the_input_is_held_at_rest_and_leaves_it_when_pulled_back():
     system = System(rocker, 0.5 * (low + high), drive=Drive(ConstantTorque(0.0)))
     states, went = states_of(system, 1.0, command=200.0)
     assert went[-1].status == AT_LIMIT and states[1, -1] == 0.0 and low < states[0, -1] < high
-    mover, place = Mover(system, 1e-6, 60, True), went[-1].at
+    mover, state = Mover(system, 1e-6, 60, True), went[-1].state
     for _ in range(20):
-        done = mover.advance(place, TICK, -200.0)
-        place = done.at
-    assert done.status == OK and place.state[1] < 0.0
+        done = mover.advance(state, TICK, -200.0)
+        state = done.state
+    assert done.status == OK and state.vector.rate < 0.0

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 from fourbar_ros import FourBar, SliderCrank
 from fourbar_ros.dynamics import rosenbrock
+from fourbar_ros.dynamics.equation import FullTerms
 from fourbar_ros.dynamics.node_step import (
     AT_LIMIT,
     DriveValues,
@@ -13,7 +14,12 @@ from fourbar_ros.dynamics.node_step import (
     OK,
     OUT_OF_BUDGET,
 )
-from fourbar_ros.dynamics.rosenbrock import StepFormulas
+from fourbar_ros.dynamics.rosenbrock import (
+    Coefficients,
+    StateVector,
+    StepFormulas,
+    StepStart,
+)
 from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -48,10 +54,10 @@ def swing(system, until, tick=TICK, tolerance=1e-6, budget=10_000):
     """Return (states of the input, modes, energies, how each step went) after every tick."""
     mover = Mover(system, tolerance, budget)
     went = steps(mover, round(until / tick), tick)
-    places = [done.at for done in went]
-    energies = [place.coordinate.equation.energy(*place.state[:2]) for place in places]
-    return (np.array(list(map(mover.state_of_input, places))).T,
-            [place.mode for place in places], np.array(energies), went)
+    states = [done.state for done in went]
+    energies = [state.coordinate.equation.energy(*state.vector[:2]) for state in states]
+    return (np.array(list(map(mover.in_input, states))).T,
+            [state.mode for state in states], np.array(energies), went)
 
 
 @some('name', SWINGS, 2)
@@ -103,14 +109,14 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     formulas = StepFormulas(system.coordinates.first, drive, True, 1e-6)
 
     def terms_at(p):
-        return (2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
-                0.3 + 0.7 * p - 0.2 * p * p, 0.7 - 0.4 * p)      # the last two: r, dr/dp
+        return FullTerms(2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
+                         ratio=0.3 + 0.7 * p - 0.2 * p * p, ratio_slope=0.7 - 0.4 * p)
 
     formulas._source = SimpleNamespace(piece=lambda *_: piece)
     x = np.array([0.4, 1.3, 0.2, -0.8, 0.6])
 
     def rates(x):
-        return np.array(formulas._rates(REAL, terms_at(x[0]), tuple(x), 0.0)[0])
+        return np.array(formulas._rates(REAL, terms_at(x[0]), StateVector(*x), 0.0)[0])
 
     step = 1e-5
     jacobian = np.array([(rates(x + step * e) - rates(x - step * e)) / (2.0 * step)
@@ -118,11 +124,13 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     right = rng.normal(size=5)
     if shaft is None:
         right[2:4] = 0.0
-    inertia, half_slope, _, damping, _, ratio, ratio_slope = terms_at(x[0])
-    linear = (*rates(x), inertia, half_slope, damping, ratio, ratio_slope, piece[1], piece[2],
-              *piece[4:])
-    solve = formulas._solver(REAL, tuple(x), 0.0, linear, 3.0, terms_at)
-    assert (3.0 * np.eye(5) - jacobian) @ solve(tuple(right)) == pytest.approx(right, abs=1e-6)
+    terms = terms_at(x[0])
+    start = StepStart(StateVector(*x), 1.0, 0.0, StateVector(*rates(x)), Coefficients(
+        terms.inertia, terms.half_slope, terms.damping, terms.ratio, terms.ratio_slope,
+        piece.by_speed, piece.by_state, piece.change_by_speed, piece.change_by_state), ())
+    solve = formulas._solver(REAL, start, 3.0, terms_at)
+    solution = solve(StateVector(*right))
+    assert (3.0 * np.eye(5) - jacobian) @ solution == pytest.approx(right, abs=1e-6)
 
 
 @some('budget', [12, 20, 60], (20,))
@@ -161,7 +169,7 @@ def test_messages_tell_the_state_except_next_to_a_toggle():
     for (_, mode, values), command, (status, mode_then, then) in zip(found, commands[1:],
                                                                      found[1:]):
         copy = DriveValues(*values)
-        told.append(other.tells_all(other.at(other.state(copy), mode)))
+        told.append(other.tells_all(other.state_of(copy, mode)))
         again = other.next(copy, TICK, command, mode=mode)
         if told[-1]:
             assert (again[0], other.mode, repr(again[1])) == (status, mode_then, repr(then))

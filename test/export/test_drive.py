@@ -9,6 +9,7 @@ from fourbar_lab.export import generate
 from fourbar_lab.export.fmu import build
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.rosenbrock import StateVector
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -175,8 +176,8 @@ def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
 def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
     scene, code = rocker
     mine, theirs = MoverOfC(scene, code), scene.mover
-    place = theirs.at((0.3, -2.0, 0.0, 0.0, 0.0), 1)
-    assert bits(mine.values(place, 0.0, 0.0, 0.0)) == bits(theirs.values(place, 0.0, math.nan, 0))
+    state = theirs.state_at(StateVector(0.3, -2.0, 0.0, 0.0, 0.0), 1)
+    assert bits(mine.values(state, 0.0, 0.0, 0.0)) == bits(theirs.values(state, 0.0, math.nan, 0))
     for step in (0.0, -1.0, math.nan, math.inf, -math.inf):
         for mover in (mine, theirs):
             status, values = mover.next(mover.start(), step)

@@ -100,7 +100,7 @@ def test_coordinates_are_those_of_the_motion(name):
         curves['ground'] = FIXED
         for field, over in known.items():
             element = PositionForce(_first(linkage), lambda s: 1.0, over)
-            away = element.place(REAL, curves, q) - getattr(motion, field)
+            away = element.position(REAL, curves, q) - getattr(motion, field)
             turns = round(away / TURN) * TURN if isinstance(over, LinkAngle) else 0.0
             assert abs(away - turns) < 1e-12, field
 

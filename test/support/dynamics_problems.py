@@ -165,8 +165,8 @@ def samples(linkage, seed, count=20):
 
 def steps(mover, count, tick=1e-3, command=0.0):
     """Return how each of so many steps of the node went, from its start."""
-    place, went = mover.first, []
+    state, went = mover.first, []
     for _ in range(count):
-        went.append(mover.advance(place, tick, command))
-        place = went[-1].at
+        went.append(mover.advance(state, tick, command))
+        state = went[-1].state
     return went

@@ -108,14 +108,14 @@ class MoverOfC(Mover):
 
     def next(self, values, step, command=0.0):
         if values is not self.latest:
-            self.set(values, self.at(self.state(values)).mode, command)
+            self.set(values, self.state_of(values).mode, command)
         status = self.of['advance'](self.drive, ctypes.c_double(step), *self.torques(command))
         return status, self.taken()
 
-    def values(self, at, step, command, evaluations):
-        position, rate, twist, speed, own = at.state
+    def values(self, state, step, command, evaluations):
+        position, rate, twist, speed, source = state.vector
         self.set(DriveValues(step, command, position, rate, math.nan, twist, math.nan, speed,
-                             math.nan, math.nan, own, own, evaluations), at.mode, command)
+                             math.nan, math.nan, source, source, evaluations), state.mode, command)
         return self.taken()
 
     def set(self, values, mode, command):
