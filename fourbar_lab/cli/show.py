@@ -86,7 +86,7 @@ def _show(arguments: Namespace) -> None:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
         console = make_console()
         blocks = [
-            tables.what_it_is(bare, path),
+            tables.linkage_table(bare, path),
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,

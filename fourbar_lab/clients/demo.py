@@ -14,7 +14,7 @@ import sys
 import time
 
 from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
-from fourbar_lab.drawing.tables import mode_name, rates_in_words, what_it_is
+from fourbar_lab.drawing.tables import linkage_table, mode_name, rates_in_words
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.errors import FourBarError
@@ -88,8 +88,8 @@ def live_table(client: Driver, seconds: float) -> Table:
     linkage = client.scene.linkage
     quantities = {**positions(linkage, linkage.input), **known_quantities(linkage, linkage.input)}
     rows = [(linkage.input_coordinate.position, linkage.input_coordinate.unit, state),
-            *((name, one.unit, loads if one.is_load else state)
-              for name, one in quantities.items())]
+            *((name, quantity.unit, loads if quantity.is_load else state)
+              for name, quantity in quantities.items())]
     for name, unit, message in rows:
         value = getattr(message, name, nan)
         if not isnan(value):
@@ -134,18 +134,18 @@ def show_extrema(client: Driver, console: Console) -> None:
         f'global extrema at {rates_in_words(linkage, speed)}, mode {mode_name(linkage)}, from '
         f'{NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
-        [(one.quantity, KINDS[one.kind], f'{one.value:.9g}', one.unit,
-          f'{one.theta1 if isnan(one.slide) else one.slide:.7f}')
-         for one in answer.extrema if one.is_global]))
+        [(extremum.quantity, KINDS[extremum.kind], f'{extremum.value:.9g}', extremum.unit,
+          f'{extremum.theta1 if isnan(extremum.slide) else extremum.slide:.7f}')
+         for extremum in answer.extrema if extremum.is_global]))
     console.print()
 
 
 def check_bag(path: str | Path, console: Console) -> bool:
     """Recompute every output in a bag from its input; return whether it is without fault."""
-    found = recompute(path)
-    console.print(f'bag recomputed: {found.compared} outputs from their recorded input, largest '
-                  f'difference {found.largest:g}', soft_wrap=True)
-    return not found.problems()
+    recomputation = recompute(path)
+    console.print(f'bag recomputed: {recomputation.compared} outputs from their recorded input, '
+                  f'largest difference {recomputation.largest:g}', soft_wrap=True)
+    return not recomputation.problems()
 
 
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
@@ -157,14 +157,14 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     """
     path = find(path)
     scene = load(path)
-    console.print(what_it_is(scene.linkage, path))
+    console.print(linkage_table(scene.linkage, path))
     name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
     node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
                              '--params-file', str(path), '-p', 'recording.start:=true',
                              '-p', f'recording.directory:={directory}',
                              '-p', f'recording.name:={name}'])
     try:
-        with opened(lambda own: Driver(own, scene), 'fourbar_demo') as client:
+        with opened(lambda ros_node: Driver(ros_node, scene), 'fourbar_demo') as client:
             watch(client, node, seconds, console)
             show_extrema(client, console)
     finally:

@@ -53,14 +53,14 @@ class NodeClient:
         while (left := end - time.monotonic()) > 0.0:
             self.executor.spin_once(timeout_sec=left)
 
-    def until(self, condition: Callable[[], bool], what: str,
+    def until(self, condition: Callable[[], bool], failure: str,
               patience: float | None = None) -> None:
-        """Handle messages until the condition holds; after ``patience`` raise NoAnswer(what)."""
+        """Handle messages until the condition holds; NoAnswer(failure) after ``patience`` [s]."""
         patience = self.patience if patience is None else patience
         end = time.monotonic() + patience
         while not condition():
             if time.monotonic() > end:
-                raise NoAnswer(f'{what} (waited {patience:g} s)')
+                raise NoAnswer(f'{failure} (waited {patience:g} s)')
             self.executor.spin_once(timeout_sec=POLL)
 
     def subscribe(self, topic: Topic, take: Callable[[Message], None], node: str = NODE,
@@ -113,13 +113,13 @@ def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
         rclpy.try_shutdown()
 
 
-def record(what: str, name: str, node: str, patience: float = PATIENCE) -> str:
-    """Start or stop (``what``) recording in a node; return the path of the bag."""
-    with opened(lambda own: NodeClient(own, patience), 'fourbar_record') as client:
-        if what == 'start':
+def record(action: str, name: str, node: str, patience: float = PATIENCE) -> str:
+    """Start or stop (``action``) recording in a node; return the path of the bag."""
+    with opened(lambda ros_node: NodeClient(ros_node, patience), 'fourbar_record') as client:
+        if action == 'start':
             answer = client.call('start_recording', node, name=name)
         else:
             answer = client.call('stop_recording', node)
     if not answer.success:
         raise NoAnswer(answer.message)
-    return str(answer.path if what == 'start' else answer.message)
+    return str(answer.path if action == 'start' else answer.message)

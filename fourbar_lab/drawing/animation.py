@@ -33,14 +33,14 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
         raise CannotDraw(f'{path}: an animation is a .gif')
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
-    places = [place for motion in poses for place in diagram_of(mechanism, motion).joints.values()]
+    joints = [joint for motion in poses for joint in diagram_of(mechanism, motion).joints.values()]
     with new_figure(figsize=(6.4, 4.8)) as figure:
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
         def draw(motion: NamedFields) -> None:
             """Draw one pose in place of the last one, on a sheet that holds all poses."""
             axes.clear()
-            sheet = Sheet(axes, [*places, *np.concatenate([np.empty((0, 2)), *paths])], '')
+            sheet = Sheet(axes, [*joints, *np.concatenate([np.empty((0, 2)), *paths])], '')
             for curve in paths:
                 closed = np.vstack([curve, curve[:1]]) if mechanism.turns_fully else curve
                 axes.plot(*closed.T, color=POINT, lw=1.2, zorder=1.5)

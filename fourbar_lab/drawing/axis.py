@@ -38,8 +38,7 @@ def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
     """
     Return the parts of the axis in one pose that are in a window with these corners [m].
 
-    {name of a line: its two ends beyond the window, shape (2, 2)}, and {letter of a pole: its
-    place}.
+    {name of a line: its two ends beyond the window, shape (2, 2)}, and {letter: pole}.
     """
     axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
     middle, reach = 0.5 * (low + high), 0.5 * hypot(*(high - low))
@@ -51,17 +50,17 @@ def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
             normal, along = np.array([[a, b], [-b, a]]) / size
             lines[name] = middle - distance * normal + np.outer([-reach, reach], along)
     with np.errstate(divide='ignore', invalid='ignore'):
-        places = {letter: unit * pole[:2] / pole[2]
+        poles = {letter: unit * pole[:2] / pole[2]
                   for letter, pole in (('P_{13}', axis.p13), ('P_{24}', axis.p24))}
-    return lines, {letter: place for letter, place in places.items()
-                   if (low <= place).all() and (place <= high).all()}
+    return lines, {letter: pole for letter, pole in poles.items()
+                   if (low <= pole).all() and (pole <= high).all()}
 
 
 def axis_angle(linkage: Mechanism, motion: NamedFields) -> Array:
     """
     Return the angle from coupler to axis in one pose or n, 0 to 180 deg; NaN: there is no axis.
 
-    So it is smooth at 90 deg, the place that matters. Of n poses it is NaN too where it jumps, as
+    It is smooth at 90 deg, where rates are extreme. Of n poses it is NaN too where it jumps, as
     the axis turns through the coupler: a curve has a gap there.
     """
     angles = np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
@@ -76,19 +75,19 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
 
     The axis passes through the poles P13 and P24, each where two of the four other lines cross.
     """
-    places = np.array(list(diagram_of(linkage, motion).joints.values()))
-    size, middle = max(np.ptp(places, axis=0)), 0.5 * (places.min(axis=0) + places.max(axis=0))
+    joints = np.array(list(diagram_of(linkage, motion).joints.values()))
+    size, middle = max(np.ptp(joints, axis=0)), 0.5 * (joints.min(axis=0) + joints.max(axis=0))
     reach = NEAR * np.array([size, size])
     # twice: poles near enough make room on the sheet, whose window then clips the lines
     _, poles = axis_parts(linkage, motion, middle - reach, middle + reach)
-    sheet = draw_mechanism(axes, linkage, motion, {}, others=list(poles.values()), title=title)
+    sheet = draw_mechanism(axes, linkage, motion, {}, (), list(poles.values()), title=title)
     lines, poles = axis_parts(linkage, motion, sheet.low, sheet.high)
     for name, ends in lines.items():
         style = AXIS_STYLE if name == 'axis' else LINE_STYLE
         sheet.line(*ends, zorder=1, **style)
-    for letter, place in poles.items():
-        axes.plot(*place, 'o', ms=5, color=AXIS, zorder=7)
-        sheet.label(letter, sheet.around(place), AXIS)
+    for letter, pole in poles.items():
+        axes.plot(*pole, 'o', ms=5, color=AXIS, zorder=7)
+        sheet.label(letter, sheet.around(pole), AXIS)
     sheet.scale('m')
     sheet.finish()
     axes.annotate(f'axis at {axis_angle(linkage, motion):.4f}\N{DEGREE SIGN} to the coupler',
@@ -99,7 +98,8 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = 
 def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
     """Return the extrema of the output's rate inside a range of the input."""
     name = linkage.outputs[0].coordinate.rate
-    return [one for one in find_extrema(linkage, (name,), rate) if one.place == INTERIOR]
+    return [extremum for extremum in find_extrema(linkage, (name,), rate)
+            if extremum.place == INTERIOR]
 
 
 def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
@@ -113,14 +113,14 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     coordinate = linkage.outputs[0].coordinate
     collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
     extrema = extrema_inside(linkage, rate)
-    if position is None and not extrema:
-        raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
-    at = (max(extrema, key=lambda extremum: abs(extremum.value)).theta1 if position is None
-          else position)
+    if position is None:
+        if not extrema:
+            raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
+        position = max(extrema, key=lambda extremum: abs(extremum.value)).theta1
     with new_figure(figsize=(12.6, 5.6)) as figure:
         left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
-        draw_axis(left, linkage, linkage.motion(at, rate),
-                  f'{linkage.description}, theta1 {degrees(at):.4f} deg')
+        draw_axis(left, linkage, linkage.motion(position, rate),
+                  f'{linkage.description}, theta1 {degrees(position):.4f} deg')
         upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
         for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
@@ -136,5 +136,5 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
                   yticks=(0, 45, 90, 135, 180))
         for axes in (upper, lower):
             axes.grid(alpha=0.3)
-            axes.axvline(degrees(counted(linkage, at)), color='0.6', lw=0.8)
+            axes.axvline(degrees(counted(linkage, position)), color='0.6', lw=0.8)
     return figure

@@ -59,7 +59,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
-    of_loads, of_points = linkage.LOADS._fields, {one.name: one for one in scene.point_quantities}
+    of_loads = linkage.LOADS._fields
+    of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     for name in wanted:
         if name not in units:
@@ -93,14 +94,14 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     for name, column in zip(columns, values):
         if not np.isfinite(column).any():
             raise InvalidParameter('speed', speed, f'too large: {name} overflows')
-    its_units = [coordinate.unit, *(units[name] for name in wanted)]
-    for i, unit in enumerate(its_units):
+    shown_units = [coordinate.unit, *(units[name] for name in wanted)]
+    for i, unit in enumerate(shown_units):
         if unit == 'rad':
-            its_units[i], values[i] = 'deg', np.degrees(values[i])
+            shown_units[i], values[i] = 'deg', np.degrees(values[i])
     if linkage.turns_fully:
         values[0] = values[0].round(10)         # whole degrees, for who looks up 60
     rates = rates_in_words(linkage, speed, acceleration, ', ')
-    return Curves(f'{linkage.description} at {rates}', columns, tuple(its_units), values,
+    return Curves(f'{linkage.description} at {rates}', columns, tuple(shown_units), values,
                   symbols_of(linkage, columns))
 
 
@@ -132,7 +133,7 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     forbid a search: then of :data:`SAMPLES` inputs in each turn or range.
     InvalidParameter if speed or acceleration are so large that it overflows.
     """
-    known = [one for one in extrema or () if one.quantity == linkage.drive_load]
+    known = [extremum for extremum in extrema or () if extremum.quantity == linkage.drive_load]
     load = OverInput(scene.bare_linkage.in_mode(linkage.mode), linkage.drive_load, speed,
                      acceleration, within, known or None)
     if scene.elements and load.peak < inf:      # else they cannot bound it
@@ -197,9 +198,9 @@ def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
     """Return (extremum, input, value) of the finite ones, in the units of the curves."""
     turned = degrees(1.0)
     by_input = 1.0 if linkage.is_driven_by_slide else turned
-    return [(one, by_input * counted(linkage, one.input),
-             one.value * (turned if one.unit == 'rad' else 1.0))
-            for one in extrema if one.kind != CONSTANT and isfinite(one.value)]
+    return [(extremum, by_input * counted(linkage, extremum.input),
+             extremum.value * (turned if extremum.unit == 'rad' else 1.0))
+            for extremum in extrema if extremum.kind != CONSTANT and isfinite(extremum.value)]
 
 
 def _searched(linkage: Mechanism, scene: Scene) -> dict[str, Asked]:
@@ -250,18 +251,18 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     """
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     turned = curves.units[0] == 'deg'
-    dots = [(one.quantity, place, value) for one, first, value in marks
-            for place in (np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0) if turned
+    dots = [(extremum.quantity, x, value) for extremum, first, value in marks
+            for x in (np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0) if turned
                           else [first])]
     rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
     figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':
-                          [(symbol, curves.values[0], values) for _, symbol, _, values in its]
-                          for unit, its in by_unit.items()},
+                          [(symbol, curves.values[0], values) for _, symbol, _, values in group]
+                          for unit, group in by_unit.items()},
                          f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)
-    for axis, its in zip(figure.axes, by_unit.values()):
-        for line, (name, *_) in zip(list(axis.lines), its):
-            marked = [(place, value) for of, place, value in dots if of == name]
+    for axis, group in zip(figure.axes, by_unit.values()):
+        for line, (name, *_) in zip(list(axis.lines), group):
+            marked = [(x, value) for quantity, x, value in dots if quantity == name]
             if marked:
                 axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
     if turned and high - low > 180.0:

@@ -115,11 +115,11 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
                         fontweight='bold')
         letters = labels_of(diagram_of(mechanism, motion)).letters
         names = {**(names or {}), **letters}
-        what = 'mechanism'
+        heading = 'mechanism'
         if loads:
-            what += ('   $F$: force on the link that hangs at the joint' if letters
+            heading += ('   $F$: force on the link that hangs at the joint' if letters
                      else '   $F_{ij}$: force of link $i$ on link $j$')
-        draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, what)
+        draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, heading)
         draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed,
                      names)
         draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations',

@@ -18,13 +18,13 @@ import numpy as np
 
 LETTER = re.compile(r'[A-Z](_\w)?')
 SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
-SAME = 1e-9      # joints nearer to each other than this share of the picture are at one place
+SAME = 1e-9      # joints nearer to each other than this share of the picture share a letter
 
 
 class Labels(NamedTuple):
     """Names of joints and forces in a picture; textbook names need no ``words``, ``letters``."""
 
-    joints: Mapping[str, Array]         # {letter as mathtext: place}
+    joints: Mapping[str, Array]         # {letter as mathtext: point}
     forces: Mapping[str, str]           # {field of the loads: symbol as mathtext}
     words: Mapping[str, str]            # {field of the loads: words behind its symbol in a text}
     letters: Mapping[str, str]          # {joint: letter}
@@ -35,16 +35,16 @@ def labels_of(diagram: Diagram) -> Labels:
     Return the labels of a diagram.
 
     Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Other joints, as in a
-    machine, get one letter for each place; several joints at a place make forces F_A1, F_A2.
+    machine, get one letter for each point; several joints at a point make forces F_A1, F_A2.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
                       {}, {})
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
-    groups: list[list[str]] = []             # joints at one place
-    for name, place in diagram.joints.items():
+    groups: list[list[str]] = []             # joints at one point
+    for name, point in diagram.joints.items():
         here = [names for names in groups
-                if hypot(*(place - diagram.joints[names[0]])) <= SAME * size]
+                if hypot(*(point - diagram.joints[names[0]])) <= SAME * size]
         if here:
             here[0].append(name)
         else:
@@ -54,12 +54,12 @@ def labels_of(diagram: Diagram) -> Labels:
     symbols: dict[str, str] = {}             # of the force at each joint
     letters: dict[str, str] = {}
     for names in groups:
-        place = diagram.joints[names[0]]
-        letter = 'O_1' if not joints and not place.any() else next(free_letters)
-        joints[letter] = place
+        point = diagram.joints[names[0]]
+        letter = 'O_1' if not joints and not point.any() else next(free_letters)
+        joints[letter] = point
         letters.update(dict.fromkeys(names, letter))
-        for number, name in enumerate(names, 1):
-            mark = number if len(names) > 1 else ''
+        for index, name in enumerate(names, 1):
+            mark = index if len(names) > 1 else ''
             symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
     return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces}, letters)

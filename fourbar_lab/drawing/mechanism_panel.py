@@ -41,16 +41,16 @@ Letters = Mapping[str, str]         # {name of a joint: other letter}
 
 
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: Points,
-                   paths: Sequence[Array] = (), others: Sequence[Array] = (),
+                   paths: Sequence[Array] = (), extra_points: Sequence[Array] = (),
                    names: Letters = MappingProxyType({}), title: str = '') -> Sheet:
     """
     Draw links, joints, points and paths of shape (n, 2) [m] on a sheet, which is not finished yet.
 
-    It also has room for ``others``: places that the caller draws at.
+    It also has room for ``extra_points``, which the caller draws.
     """
     diagram, parts = diagram_of(mechanism, motion), picture(mechanism, motion, points)
     joints, arms = np.array(list(diagram.joints.values())), of_kind(Arm, parts)
-    every = np.vstack([joints, *paths, *others, *(bar[:2] for bar in diagram.bars),
+    every = np.vstack([joints, *paths, *extra_points, *(bar[:2] for bar in diagram.bars),
                        *(arm.end for arm in arms)])
     every = every[np.isfinite(every).all(axis=1)]
     size = max(np.ptp(every, axis=0))
@@ -62,8 +62,8 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
         sheet.taken.extend(path[np.isfinite(path).all(axis=1)])
     for part in parts:
         draw_part(sheet, part)
-    for name, at in labels_of(diagram).joints.items():
-        sheet.label(renamed(name, names), sheet.around(at), 'k')
+    for name, point in labels_of(diagram).joints.items():
+        sheet.label(renamed(name, names), sheet.around(point), 'k')
     for arm in arms:
         name = arm.name.replace('_', r'\_')
         sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT)
@@ -128,43 +128,44 @@ def draw_part(sheet: Sheet, part: Primitive) -> None:
         corners, ground = outlines(part, sheet.inch)
         axes.fill(*corners.T, fc='0.95' if is_block else 'w', ec='k', lw=1.2,
                   zorder=4 if is_block else 1)
-        for one, other in zip(corners, np.roll(corners, 1, axis=0)) if is_block else ():
-            sheet.occupy(one, other)
+        for start, end in zip(corners, np.roll(corners, 1, axis=0)) if is_block else ():
+            sheet.occupy(start, end)
         if ground is not None:
             sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
 
 
-def _draw_centre(sheet: Sheet, at: Array) -> None:
+def _draw_centre(sheet: Sheet, centre: Array) -> None:
     """Draw the quartered circle of a centre of gravity."""
     from matplotlib.patches import Wedge
     radius = 0.06 * sheet.inch
     for start, end, colour in ((0.0, 360.0, 'w'), (0.0, 90.0, 'k'), (180.0, 270.0, 'k')):
-        sheet.axes.add_patch(Wedge(at, radius, start, end, fc=colour, ec='k', lw=0.8, zorder=6.5))
-    sheet.taken.append(at)
+        sheet.axes.add_patch(Wedge(centre, radius, start, end, fc=colour, ec='k', lw=0.8,
+                                   zorder=6.5))
+    sheet.taken.append(centre)
 
 
 def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram) -> None:
     """Draw the arcs of the absolute angles from x."""
     radius = 0.3 * sheet.inch
     for name, joint in diagram.angles.items():
-        at, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
-        arc = at + radius * _directions(np.linspace(0.0, angle, 40))
+        centre, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
+        arc = centre + radius * _directions(np.linspace(0.0, angle, 40))
         sheet.axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
-        sheet.line(at, at + (1.5 * radius, 0.0), color=ANGLE, lw=0.7, zorder=1.2)
+        sheet.line(centre, centre + (1.5 * radius, 0.0), color=ANGLE, lw=0.7, zorder=1.2)
         sheet.taken.extend(arc[::4])
         directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        sheet.label(symbol_of(name), [at + distance * radius * direction for distance in
+        sheet.label(symbol_of(name), [centre + distance * radius * direction for distance in
                                       (1.5, 1.8, 2.1) for direction in directions]
-                    + sheet.around(at, directions[0]), ANGLE)
+                    + sheet.around(centre, directions[0]), ANGLE)
 
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
                  diagram: Diagram) -> None:
     """Draw the torque as a turning arrow about the driven joint, away from the links."""
-    radius, sense, places = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0, diagram.joints
-    centre = places.get(mechanism.input, np.zeros(2))       # O1, or a joint that moves
-    away = centre - np.mean(list(places.values()), axis=0)
-    middle = (np.arctan2(away[1], away[0]) if mechanism.input in places
+    radius, sense, joints = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0, diagram.joints
+    centre = joints.get(mechanism.input, np.zeros(2))       # O1, or a joint that moves
+    away = centre - np.mean(list(joints.values()), axis=0)
+    middle = (np.arctan2(away[1], away[0]) if mechanism.input in joints
               else getattr(motion, mechanism.input_coordinate.position) + pi)
     arc = centre + radius * _directions(middle + sense * np.linspace(-0.35 * pi, 0.35 * pi, 40))
     sheet.axes.plot(*arc[:-3].T, color=FORCE, lw=1.4, zorder=5)

@@ -43,48 +43,51 @@ class DrawnPose(NamedTuple):
     loads: NamedFields | None
 
 
-def position_of(linkage: Mechanism, at: float) -> float:
+def position_of(linkage: Mechanism, user_input: float) -> float:
     """Return the input [rad or m] for a ``--at`` in degrees or m."""
-    return at if linkage.is_driven_by_slide else radians(at)
+    return user_input if linkage.is_driven_by_slide else radians(user_input)
 
 
-def require_units(linkage: Mechanism, at: float | None, speed: float | None,
+def require_units(linkage: Mechanism, user_input: float | None, speed: float | None,
                   acceleration: float) -> None:
     """Raise WrongQuantity if a number of a command line has the unit of another kind of input."""
-    for name, value, unit in zip(('--at', '--speed', '--acceleration'),
-                                 (at, speed, acceleration), linkage.input_coordinate.units):
+    values = user_input, speed, acceleration
+    for name, value, unit in zip(('--at', '--speed', '--acceleration'), values,
+                                 linkage.input_coordinate.units):
         if value is not None:
             require(name, value, unit)
 
 
-def evaluate_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> DrawnPose:
+def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
+                ) -> DrawnPose:
     """
     Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
 
     NoPose if the input is out of range; InvalidParameter if it is no finite number.
     """
-    given = position_of(linkage, at), speed, acceleration
-    status, motion, loads = evaluate(linkage, *given, linkage.bodies is not None)
+    sample = position_of(linkage, user_input), speed, acceleration
+    status, motion, loads = evaluate(linkage, *sample, linkage.bodies is not None)
     if status == OUT_OF_RANGE:
         ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
-        raise no_pose(linkage, at, f'is outside the input range {ranges}')
+        raise no_pose(linkage, user_input, f'is outside the input range {ranges}')
     if status == INVALID_INPUT:
-        linkage.motion(*given)       # raises where the input is not finite
+        linkage.motion(*sample)       # raises where the input is not finite
     return DrawnPose(status, motion, loads if linkage.bodies else None)
 
 
-def step_at(linkage: Mechanism, at: float, speed: float, acceleration: float) -> DrawnPose:
+def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
+            ) -> DrawnPose:
     """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
-    pose = evaluate_at(linkage, at, speed, acceleration)
+    pose = evaluate_at(linkage, user_input, speed, acceleration)
     if pose.status == TOGGLE:
-        raise no_pose(linkage, at, 'is a toggle position: rates and loads are unbounded')
+        raise no_pose(linkage, user_input, 'is a toggle position: rates and loads are unbounded')
     return pose
 
 
-def no_pose(linkage: Mechanism, at: float, why: str) -> NoPose:
+def no_pose(linkage: Mechanism, user_input: float, why: str) -> NoPose:
     """Return the error of an input [degrees] or [m]."""
     unit = 'm' if linkage.is_driven_by_slide else 'deg'
-    return NoPose(f'{linkage.input_coordinate.position} = {at:.12g} {unit} {why}')
+    return NoPose(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
 
 
 def shown(coordinate: Coordinate, value: float) -> str:
@@ -103,7 +106,7 @@ def ranges_in_words(coordinate: Coordinate, ranges: Sequence[tuple[float, float]
     return f'{", ".join(map(" to ".join, ends))} {"m" if coordinate.unit == "m" else "deg"}'
 
 
-def number(value: float) -> str:
+def ten_digits(value: float) -> str:
     """Return a value as text, with ten digits."""
     return f'{value + 0.0:.10g}'
 
@@ -113,17 +116,17 @@ def number(value: float) -> str:
 def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
     """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
-    given = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
+    title = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
              f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
              f'{STATUS_NAMES[pose.status]}')
-    table = make_table(given, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
+    table = make_table(title, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
     for coordinate, part in linkage.PARTS.items():
         value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
         rates = coordinate.unit
         table.add_row(coordinate.position, value, unit,
-                      number(getattr(pose.motion, coordinate.rate)),
-                      number(getattr(pose.motion, coordinate.acceleration)),
+                      ten_digits(getattr(pose.motion, coordinate.rate)),
+                      ten_digits(getattr(pose.motion, coordinate.acceleration)),
                       f'{rates}/s, {rates}/s^2', part)
     transmission_angle = pose.motion._asdict()['transmission_angle']
     table.add_row('transmission angle', *in_degrees(transmission_angle).split())
@@ -137,19 +140,19 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
     forces = (*linkage.REACTIONS, *FORCES)
     in_forces = {force.magnitude for force in forces}
     for force in forces:
-        table.add_row(force.symbol, *(number(values[field])
+        table.add_row(force.symbol, *(ten_digits(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
     torque = re.sub('[_{}]', '', linkage.TORQUE)             # mathtext: T_{41} becomes T41
     for row in MOMENTS:
         if row.name in values:
-            table.add_row(row.label.replace('T41', torque), '', '', number(values[row.name]),
+            table.add_row(row.label.replace('T41', torque), '', '', ten_digits(values[row.name]),
                           row.unit)
     quantities = known_quantities(linkage, linkage.input)
     for name, value in values.items():               # loads that only one kind of mechanism has
         if name in quantities and name not in in_forces and not (
                 name in LOADS and LOADS[name].label):
-            table.add_row(name.replace('_', ' '), '', '', number(value), quantities[name].unit)
+            table.add_row(name.replace('_', ' '), '', '', ten_digits(value), quantities[name].unit)
     return table
 
 
@@ -157,9 +160,9 @@ def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Tab
     """Return the table of the points of a scene: place, velocity, acceleration."""
     rows = []
     for name, point in points.items():
-        state = point_motion(linkage, motion, *point)
-        rows += [(label, what, number(x), number(y), number(hypot(x, y)), unit)
-                 for label, what, (x, y), unit in (
-                     (name, 'place', state.place, 'm'), ('', 'velocity', state.velocity, 'm/s'),
-                     ('', 'acceleration', state.acceleration, 'm/s^2'))]
+        moved = point_motion(linkage, motion, *point)
+        rows += [(label, field, ten_digits(x), ten_digits(y), ten_digits(hypot(x, y)), unit)
+                 for label, field, (x, y), unit in (
+                     (name, 'place', moved.place, 'm'), ('', 'velocity', moved.velocity, 'm/s'),
+                     ('', 'acceleration', moved.acceleration, 'm/s^2'))]
     return make_table('points', ('', '', 'x>', 'y>', 'magnitude>', 'unit'), rows)

@@ -111,10 +111,10 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     The worst is farther from 90 degrees.
     """
     names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
-    own = [name for name in names if name != ANGLE] or names
-    every = find_extrema(linkage, own, conditions=False)
+    asked = [name for name in names if name != ANGLE] or names
+    every = find_extrema(linkage, asked, conditions=False)
     record = {}
-    for name in own:
+    for name in asked:
         extrema = [extremum for extremum in every if extremum.quantity == name]
         least, most = (pick(extrema, key=lambda extremum: extremum.value) for pick in (min, max))
         worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
@@ -147,6 +147,6 @@ def _pose(linkage: Mechanism, pose: DrawnPose, points: Points) -> LinkageRecord:
     return {'status': STATUS_NAMES[pose.status],
             'motion': joints | {ANGLE: motion[ANGLE]},
             'loads': pose.loads and pose.loads._asdict(),
-            'points': {name: {'place': list(its.place), 'velocity': list(its.velocity),
-                              'acceleration': list(its.acceleration)}
-                       for name, its in motions.items()}}
+            'points': {name: {'place': list(point.place), 'velocity': list(point.velocity),
+                              'acceleration': list(point.acceleration)}
+                       for name, point in motions.items()}}

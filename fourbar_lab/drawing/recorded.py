@@ -70,10 +70,10 @@ def _read(bag: Bag, names: Sequence[str] | dict[str, None]) -> dict[str, Recorde
                                     np.where(stamps == 0, columns.times, stamps), values))
     bag.refuse_damage()
     curves = {}
-    for name, found in parts.items():
-        if not found:
+    for name, pieces in parts.items():
+        if not pieces:
             raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
-        stamps, values = map(np.concatenate, zip(*found))
+        stamps, values = map(np.concatenate, zip(*pieces))
         order = np.argsort(stamps, kind='stable')
         units = dict(_UNIT.findall(bag.definition_of(topics[name])))
         curves[name] = (stamps[order], values[order],
@@ -94,12 +94,12 @@ def _topic(name: str, bag: Bag) -> str:
 
 def _over(x: RecordedCurve, stamps: Array, values: Array) -> tuple[Array, Array]:
     """Return (x, values) of equal stamps; a NaN interrupts the curve where an angle jumps."""
-    common, rows, own = np.intersect1d(x[0], stamps, return_indices=True)
+    common, rows, value_rows = np.intersect1d(x[0], stamps, return_indices=True)
     if not len(common):
         raise BagError('no message has the stamp of one with x')
-    at, values = x[1][rows], values[own].astype(float)
-    if x[2] != 'rad' or not np.nanmax(at) - np.nanmin(at) > 2.0 * np.pi:
-        return at, values
-    at = np.mod(at, 2.0 * np.pi)
-    jumps = np.flatnonzero(abs(np.diff(at)) > np.pi) + 1
-    return np.insert(at, jumps, np.nan), np.insert(values, jumps, np.nan)
+    x_values, values = x[1][rows], values[value_rows].astype(float)
+    if x[2] != 'rad' or not np.nanmax(x_values) - np.nanmin(x_values) > 2.0 * np.pi:
+        return x_values, values
+    x_values = np.mod(x_values, 2.0 * np.pi)
+    jumps = np.flatnonzero(abs(np.diff(x_values)) > np.pi) + 1
+    return np.insert(x_values, jumps, np.nan), np.insert(values, jumps, np.nan)

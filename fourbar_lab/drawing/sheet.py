@@ -80,57 +80,57 @@ class Sheet:
             'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
         self.occupy(start, start + vector)
 
-    def label(self, text: str, places: Sequence[Array], color: str) -> None:
-        """Have a label at the first of several places that is free, or else the freest."""
-        self._labels.append((text, places, color))
+    def label(self, text: str, points: Sequence[Array], color: str) -> None:
+        """Have a label at the first of several points that is free, or else the freest."""
+        self._labels.append((text, points, color))
 
     def finish(self) -> None:
         """Write the labels, first ones first."""
         lines: Array = np.reshape(self.taken, (-1, 2))
         written: list[tuple[Array, Array]] = []
-        for text, places, color in self._labels:
+        for text, points, color in self._labels:
             half = 0.5 * self.inch * _size_of(text)
-            best = max(places, key=lambda at: self._room(at, half, lines, written))
+            best = max(points, key=lambda point: self._room(point, half, lines, written))
             written.append((best, half))
             self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
                            fontsize=FONT)
 
-    def _room(self, at: Array, half: Array, lines: Array, written: list[tuple[Array, Array]]
+    def _room(self, point: Array, half: Array, lines: Array, written: list[tuple[Array, Array]]
               ) -> tuple[float, float]:
         """
-        Return how free a place is for a label of this half size, to compare: the more the better.
+        Return how free a point is for a label of this half size, to compare: the more the better.
 
         First the overlap with labels and edges (negative, 0: none), then the distance to lines.
         """
-        gaps = [(np.abs(at - other) - half - its).max() for other, its in written]
+        gaps = [(np.abs(point - centre) - half - size).max() for centre, size in written]
         low = self.low + (0.0, SCALE * self.inch)
-        edges = np.minimum(at - half - low, self.high - at - half).min()
-        beyond = np.maximum(np.abs(lines - at) - half, 0.0)
+        edges = np.minimum(point - half - low, self.high - point - half).min()
+        beyond = np.maximum(np.abs(lines - point) - half, 0.0)
         nearest = np.hypot(*beyond.T).min(initial=FREE * self.inch)
         return min(0.0, edges, *gaps), nearest
 
-    def around(self, at: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
-        """Return places for the label of a point, on circles about it, first in this direction."""
+    def around(self, point: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
+        """Return points for the label of a point, on circles about it, first in this direction."""
         first = np.arctan2(towards[1], towards[0])
         turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
-        return [at + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
+        return [point + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
                 for distance in (0.2, 0.27, 0.35, 0.45) for turn in turns]
 
     def beside(self, start: Array, vector: Array) -> list[Array]:
-        """Return places for the label of an arrow, on both sides along it, the middle first."""
+        """Return points for the label of an arrow, on both sides along it, the middle first."""
         normal = np.array([-vector[1], vector[0]]) / hypot(*vector) * self.inch
         return [start + share * vector + distance * normal
                 for share in (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)
                 for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
-    def scale(self, unit: str, factor: float = 1.0, place: float = 0.0) -> None:
+    def scale(self, unit: str, factor: float = 1.0, share: float = 0.0) -> None:
         """
         Draw a scale bar as long as a round number of units; one is ``factor`` long on the sheet.
 
-        It stands at the lower edge, at the share ``place`` of the width from the left.
+        It stands at the lower edge, at the ``share`` of the width from the left.
         """
         length = nice(1.3 * self.inch / factor)
-        x, y = self.low + (place * (self.high[0] - self.low[0]) + 0.1 * self.inch,
+        x, y = self.low + (share * (self.high[0] - self.low[0]) + 0.1 * self.inch,
                            0.05 * self.inch)
         self.axes.plot([x, x + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7,
                        clip_on=False)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import degrees, pi, tau
 
-from fourbar_lab.drawing.poses import in_degrees, number, ranges_in_words, shown
+from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
 from fourbar_lab.drawing.record import (
     ANGLE,
     counted,
@@ -47,25 +47,25 @@ def _ranges(coordinate: Coordinate, ranges: Intervals) -> str:
     return f'{coordinate.position}: {ranges_in_words(coordinate, ranges)}'
 
 
-def what_it_is(linkage: Mechanism, scene: object) -> Table:
+def linkage_table(linkage: Mechanism, scene: object) -> Table:
     """Return the table of a linkage's own properties; ``scene``: its file."""
     return make_table('', ('', ''), [('scene', str(scene)), *facts(linkage)])
 
 
 def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     """Return rows (name, text) of a linkage's own properties: lengths, class, limits, masses."""
-    found = properties_of(linkage)
+    properties = properties_of(linkage)
     driven = linkage.input_coordinate
-    coordinates = {one.position: one for one in (driven, *(output.coordinate
-                                                           for output in linkage.outputs))}
-    lengths = [f'{name} {length:g}' for name, length in found['lengths'].items()]
+    coordinates = {coordinate.position: coordinate for coordinate in (
+        driven, *(output.coordinate for output in linkage.outputs))}
+    lengths = [f'{name} {length:g}' for name, length in properties['lengths'].items()]
     rows = [('lengths', '  '.join([*lengths, 'm'])),
-            ('class', found['class']), ('assembly mode', found['mode_name']),
+            ('class', properties['class']), ('assembly mode', properties['mode_name']),
             ('input', _ranges(driven, linkage.input_ranges))]
     rows += [('output', _ranges(coordinates[output['name']], output['ranges'])
               + (', in both modes: they meet' if output['of_both_modes'] else ', in this mode'))
-             for output in found['outputs']]
-    for point in found['dead_points']:
+             for output in properties['outputs']]
+    for point in properties['dead_points']:
         kind = ''
         if 'stretched' in point:
             kind = ', stretched' if point['stretched'] else ', folded'
@@ -76,31 +76,31 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     if hasattr(linkage, 'stages'):
         unit = f'of {linkage.input_unit:g} m' if linkage.is_driven_by_slide else 'rad'
         margin = f'{unit}; the nearer to 0, the faster the links pass their flat pose'
-    toggles = [f'{shown(driven, end)}{_dyad_at(linkage, end)}' for end in found['toggles']]
+    toggles = [f'{shown(driven, end)}{_dyad_at(linkage, end)}' for end in properties['toggles']]
     rows += [('toggle', f'{driven.position} {", ".join(toggles)}' if toggles
               else 'none within the range of the input'),
              *(_transmission_angle(driven, name, angle)
-               for name, angle in found['transmission_angles'].items()),
-             ('change-point margin', f'{found["change_point_margin"]:.6g} {margin}')]
-    return [*rows, *(_masses(linkage, found) if linkage.bodies else [])]
+               for name, angle in properties['transmission_angles'].items()),
+             ('change-point margin', f'{properties["change_point_margin"]:.6g} {margin}')]
+    return [*rows, *(_masses(linkage, properties) if linkage.bodies else [])]
 
 
-def _masses(linkage: Mechanism, found: LinkageRecord) -> list[tuple[str, str]]:
+def _masses(linkage: Mechanism, properties: LinkageRecord) -> list[tuple[str, str]]:
     """Return rows (name, text) of the bodies, and of what they are together."""
     rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
                    f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
                    if body['mass'] or body['inertia'] else 'no mass in the scene')
-            for name, body in found['bodies'].items()]
+            for name, body in properties['bodies'].items()]
     if not any(field_of(linkage.gravity)) and not isinstance(linkage.gravity, Base):
         rows.append(NO_WEIGHT)
-    inertia = found['inertia_at_input']
+    inertia = properties['inertia_at_input']
     driven, unit = linkage.input_coordinate, 'kg' if linkage.is_driven_by_slide else 'kg m^2'
     least = f'{inertia["least"]:.6g} {unit} at {shown(driven, inertia["least_at"])}'
     ends = ', '.join(shown(driven, end) for end in inertia['unbounded_at'])
     words = (f'{least}, unbounded at {ends}; no finite mean' if ends else
              f'{least} to {inertia["most"]:.6g} {unit} at {shown(driven, inertia["most_at"])}, '
              f'mean {inertia["mean"]:.6g}')
-    mean = found['held_rigid_mean']
+    mean = properties['held_rigid_mean']
     return [*rows, ('inertia at the input', words),
             ('held rigid, mean', f'{mean["mass"]:.6g} kg at ({mean["x"]:.6g}, {mean["y"]:.6g}) m, '
                                  f'{mean["inertia"]:.6g} kg m^2: base.carried')]
@@ -139,7 +139,7 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
             table.add_row()
         theta1 = counted(linkage, extremum.theta1)
         table.add_row('' if extremum.quantity == last else extremum.quantity, str(extremum.kind),
-                      'global' if extremum.is_global else '', number(extremum.value),
+                      'global' if extremum.is_global else '', ten_digits(extremum.value),
                       extremum.unit,
                       *((f'{extremum.slide:.8f}',) if slides else ()),
                       f'{theta1:.8f}', f'{degrees(theta1):.4f}',

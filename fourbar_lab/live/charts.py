@@ -93,9 +93,9 @@ def _readable(values: Array, marked: Sequence[float]) -> Array:
     return np.where(sizes <= bound, values, np.nan)
 
 
-def _mark(extremum: Extremum, at: float, value: float) -> Options:
+def _mark(extremum: Extremum, x: float, value: float) -> Options:
     """Return the mark of an extremum, a global one with its value."""
-    return {'coord': [at, value], 'value': significant(value), 'symbol': 'circle',
+    return {'coord': [x, value], 'value': significant(value), 'symbol': 'circle',
             'symbolSize': 9 if extremum.is_global else 5,
             'label': {'show': extremum.is_global, 'fontSize': 11, **INK,
                       'position': 'bottom' if extremum.kind == MAXIMUM else 'top'}}

@@ -21,7 +21,7 @@ SPAN = 2.5                                 # sliders reach so many times the fir
 OnChange = Callable[[str, float], None]       # takes a parameter's name and new value
 
 
-def number(label: str, value: float, read: Callable[[str], float],
+def number_field(label: str, value: float, read: Callable[[str], float],
            change: Callable[[float], None], name: str = '',
            span: tuple[float, float, float] | None = None) -> ui.input:
     """
@@ -106,7 +106,7 @@ def _control(parameter: Parameter, shown: Shown, change: OnChange) -> None:
             f'dense no-caps aria-label="{name}"')
     else:
         unit = unit_in(parameter, shown.scene.values)
-        made = number(f'{name.split(".", 1)[1]}{f" [{unit}]" if unit else ""}', float(value),
+        made = number_field(f'{name.split(".", 1)[1]}{f" [{unit}]" if unit else ""}', float(value),
                       lambda text: as_number(name, text, unit), lambda new: change(name, new),
                       name, _span(parameter, float(value), shown)).classes('fb-number')
     text = parameter.text.partition('; for the sliders')[0]         # a page has no docs

@@ -21,13 +21,13 @@ class PageAddress(NamedTuple):
     title: str                      # of the scene
     first: ParameterValues          # the scene's own
     values: ParameterValues         # with those that the link changes
-    at: float | None = None         # the input in the unit of the page; None: not given
+    input: float | None = None      # in the unit of the page; None: not in the address
     acceleration: float = 0.0       # of the input
 
 
-def rounded(at: float) -> float:
+def rounded(value: float) -> float:
     """Return an input as the page and its address have it: with nine digits."""
-    return float(f'{at:.9g}')
+    return float(f'{value:.9g}')
 
 
 def address(link: PageAddress) -> str:
@@ -35,8 +35,9 @@ def address(link: PageAddress) -> str:
     changed = {name: repr(value) if isinstance(value, float) else value
                for name, value in link.values.items()
                if value != link.first.get(name, value) and value == value}
-    return urlencode({SCENE: link.title, AT: f'{rounded(link.at or 0.0):.9g}', **changed,
-                      **({ACCELERATION: f'{link.acceleration:g}'} if link.acceleration else {})})
+    if link.acceleration != 0.0:
+        changed[ACCELERATION] = f'{link.acceleration:g}'
+    return urlencode({SCENE: link.title, AT: f'{rounded(link.input or 0.0):.9g}', **changed})
 
 
 def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageAddress:
@@ -51,7 +52,8 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageA
         if scene not in shipped:
             raise InvalidParameter(SCENE, scene, f'this page shows {title}: fourbar live {scene}')
         values = parameters.check(files.read_values(shipped[scene]))
-    given = {name: files.parse(text) for name, text in query.items() if name != SCENE}
-    numbers = {name: number(name, given.pop(name)) for name in (AT, ACCELERATION) if name in given}
-    return PageAddress(scene, values, {**values, **given}, numbers.get(AT),
-                       numbers.get(ACCELERATION, 0.0))
+    changes = {name: files.parse(text) for name, text in query.items() if name != SCENE}
+    drive = {name: number(name, changes.pop(name)) for name in (AT, ACCELERATION)
+             if name in changes}
+    return PageAddress(scene, values, {**values, **changes}, drive.get(AT),
+                       drive.get(ACCELERATION, 0.0))

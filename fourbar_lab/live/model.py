@@ -61,13 +61,13 @@ class Shown:
         An angle counts in any turn: with a range from -1 to 1, the input nearest to 7.0 is 0.717.
         Ends of ranges are left out, which may be toggles.
         """
-        place = position
         if not (self.linkage.is_driven_by_slide
                 or any(low <= position <= high for low, high in self.ranges)):
-            place = counted(self.linkage, remainder(position, tau))
-        low, high = min(self.ranges, key=lambda ends: max(ends[0] - place, place - ends[1]))
+            position = counted(self.linkage, remainder(position, tau))
+        low, high = min(self.ranges, key=lambda ends: max(ends[0] - position,
+                                                           position - ends[1]))
         margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
-        return min(max(place, low + margin), high - margin)
+        return min(max(position, low + margin), high - margin)
 
     @cached_property
     def why_no_loads(self) -> str:

@@ -97,23 +97,23 @@ class Page:
             self.state = self.state._replace(values=self.state.first, acceleration=0.0)
             self.problem, self.shown = str(error), shown_of(self.state.values)
         self.position = self.shown.nearest_input(self.shown.scene.drive.start)
-        if self.state.at is not None:
-            self.position = self._position_of(self.state.at)
+        if self.state.input is not None:
+            self.position = self._position_of(self.state.input)
         self.names = self.shown.usual_quantities        # whose curves are drawn
         self.layers = USUAL                             # what is drawn beside the links
         self.pose: DrawnPose | None = None          # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''            # why there is no mechanism, why it has no pose
 
     @property
-    def at(self) -> float:
+    def shown_input(self) -> float:
         """Return the input in the unit of the page, with nine digits."""
         return link.rounded(self.shown.shown_input(self.position))
 
-    def _position_of(self, at: float) -> float:
+    def _position_of(self, shown_input: float) -> float:
         """Return the nearest possible input [rad] or [m] to one in the unit of the page."""
-        at = link.rounded(at)
-        return self.shown.nearest_input(at if self.shown.linkage.is_driven_by_slide
-                                        else radians(at))
+        nine_digits = link.rounded(shown_input)
+        return self.shown.nearest_input(nine_digits if self.shown.linkage.is_driven_by_slide
+                                        else radians(nine_digits))
 
     # --- elements -------------------------------------------------------------------------------
 
@@ -138,10 +138,11 @@ class Page:
                 controls.build(self.shown, lambda name, value: self.change(
                     values={**self.state.values, name: value}))
                 unit = f'{"m" if self.shown.linkage.is_driven_by_slide else "rad"}/s^2'
-                controls.number(f'acceleration of the input [{unit}]', self.state.acceleration,
-                                lambda text: as_number('acceleration', text, unit),
-                                lambda value: self.change(acceleration=value),
-                                'acceleration of the input').classes('full-width')
+                controls.number_field(
+                    f'acceleration of the input [{unit}]', self.state.acceleration,
+                    lambda text: as_number('acceleration', text, unit),
+                    lambda value: self.change(acceleration=value),
+                    'acceleration of the input').classes('full-width')
             with ui.element('div').classes('fb-stage'):
                 self.alarm = ui.label().classes('text-negative text-subtitle1 fb-alarm').props(
                     'role=alert')
@@ -244,23 +245,20 @@ class Page:
 
     def _rest(self, event: GenericEventArguments) -> None:
         """Take (input, or its text as typed, count) from the player; answer with the count."""
-        at, count = event.args
-        try:
-            self.go(self._typed_input(at) if isinstance(at, str) else float(at))
+        wanted, count = event.args
+        unit = 'm' if self.shown.linkage.is_driven_by_slide else 'rad'
+        try:        # what is typed without a unit is in that of the page
+            self.go(quantity(wanted, unit, plain_angle='deg') if isinstance(wanted, str)
+                    else float(wanted))
         except WrongQuantity as error:
-            self.problem = f'{self.shown.linkage.input_coordinate.position} = {at!r}: {error}'
+            self.problem = f'{self.shown.linkage.input_coordinate.position} = {wanted!r}: {error}'
             self.draw()
         show(self.player, answered=count)
 
-    def _typed_input(self, text: str) -> float:
-        """Return a typed input in the unit of the page, which it has where none is typed."""
-        unit = 'm' if self.shown.linkage.is_driven_by_slide else 'rad'
-        return quantity(text, unit, plain_angle='deg')
-
-    def go(self, at: float) -> None:
+    def go(self, shown_input: float) -> None:
         """Go to an input given in the unit of the page."""
         if not self.refusal:
-            self.position, self.problem = self._position_of(at), ''
+            self.position, self.problem = self._position_of(shown_input), ''
             self.draw()
             self._remember()
 
@@ -276,7 +274,7 @@ class Page:
 
     def _remember(self) -> None:
         """Put the state into the address of the page."""
-        query = link.address(self.state._replace(at=self.at))
+        query = link.address(self.state._replace(input=self.shown_input))
         ui.run_javascript(f'history.replaceState(null, "", "?{query}")')
 
     # --- poses ----------------------------------------------------------------------------------
@@ -289,13 +287,13 @@ class Page:
         self.alarm.set_text(self.no_pose or self.problem)
         coordinate = self.shown.linkage.input_coordinate
         show(self.player, label=f'{coordinate.position} [{self.shown.input_unit}]',
-             bounds=list(self.shown.bounds), at=self.at,
+             bounds=list(self.shown.bounds), at=self.shown_input,
              under=traces_svg(self.shown, self.view) if 'curves' in self.layers else '',
              still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
              if self.pose else '')
         drawn = self._drawn() if self.pose else {}
         for element in self._pose_elements():
-            show(element, still=drawn[element](self.at, pose) if element in drawn else '')
+            show(element, still=drawn[element](self.shown_input, pose) if element in drawn else '')
 
     def _picture(self, pose: DrawnPose) -> str:
         return mechanism_svg(self.shown, pose, self.view, self.layers)
@@ -303,7 +301,7 @@ class Page:
     def _why_no_pose(self, status: int) -> str:
         """Return a status with the input that has it, for the alarm of the page."""
         text = (f'{STATUS_NAMES[status]} at {self.shown.linkage.input_coordinate.position} '
-                f'[{self.shown.input_unit}] {self.at:.6g}')
+                f'[{self.shown.input_unit}] {self.shown_input:.6g}')
         return text if status != INVALID_INPUT else (
             f'{text}, rate {self.shown.rate:.6g}, acceleration {self.state.acceleration:.6g}: too '
             'large, or unknown')
@@ -315,9 +313,10 @@ class Page:
     def _drawn(self) -> dict[PoseElement, Drawn]:
         """Return the elements that show a pose in the open view, and how each draws it."""
         shown, view = self.shown, self.tabs.value
-        drawn: dict[PoseElement, Drawn] = {self.now: lambda at, pose: tables.now_html(shown, pose)}
+        drawn: dict[PoseElement, Drawn] = {self.now: lambda _, pose: tables.now_html(shown, pose)}
         if view == 'Curves' and self.names:
-            drawn[self.cursor] = lambda at, pose: charts.cursor_html(at, *shown.bounds)
+            drawn[self.cursor] = lambda shown_input, _: charts.cursor_html(shown_input,
+                                                                           *shown.bounds)
         if view == 'Polygons':
             drawn |= {element: polygon_drawing(shown, name)
                       for name, element in self.polygons.items()}
@@ -350,18 +349,19 @@ class Page:
         """Return {element: its properties} for the frames of a cycle, the player last."""
         samples = shown.samples(FRAMES)
         inputs = [shown.shown_input(position) for position, _ in samples]
-        found: dict[Element, dict[str, Any]] = {
-            element: {'frames': [draw(at, pose) for at, (_, pose) in zip(inputs, samples)]}
+        properties: dict[Element, dict[str, Any]] = {
+            element: {'frames': [draw(shown_input, pose)
+                                 for shown_input, (_, pose) in zip(inputs, samples)]}
             for element, draw in drawn.items()}
         of_ranges = [[k for k, (position, _) in enumerate(samples) if low <= position <= high]
                      for low, high in shown.ranges]
         sense = -1 if shown.rate < 0.0 else 1
-        found[self.player] = {
+        properties[self.player] = {
             'inputs': inputs, 'frames': [self._picture(pose) for _, pose in samples],
             'joints': [joints_of(shown, pose, self.view) for _, pose in samples],
             'ranges': [[frames[0], frames[-1]] for frames in of_ranges if frames],
             'turns': sense if shown.linkage.turns_fully else 0}
-        return found
+        return properties
 
     # --- views ----------------------------------------------------------------------------------
 

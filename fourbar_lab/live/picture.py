@@ -51,7 +51,7 @@ def mechanism_view(shown: Shown) -> View:
     The longest force has its full length; a few near toggles are longer and may leave the picture.
     """
     diagrams = [diagram_of(shown.linkage, pose.motion) for pose in shown.poses]
-    joints = np.reshape([place for diagram in diagrams for place in diagram.joints.values()],
+    joints = np.reshape([point for diagram in diagrams for point in diagram.joints.values()],
                         (-1, 2))
     ends = [end for diagram in diagrams for end in (
         *(end for bar in diagram.bars for end in bar[:2]),
@@ -84,11 +84,11 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, layers: Set[str] = 
     """
     (_, motion, loads), linkage = pose, shown.linkage
     diagram = diagram_of(linkage, motion)
-    joints = {name: view.at(place) for name, place in diagram.joints.items()}
+    joints = {name: view.pixel(point) for name, point in diagram.joints.items()}
     primitives = picture(linkage, motion, shown.points if 'curves' in layers else {})
     parts = [svg.primitive(part, view) for part in primitives]
     letters = {shown.labels.letters.get(name, name): pixel for name, pixel in joints.items()}
-    forces = [(view.at(force.point), view.length(view.per_newton * force.vector),
+    forces = [(view.pixel(force.point), view.length(view.per_newton * force.vector),
                f'{shown.labels.forces[force.name]} = {significant(force.size)} N')
               for force in (forces_of(diagram, loads) if 'forces' in layers and loads else [])]
     room = svg.Room(joints.values(), [(start, vector) for start, vector, _ in forces
@@ -97,7 +97,7 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, layers: Set[str] = 
     parts += [room.label('', pixel, tuple(pixel - middle), letter)
               for letter, pixel in letters.items()]
     for arm in of_kind(Arm, primitives):
-        tip, name = view.at(arm.end), arm.name
+        tip, name = view.pixel(arm.end), arm.name
         parts += [svg.circle('point', tip, 4.5), room.label(
             'point', tip, (0.6, -0.8), f'point {name}' if name in letters else name)]
     parts += [svg.arrow('force', *force, room) for force in forces]
@@ -111,8 +111,8 @@ def mechanism_svg(shown: Shown, pose: DrawnPose, view: View, layers: Set[str] = 
 def joints_of(shown: Shown, pose: DrawnPose, view: View) -> list[list[float]]:
     """Return the pixels of the joints that move, which can be dragged."""
     diagram = diagram_of(shown.linkage, pose.motion)
-    return [[round(float(part), 1) for part in view.at(place)]
-            for name, place in diagram.joints.items() if name not in diagram.ground]
+    return [[round(float(part), 1) for part in view.pixel(point)]
+            for name, point in diagram.joints.items() if name not in diagram.ground]
 
 
 def grips_svg(shown: Shown, pose: DrawnPose, view: View) -> str:
@@ -137,9 +137,9 @@ def _centres(linkage: Mechanism, motion: NamedFields, view: View,
     links += [(i, linkage.link_motion(motion, link.name))
               for i, link in enumerate(linkage.LINKS, 2)]
     strokes = []
-    for (i, one), (j, other) in combinations(links, 2):
-        assert other is not None, 'the ground is the first'
-        x, y = view.at(instant_centre(other, one))
+    for (i, first), (j, second) in combinations(links, 2):
+        assert second is not None, 'the ground is the first'
+        x, y = view.pixel(instant_centre(second, first))
         if 0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT and all(
                 hypot(x - u, y - v) > 6.0 for u, v in joints):
             strokes += [svg.line('centre', (x - 6.0, y - 6.0), (x + 6.0, y + 6.0)),
@@ -150,12 +150,12 @@ def _centres(linkage: Mechanism, motion: NamedFields, view: View,
 
 def _axis(linkage: Mechanism, motion: NamedFields, view: View) -> list[str]:
     """Return the collineation axis, its poles and the lines through them, as far as in view."""
-    lines, poles = axis_parts(linkage, motion, np.array(view.place(0.0, HEIGHT)),
-                              np.array(view.place(WIDTH, 0.0)))
-    strokes = [svg.line('sum' if name == 'axis' else 'through', *map(view.at, ends))
+    lines, poles = axis_parts(linkage, motion, np.array(view.point(0.0, HEIGHT)),
+                              np.array(view.point(WIDTH, 0.0)))
+    strokes = [svg.line('sum' if name == 'axis' else 'through', *map(view.pixel, ends))
                for name, ends in lines.items()]
-    for letter, place in poles.items():
-        x, y = view.at(place)
+    for letter, point in poles.items():
+        x, y = view.pixel(point)
         strokes += [svg.circle('sum', (x, y), 4.0), svg.text('sum', (x + 9.0, y - 9.0), letter)]
     angle = axis_angle(linkage, motion)
     return [*strokes, svg.text('sum', (WIDTH - 8.0, 18.0),
@@ -171,8 +171,8 @@ def polygon_drawing(shown: Shown, name: str) -> Drawn:
     """Return how the velocity or acceleration polygon is drawn, at one scale for all poses."""
     polygon, unit = POLYGONS[name]
     view = polygon_view([polygon(shown.linkage, pose.motion) for pose in shown.poses])
-    return lambda at, pose: polygon_svg(polygon(shown.linkage, pose.motion), view, unit,
-                                        shown.labels.letters)
+    return lambda _, pose: polygon_svg(polygon(shown.linkage, pose.motion), view, unit,
+                                       shown.labels.letters)
 
 
 def polygon_view(polygons: Iterable[list[Arrow]]) -> View:
@@ -189,9 +189,9 @@ def polygon_svg(arrows: list[Arrow], view: View, unit: str,
 
     ``letters``: {name of a joint: its letter} for the labels of arrows.
     """
-    pole = view.at((0.0, 0.0))
+    pole = view.pixel((0.0, 0.0))
     room = svg.Room([pole])
-    parts = [svg.arrow('sum' if arrow.is_sum else 'part', view.at(arrow.start),
+    parts = [svg.arrow('sum' if arrow.is_sum else 'part', view.pixel(arrow.start),
                        view.length(arrow.vector),
                        f'{arrow.label} = {significant(hypot(*arrow.vector))} {unit}', room)
              for arrow in sides_of(arrows, letters, 1.0 / view.scale)]

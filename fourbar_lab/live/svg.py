@@ -25,7 +25,7 @@ LINE = 19.0                        # [px] between labels
 INCH = 85.0                        # [px] for the signs of blocks and pivots
 LETTER = 8.6                       # [px] width of a letter, in wide fonts
 LESS = 0.75                        # size of a subscript
-# A label looks for room in these directions from its own [rad], so far from its place [px].
+# A label looks for room in these directions from its own [rad], so far from its pixel [px].
 AROUND, FARTHER = (0.0, 0.6, -0.6, 1.2, -1.2, 2.0, -2.0, 3.1), (5.0, 22.0, 44.0, 70.0)
 FIRST, LAST = np.array([2.0, 1.0]), np.array([WIDTH - 2.0, HEIGHT - 4.0])     # [px] for labels
 FAR, TURN = np.repeat(FARTHER, len(AROUND)), np.tile(AROUND, len(FARTHER))
@@ -47,9 +47,9 @@ class View(NamedTuple):
     scale: float                # [px/m]
     per_newton: float = 0.0     # of force arrows [m/N]; 0: no forces
 
-    def at(self, place: Iterable[float]) -> Pixel:
-        """Return the pixel of a place [m]."""
-        x, y = place
+    def pixel(self, point: Iterable[float]) -> Pixel:
+        """Return the pixel of a point [m]."""
+        x, y = point
         return (x - self.left) * self.scale, (self.top - y) * self.scale
 
     def length(self, vector: Iterable[float]) -> Pixel:
@@ -57,15 +57,15 @@ class View(NamedTuple):
         x, y = vector
         return x * self.scale, -y * self.scale
 
-    def place(self, x: float, y: float) -> tuple[float, float]:
-        """Return the place [m] of a pixel."""
+    def point(self, x: float, y: float) -> tuple[float, float]:
+        """Return the point [m] of a pixel."""
         return self.left + x / self.scale, self.top - y / self.scale
 
 
-def view_of(places: Array) -> View:
-    """Return the :class:`View` in which places [m], shape (n, 2), fill the picture, centred."""
-    places = places[np.isfinite(places).all(axis=1)]
-    low, high = (places.min(axis=0), places.max(axis=0)) if len(places) else np.zeros((2, 2))
+def view_of(points: Array) -> View:
+    """Return the :class:`View` in which points [m], shape (n, 2), fill the picture, centred."""
+    points = points[np.isfinite(points).all(axis=1)]
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else np.zeros((2, 2))
     size = np.maximum(high - low, 1e-300)
     scale = float(np.min((np.array([WIDTH, HEIGHT]) - 2.0 * MARGIN) / size))
     x, y = (0.5 * (low + high)).tolist()
@@ -78,15 +78,15 @@ def line(kind: str, start: Pixel, end: Pixel) -> str:
             f'x2="{end[0]:.1f}" y2="{end[1]:.1f}"/>')
 
 
-def circle(kind: str, at: Pixel, radius: float) -> str:
+def circle(kind: str, pixel: Pixel, radius: float) -> str:
     """Return a circle."""
-    return f'<circle class="{kind}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{radius:g}"/>'
+    return f'<circle class="{kind}" cx="{pixel[0]:.1f}" cy="{pixel[1]:.1f}" r="{radius:g}"/>'
 
 
-def text(kind: str, at: Pixel, words: str, anchor: str = 'start') -> str:
+def text(kind: str, pixel: Pixel, words: str, anchor: str = 'start') -> str:
     """Return a text; ``words`` may have indices as mathtext has them: V_{B/A}, F_2."""
     end = '' if anchor == 'start' else f' text-anchor="{anchor}"'
-    return (f'<text class="{kind}" x="{at[0]:.1f}" y="{at[1]:.1f}"{end}>'
+    return (f'<text class="{kind}" x="{pixel[0]:.1f}" y="{pixel[1]:.1f}"{end}>'
             f'{INDEX.sub(_index, escape(words))}</text>')
 
 
@@ -101,10 +101,10 @@ def _index(match: re.Match[str]) -> str:
             f'<tspan dy="{-shift}">&#8203;</tspan>')
 
 
-def polyline(kind: str, places: Array, view: View) -> str:
-    """Return a line through places [m], finite ones."""
-    finite = places[np.isfinite(places).all(axis=1)]
-    across, down = (np.asarray(part).tolist() for part in view.at(finite.T))
+def polyline(kind: str, points: Array, view: View) -> str:
+    """Return a line through the finite ones of points [m]."""
+    finite = points[np.isfinite(points).all(axis=1)]
+    across, down = (np.asarray(part).tolist() for part in view.pixel(finite.T))
     pixels = ' '.join(f'{x:.1f},{y:.1f}' for x, y in zip(across, down))
     return f'<polyline class="{kind}" points="{pixels}"/>'
 
@@ -112,16 +112,16 @@ def polyline(kind: str, places: Array, view: View) -> str:
 def primitive(part: Primitive, view: View) -> str:
     """Return a bar, an arm to a point, a joint, or the outlines of a block or a pivot."""
     if isinstance(part, Bar):
-        ends = view.at(part.start), view.at(part.end)
+        ends = view.pixel(part.start), view.pixel(part.end)
         return line('bar', *ends) + line('core', *ends)
     if isinstance(part, Arm):
-        start, foot, end = view.at(part.start), view.at(part.foot), view.at(part.end)
+        start, foot, end = view.pixel(part.start), view.pixel(part.foot), view.pixel(part.end)
         return line('arm', start, foot) + line('arm', foot, end)
     if isinstance(part, NamedJoint):
-        return circle('pin', view.at(part.point), 5.0)
+        return circle('pin', view.pixel(part.point), 5.0)
     corners, ground = outlines(part, INCH / view.scale)
-    points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in map(view.at, corners))
-    fixed = '' if ground is None else line('ground', *map(view.at, ground))
+    points = ' '.join(f'{x:.1f},{y:.1f}' for x, y in map(view.pixel, corners))
+    fixed = '' if ground is None else line('ground', *map(view.pixel, ground))
     kind = 'block' if isinstance(part, Block) else 'ground'
     return f'{fixed}<polygon class="{kind}" points="{points}"/>'
 
@@ -151,21 +151,21 @@ class Room:
 
     def __init__(self, pins: Iterable[Pixel],
                  arrows: Iterable[tuple[Pixel, Pixel]] = ()):
-        places = np.array([*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
+        points = np.array([*pins, *((start[0] + part * vector[0], start[1] + part * vector[1])
                                     for start, vector in arrows for part in ALONG)])
         # boxes: left, above, right, below [px]
-        self._taken = np.concatenate((places - FREE, places + FREE), axis=1)
+        self._taken = np.concatenate((points - FREE, points + FREE), axis=1)
 
-    def label(self, kind: str, at: Pixel, away: Pixel, words: str) -> str:
+    def label(self, kind: str, pixel: Pixel, away: Pixel, words: str) -> str:
         """
-        Return a text near a place, if there is room in the direction ``away``.
+        Return a text near a pixel, if there is room in the direction ``away``.
 
         The first free box is taken, or the one that covers least of what is there.
         """
         size = np.array([LETTER * len(plain(words)), LINE])
         angle = atan2(away[1], away[0]) + TURN
         ways = np.stack((np.cos(angle), np.sin(angle)), axis=1)
-        corners = at + ways * (FAR[:, None] + 0.5 * size) - 0.5 * size      # left, above
+        corners = pixel + ways * (FAR[:, None] + 0.5 * size) - 0.5 * size      # left, above
         corners = np.clip(corners, FIRST, np.maximum(FIRST, LAST - size))   # into the picture
         boxes = np.concatenate((corners, corners + size), axis=1)
         shared = (np.minimum(boxes[:, None, 2:], self._taken[:, 2:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_lab.drawing.poses import DrawnPose, number
+from fourbar_lab.drawing.poses import DrawnPose, ten_digits
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.live.model import Shown, written
 from fourbar_lab.live.svg import plain
@@ -26,10 +26,10 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, st
     """Return the rows of the table of extrema; a click goes to ``input``, in the page's unit."""
     rows: list[dict[str, str | float]] = []
     for i, extremum in enumerate(extrema):
-        at = shown.shown_input(counted(shown.linkage, extremum.input))
+        shown_input = shown.shown_input(counted(shown.linkage, extremum.input))
         rows.append({'key': i, 'quantity': extremum.quantity, 'kind': extremum.kind,
-                     'value': number(extremum.value), 'unit': written(extremum.unit),
-                     'at': f'{at:.4f} {shown.input_unit}', 'input': at,
+                     'value': ten_digits(extremum.value), 'unit': written(extremum.unit),
+                     'at': f'{shown_input:.4f} {shown.input_unit}', 'input': shown_input,
                      'note': ' '.join(filter(None, ('global' if extremum.is_global else '',
                                                     extremum.place
                                                     if extremum.place != 'interior' else '',
@@ -48,7 +48,8 @@ def joint_rows(shown: Shown) -> list[tuple[str, str]]:
 def now_rows(shown: Shown, pose: DrawnPose) -> list[tuple[str, str, str]]:
     """Return (name, value, unit) of all values of a pose; forces with their letters."""
     symbols = shown.labels.forces if shown.labels.words else {}
-    return [(name + (f' = {plain(symbols[name])}' if name in symbols else ''), number(value), unit)
+    return [(f'{name} = {plain(symbols[name])}' if name in symbols else name, ten_digits(value),
+             unit)
             for name, (value, unit) in shown.values(pose).items()]
 
 

@@ -33,8 +33,8 @@ def expected(tab, name):
     link = links.read(tab.query(), name, values)
     found = shown(link.values, link.acceleration)
     position = found.scene.drive.start
-    if link.at is not None:
-        position = link.at if found.linkage.is_driven_by_slide else radians(link.at)
+    if link.input is not None:
+        position = link.input if found.linkage.is_driven_by_slide else radians(link.input)
     pose = found.pose(found.nearest_input(position))
     assert pose.status == 0
     return found, pose.motion, now_rows(found, pose)
@@ -46,7 +46,7 @@ def agrees(tab, name):
     if tab.now() != {name: value for name, value, _ in rows}:
         return False
     view = mechanism_view(found)
-    places = [view.at(place) for place in diagram_of(found.linkage, motion).joints.values()]
+    places = [view.pixel(place) for place in diagram_of(found.linkage, motion).joints.values()]
     pins = tab.pins()
     return len(pins) == len(places) and all(
         hypot(x - u, y - v) <= 0.08 for (x, y), (u, v) in zip(pins, places))

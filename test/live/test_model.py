@@ -73,7 +73,7 @@ def test_pictures_are_svg_with_every_joint_where_it_is(name):
         joints = diagram_of(found.linkage, pose.motion).joints.values()
         assert len(pins) == len(joints)
         for pin, place in zip(pins, joints):
-            assert np.allclose(pin, view.at(place), atol=0.051)      # one decimal of a pixel
+            assert np.allclose(pin, view.pixel(place), atol=0.051)      # one decimal of a pixel
         for polygon in (velocity_polygon, acceleration_polygon):
             arrows = polygon(found.linkage, pose.motion)
             ElementTree.fromstring(document(polygon_svg(arrows, polygon_view([arrows]), 'm/s')))
@@ -215,7 +215,7 @@ def test_forces_of_every_pose_have_room():
         scale = view.per_newton
         for pose in found.poses:
             for force in forces_of(diagram_of(found.linkage, pose.motion), pose.loads):
-                tip = np.array(view.at(force.point + scale * force.vector))
+                tip = np.array(view.pixel(force.point + scale * force.vector))
                 if hypot(*view.length(scale * force.vector)) <= 0.3 * HEIGHT:
                     assert (tip >= 0.0).all() and (tip <= (WIDTH, HEIGHT)).all(), (name, force)
 

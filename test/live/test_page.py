@@ -12,7 +12,7 @@ import urllib.error
 from urllib.parse import urlencode
 import urllib.request
 
-from fourbar_lab.drawing.poses import number
+from fourbar_lab.drawing.poses import ten_digits
 from fourbar_lab.live.svg import HEIGHT, WIDTH
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene.files import find, folder
@@ -80,8 +80,9 @@ def test_the_input_field_goes_there(tab):
     motion, loads = linkage.step(radians(60.0), 25.0)
     tab.until(lambda: tab.now().get('theta1') == '60', 'the input')
     now = tab.now()
-    assert now['omega4'] == number(motion.omega4) and now['alpha4'] == number(motion.alpha4)
-    assert now['driving_torque'] == number(loads.driving_torque)
+    assert now['omega4'] == ten_digits(motion.omega4)
+    assert now['alpha4'] == ten_digits(motion.alpha4)
+    assert now['driving_torque'] == ten_digits(loads.driving_torque)
 
 
 def test_a_length_changes_picture_curves_facts_and_address(tab):
