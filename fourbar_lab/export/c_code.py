@@ -7,7 +7,6 @@ A model as C99: one header, one source; one statement per operation, so none is 
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import inf
 from textwrap import wrap
 
@@ -21,60 +20,59 @@ STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    #
 
 
 class Formulas:
-    """Names of the numbers in a model's statements, and the statements of its parameters alone."""
+    """Names of the values in a model's statements, and the statements of its parameters alone."""
 
     def __init__(self, model: GeneratedModel, writer: Statements) -> None:
-        """Find the steps that depend on tunable parameters; a step's place is its number."""
+        """Find the steps that depend on tunable parameters; a step is named by its index."""
         trace = model.trace
         self.writer = writer
         self._model, self._steps = model, trace.steps
-        self.varies = trace.varies                       # places that depend on the inputs
-        self._values = trace.constants(model.data)       # of all other places, in this scene
-        first = trace.count                              # place of the first number of the data
-        data = {one.place: one for one in model.tunable}
-        # places that depend on tunable parameters and not on the inputs
+        self.varies = trace.varies                       # steps that depend on the inputs
+        self._values = trace.constants(model.data)       # of all other steps, in this scene
+        first = trace.count                              # index of the first number of the data
+        data = {entry.slot: entry for entry in model.tunable}
+        # steps that depend on tunable parameters and not on the inputs
         self._tuned = {first + i for i in data} | {
             first + i for i, pair in model.derived.items() if set(pair) & data.keys()}
-        for place, step in enumerate(trace.steps):
-            if not (step.is_given or place in trace.varies) and self._tuned & set(step.arguments):
-                self._tuned.add(place)
-        # place of a tunable parameter -> its C expression
-        self._data = {first + i: f'from->{one.field}' for i, one in data.items()}
-        self.kept: dict[int, int] = {}       # places of prepared values, and their numbers
+        for index, step in enumerate(trace.steps):
+            if not (step.is_given or index in trace.varies) and self._tuned & set(step.arguments):
+                self._tuned.add(index)
+        # step of a tunable parameter -> its C expression
+        self._data = {first + i: f'from->{entry.field}' for i, entry in data.items()}
+        self.kept: dict[int, int] = {}       # steps of prepared values -> indices in k of C
 
-    def of_line(self, place: int) -> str:
-        """Return a number as the statements of the inputs name it."""
-        if place in self.varies:
-            return f'{"x" if self._steps[place].operation == "input" else "v"}{place}'
-        if place not in self._tuned:
-            return self._literal(place)
-        return f'k[{self.kept.setdefault(place, len(self.kept))}]'
+    def of_line(self, index: int) -> str:
+        """Return the C name of the result of a step in statements that vary with the inputs."""
+        if index in self.varies:
+            return f'{"x" if self._steps[index].operation == "input" else "v"}{index}'
+        if index not in self._tuned:
+            return self._literal(index)
+        return f'k[{self.kept.setdefault(index, len(self.kept))}]'
 
     def preparation(self) -> list[str]:
-        """Return the statements of parameters alone; after all lines were made."""
+        """Return the statements of parameters alone, once all other statements are written."""
         trace, first = self._model.trace, self._model.trace.count
-        places = [place for place in trace.needed(self.kept) if place in self._tuned]
         pairs = {first + i: pair for i, pair in self._model.derived.items()}
-        found = []
-        for place in places:
-            if place in pairs:
+        statements = []
+        for index in trace.needed(self.kept):
+            if index in pairs and index in self._tuned:
                 self.writer.used.add('hypot')
-                x, y = (self._datum(first + i) for i in pairs[place])
-                found.append(f'const double d{place} = hypot_of({x}, {y});')
-            elif place not in self._data:
-                step = self._steps[place]
-                found += self.writer.define(f'd{place}', step, list(map(self._datum,
-                                                                        step.arguments)))
-        return found + [f'made->k[{i}] = {self._datum(place)};'
-                        for place, i in self.kept.items()]
+                x, y = (self._datum(first + i) for i in pairs[index])
+                statements.append(f'const double d{index} = hypot_of({x}, {y});')
+            elif index in self._tuned and index not in self._data:
+                step = self._steps[index]
+                operands = [self._datum(i) for i in step.arguments]
+                statements += self.writer.define(f'd{index}', step, operands)
+        return statements + [f'made->k[{i}] = {self._datum(index)};'
+                             for index, i in self.kept.items()]
 
-    def _datum(self, place: int) -> str:
-        if place in self._tuned:
-            return self._data.get(place, f'd{place}')
-        return self._literal(place)
+    def _datum(self, index: int) -> str:
+        if index in self._tuned:
+            return self._data.get(index, f'd{index}')
+        return self._literal(index)
 
-    def _literal(self, place: int) -> str:
-        value = self._values[place]
+    def _literal(self, index: int) -> str:
+        value = self._values[index]
         assert value is not None, 'it depends on an input'
         return literal(value)
 
@@ -91,7 +89,7 @@ class Code:
             self.formulas.of_line) for with_loads in ((False, True) if model.loads else (False,))}
         self.operations = {with_loads: sum(text.startswith('const') for text in lines)
                            for with_loads, lines in self.lines.items()}
-        self._results = {with_loads: self._body(with_loads) for with_loads in self.lines}
+        self._statements = {with_loads: self._body(with_loads) for with_loads in self.lines}
         self.preparation = self.formulas.preparation()
         self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
 
@@ -120,7 +118,7 @@ class Code:
             'NAME': name})
 
     def _about(self) -> list[str]:
-        """Return the comment at the head of both files: results, costs and omissions."""
+        """Return the comment at the head of both files: results, costs, zeros left out."""
         model, scene = self.model, self.model.scene
         mechanism = model.mechanism
         text = (f'{self.name}: {mechanism.description}, mode {mechanism.mode}. Generated by '
@@ -157,10 +155,10 @@ class Code:
     def source(self) -> str:
         """Return the text of NAME.c."""
         name, model = self.name, self.model
-        defaults = [f'to->{one.field} = {literal(one.value)};' for one in model.tunable]
+        defaults = [f'to->{entry.field} = {literal(entry.value)};' for entry in model.tunable]
         unused = ['(void)from;'] if not (model.tunable and self.preparation) else []
-        bounds = [f'from->{one.field} {bound} 0.0' for one in model.tunable
-                  if (bound := model.bound_of(one.name))]
+        bounds = [f'from->{entry.field} {bound} 0.0' for entry in model.tunable
+                  if (bound := model.bound_of(entry.name))]
         count = max(1, len(self.formulas.kept))
         preparation = [*unused, *(self.preparation or ['made->k[0] = 0.0;'])]
         if bounds:
@@ -169,7 +167,7 @@ class Code:
                            f'for (i = 0; i < {count}; ++i) made->k[i] = NAN;']
         functions = [*self._set_mode(), *self._guards(), *self._functions(),
                      *(self.drive.source() if self.drive else ()), self._self_check()]
-        # its pragmas: gcc's vectorizer contracts a * b + c beside a * b - c all the same
+        # pragmas of model.c: gcc's vectorizer contracts a * b + c beside a * b - c all the same
         return filled(snippet('model.c', 'source'), {
             'ABOUT': '\n'.join(self._about()), 'NAME': name,
             'RUNTIME': ''.join(f'{text}\n' for text in self._runtime()),
@@ -178,17 +176,18 @@ class Code:
 
     def _set_mode(self) -> list[str]:
         """
-        Return the C text of the function that sets the signs of an assembly mode, if any.
+        Return the C text of the function that sets the signs of an assembly mode.
 
-        ``model.signs``: place of a sign among the data -> {mode: its number, +-1}.
+        Without signs that change with the mode: none.
         """
-        fields = {one.place: one.field for one in self.model.tunable}
-        lines = [f'to->{fields[place]} = mode == {literal(modes[1])} ? {literal(numbers[1])} : '
-                 f'{literal(numbers[0])};' for place, of in self.model.signs.items()
-                 for modes, numbers in [(list(of), list(of.values()))]]
-        return [filled(snippet('model.c', 'set_mode'), {'NAME': self.name,
-                                                        'SIGNS': lines_of(lines)})
-                ] if lines else []
+        fields = {entry.slot: entry.field for entry in self.model.tunable}
+        lines = []
+        for index, sign_of in self.model.signs.items():
+            first, second, *_ = sign_of
+            lines.append(f'to->{fields[index]} = mode == {literal(second)} ? '
+                         f'{literal(sign_of[second])} : {literal(sign_of[first])};')
+        words = {'NAME': self.name, 'SIGNS': lines_of(lines)}
+        return [filled(snippet('model.c', 'set_mode'), words)] if lines else []
 
     def _runtime(self) -> list[str]:
         used = sorted(self.writer.used)
@@ -206,9 +205,9 @@ class Code:
         model, of = self.model, self.formulas.of_line
         results = [*model.motion, *(model.loads if with_loads else ())]
         return [*self.lines[with_loads],
-                *(f'values[{i}] = {of(one.place)};' for i, one in enumerate(results)),
+                *(f'values[{i}] = {of(entry.slot)};' for i, entry in enumerate(results)),
                 f'*closes = {of(model.transmission)};',
-                *(f'if ({of(place)} < 0.0) *closes = NAN;' for place in model.roots_left_out)]
+                *(f'if ({of(index)} < 0.0) *closes = NAN;' for index in model.roots_left_out)]
 
     def _guards(self) -> list[str]:
         """Return the functions that judge inputs and results; the same for all models."""
@@ -221,9 +220,10 @@ class Code:
         toggles = (mechanism.input_ranges if mechanism.stroke is None
                    else mechanism.closing_ranges)
         ends = sorted({end for bounds in toggles for end in bounds})
-        at_ends = ' || '.join([f'fabs({self._apart(literal(end))}) <= near' for end in ends]
-                              + ['x == 0.0'] * mechanism.is_flat_at_zero)
-        summed = sum(one.name in mechanism.MOTION._fields for one in model.motion)
+        limits = [f'fabs({self._apart(literal(end))}) <= near' for end in ends]
+        if mechanism.is_flat_at_zero:
+            limits.append('x == 0.0')
+        summed = sum(entry.name in mechanism.MOTION._fields for entry in model.motion)
         depends = ', '.join(map(str, model.depends))
         return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
                 f'static const unsigned char depends[] = {{{depends}}};', '',
@@ -231,7 +231,7 @@ class Code:
                 f'  return {" && ".join(reach) or "1"};', '}', '',
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
-                f'  return {at_ends or "0"};', '}', '', snippet('judge.c'),
+                f'  return {" || ".join(limits) or "0"};', '}', '', snippet('judge.c'),
                 *([snippet('functions.c', 'limit')] if mechanism.is_flat_at_zero else [])]
 
     def _apart(self, end: str) -> str:
@@ -243,18 +243,19 @@ class Code:
         """
         Return the C text of NAME_motion_at and NAME_step, each around its formula.
 
-        The formula, a static function, is called for finite inputs alone. Without an answer
-        results are NaN, but for the inputs, which are copied.
+        The formula, a static function, is called for finite inputs alone. Without an answer the
+        inputs are copied and all other results are NaN.
         """
-        name, model, found = self.name, self.model, list[str]()
-        x0, x1, x2 = (one.field for one in model.inputs)
-        inputs = [f'  values[{i}] = input->{mine.field};' for i, its in enumerate(model.motion)
-                  for mine in model.inputs if its.name == mine.name]
+        name, model, functions = self.name, self.model, list[str]()
+        x0, x1, x2 = (entry.field for entry in model.inputs)
+        field_of = {entry.name: entry.field for entry in model.inputs}
+        inputs = [f'  values[{i}] = input->{field_of[entry.name]};'
+                  for i, entry in enumerate(model.motion) if entry.name in field_of]
         for with_loads in self.lines:
             which = 'step' if with_loads else 'motion'
             loads = len(model.loads) if with_loads else 0
             copy = ['memcpy(loads, values + MOTIONS, sizeof *loads);'] if loads else []
-            found.append(filled(snippet('model.c', 'function'), {
+            functions.append(filled(snippet('model.c', 'function'), {
                 'WHICH': which, 'SIGNATURE': self._signature(with_loads),
                 'RESULTS': len(model.motion) + loads, 'LOADS': loads, 'NAME': name,
                 'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
@@ -262,8 +263,8 @@ class Code:
                                 else f' * {model.mechanism.overflowing!r}'),
                 'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
                 'AT_ZERO': lines_of(self._at_zero(with_loads)),
-                'STATEMENTS': lines_of(self._results[with_loads])}))
-        return found
+                'STATEMENTS': lines_of(self._statements[with_loads])}))
+        return functions
 
     def _at_zero(self, with_loads: bool) -> list[str]:
         """Return the C text of the limits at a flat position at 0, which the formulas lack."""
@@ -272,40 +273,38 @@ class Code:
             return []
         names = [*model.mechanism.MOTION._fields, *model.mechanism.LOADS._fields]
         rows = list(zip(*model.limits_at_zero))
-        wanted = [names.index(one.name) for one in (*model.motion, *model.loads * with_loads)
-                  if one.name in names]
+        loads = model.loads if with_loads else ()
+        wanted = [names.index(entry.name) for entry in (*model.motion, *loads)
+                  if entry.name in names]
         closes = names.index('transmission_angle')
         return ['  if (x0 == 0.0) {', '    int i;', '    refused = 0;',
-                *(f'    values[{i}] = limit_of({", ".join(map(literal, rows[place]))}, x1, x2);'
-                  for i, place in enumerate(wanted)),
+                *(f'    values[{i}] = limit_of({", ".join(map(literal, rows[index]))}, x1, x2);'
+                  for i, index in enumerate(wanted)),
                 f'    closes = {literal(rows[closes][0])};',
-                f'    for (i = MOTIONS; i < MOTIONS + {len(model.loads) * with_loads}; ++i)',
+                f'    for (i = MOTIONS; i < MOTIONS + {len(loads)}; ++i)',
                 '      refused |= !is_finite(values[i]);', '  }']
 
     def _self_check(self) -> str:
         """
         Return the C text of NAME_self_check: it counts results whose bits differ from Python's.
 
-        Python computes the results of one sample now; they go into the text as numbers.
+        Python computes the results of one sample now; the text contains them as literals.
         """
         name, model = self.name, self.model
-        given, values = model.sample()
-        expected = {part: [values[one.name] for one in getattr(model, part)]
-                    for part in ('motion', 'loads') if getattr(model, part)}
-        compared = [f'differ += differing(&{part}, {part}_of_python, {len(numbers)});'
-                    for part, numbers in expected.items()]
+        inputs, result_of = model.sample()
+        expected = {record: [result_of[entry.name] for entry in entries] for record, entries
+                    in (('motion', model.motion), ('loads', model.loads)) if entries}
+        compared = [f'differ += differing(&{record}, {record}_of_python, {len(values)});'
+                    for record, values in expected.items()]
         return filled(snippet('model.c', 'self_check'), {
-            'EXPECTED': lines_of(f'static const double {part}_of_python[] = '
-                                 f'{{{self._list(numbers)}}};'
-                                 for part, numbers in expected.items()),
-            'RESULTS': lines_of(f'{name}_{part} {part};' for part in expected),
-            'INPUTS': lines_of(f'input.{one.field} = {literal(value)};'
-                               for one, value in zip(model.inputs, given)),
+            'EXPECTED': lines_of(
+                f'static const double {record}_of_python[] = {{'
+                + '\n    '.join(['', *wrap(', '.join(map(literal, values)), 92)]) + '};'
+                for record, values in expected.items()),
+            'RESULTS': lines_of(f'{name}_{record} {record};' for record in expected),
+            'INPUTS': lines_of(f'input.{entry.field} = {literal(value)};'
+                               for entry, value in zip(model.inputs, inputs)),
             'CALL': 'step' if model.loads else 'motion_at',
             'POINTERS': ', &'.join(expected),
             'COMPARED': lines_of(compared) + (self.drive.self_check() if self.drive else ''),
             'NAME': name})
-
-    @staticmethod
-    def _list(values: Iterable[float]) -> str:
-        return '\n    '.join(['', *wrap(', '.join(map(literal, values)), 92)])

@@ -38,6 +38,7 @@ TEXTS = {
     'motor_torque': ('N m', 'of the motor behind its gear'), 'torque': ('N m', 'on the input'),
     'current': ('A', 'of a DC motor'), 'speed_error_integral': ('rad', 'of a controller'),
     'evaluations': ('', 'of the equation of motion')}
+# C texts for markers of c/drive.c; a marker that begins with a blank is replaced with that blank
 TAKE_PLACE = """  if (from->place[0] > 0.0) {
     at->phase = (int)from->place[0] - 1;
     memcpy(at->x, from->place + 1, sizeof at->x);
@@ -63,14 +64,15 @@ class DriveCode:
         self._mover = scene.mover
         self._system, self._drive = self._mover.system, scene.dynamics.drive
         self._source: Law = self._drive.source
-        # coordinates and modes of its motion, those at the start first -> formulas, and what
-        # takes over
+        # coordinate and mode of a phase of the motion -> its formulas; at the start: the first
         self._phases: dict[MotionCoordinate, StepFormulas] = self._mover.formulas
         if any(phase.equation.changes_mode for phase in self._phases):
             raise NotGenerated(f'{model.name}: motion by torque through a change point')
         if scene.acting:
             raise NotGenerated(f'{model.name}: motion by torque under what acts by topic')
         self.modes = self._mover.modes
+        self._argument, self._passed = ((', double torque', ', torque') if self.takes_torque
+                                        else ('', ''))
         writer.used |= {'power'}
         self._functions = [
             *self._of_phases('place', lambda formulas: formulas.make_linearization,
@@ -82,25 +84,27 @@ class DriveCode:
             self._functions += self._of_phases(
                 'places_of', lambda formulas: formulas.make_table_positions)
 
-    def _of_phases(self, its_name: str, make: Callable[[StepFormulas], Function],
+    def _of_phases(self, name: str, make: Callable[[StepFormulas], Function],
                    count: int = 1) -> list[str]:
-        """Return the functions of all phases, and the function that chooses one by its number."""
-        found, cases = [], []
+        """Return the C functions of all phases, and the function that calls that of a phase."""
+        functions, cases = [], []
         for i, formulas in enumerate(self._phases.values()):
             make_formula = make(formulas)
             trace = Trace(lambda n, _: make_formula(n), count)       # noqa: B023  # called at once
-            found.append(self._writer.function(f'{its_name}_{i}',
-                                               trace.simplified(trace.literals())))
-            cases.append(f'  {f"if (phase == {i}) " if i + 1 < len(self._phases) else ""}'
-                         f'return {its_name}_{i}(x, to);')
-        return [*found, f'static int {its_name}(int phase, const double *x, double *to)\n{{',
-                *['  (void)phase;'] * (len(cases) == 1), *cases, '}', '']
+            functions.append(self._writer.function(f'{name}_{i}',
+                                                   trace.simplified(trace.literals())))
+            condition = f'if (phase == {i}) ' if i + 1 < len(self._phases) else ''
+            cases.append(f'  {condition}return {name}_{i}(x, to);')
+        if len(cases) == 1:
+            cases.insert(0, '  (void)phase;')
+        return [*functions, f'static int {name}(int phase, const double *x, double *to)\n{{',
+                *cases, '}', '']
 
-    # --- its text -------------------------------------------------------------------------------
+    # --- C text ---------------------------------------------------------------------------------
 
     @cached_property
-    def numbers(self) -> list[Named]:
-        """Return the numbers of a state as they follow each other."""
+    def fields(self) -> list[Named]:
+        """Return the fields of a state in their order."""
         is_slide = self._system.mechanism.is_driven_by_slide
         texts = TEXTS | ({'mode': ('', 'assembly mode')} if self.modes else {})
         return [Named(name, name, OF_SLIDES.get(unit, unit) if is_slide else unit, text, 0.0, i)
@@ -111,32 +115,37 @@ class DriveCode:
         """
         Return the number that the source takes at each step; None: it takes none.
 
-        It is a field of the state, or without one the argument ``torque``.
+        A command without a C field is the argument ``torque``.
         """
         source, is_slide = self._source, self._system.mechanism.is_driven_by_slide
         if self.takes_torque:
-            return Named('torque', '', self.numbers[1].unit, 'of the source, during the next step',
+            return Named('torque', '', self.fields[1].unit, 'of the source, during the next step',
                          0.0, 0)
         if not source.command:
             return None
-        what = next(what for name, _, what in quantities_of(source) if name == source.command)
+        quantity = next(quantity for name, _, quantity in quantities_of(source)
+                        if name == source.command)
         return Named(f'motor.{source.command}', f'motor_{source.command}',
-                     what.unit.rpartition(' or ')[2] if is_slide else
-                     what.unit.partition(' or ')[0], f'{what.text}, during the next step',
+                     quantity.unit.rpartition(' or ')[2] if is_slide else
+                     quantity.unit.partition(' or ')[0], f'{quantity.text}, during the next step',
                      getattr(source, source.command), 0)
 
     @property
-    def there(self) -> set[str]:
-        """Return the names of its fields, besides position, velocity and acceleration."""
-        own = {self._source.state_field} if self._source.start else set()
-        return ({'torque', 'motor_torque', 'evaluations'} | own
-                | ({'mode'} if self.modes else set())
-                | ({'twist', 'motor_position', 'motor_velocity'} if self._drive.shaft else set()))
+    def defined(self) -> set[str]:
+        """Return the fields that this drive has, besides position, velocity and acceleration."""
+        names = {'torque', 'motor_torque', 'evaluations'}
+        if self._source.start:
+            names.add(self._source.state_field)
+        if self.modes:
+            names.add('mode')
+        if self._drive.shaft:
+            names |= {'twist', 'motor_position', 'motor_velocity'}
+        return names
 
     def declarations(self) -> str:
         """Return the C declarations of the drive for the header."""
         name, drive, command = self._model.name, self._scene.drive, self.command
-        fields = list(self.numbers)
+        fields = list(self.fields)
         if self.modes:
             fields.append(Named('', 'place[6]', '', 'near a toggle, where position and velocity '
                                 'do not tell it', 0.0, 0))
@@ -148,36 +157,34 @@ class DriveCode:
                                  for i, text in enumerate(STATUS_OF_DRIVE)),
             'STRUCT': '\n'.join(struct_of(f'{name}_drive', fields, 'As fourbar_msgs/DriveState; '
                                           'NaN: it has none.')),
-            ' GIVEN': '; torque: that of the source during it' * self.takes_torque,
-            ' AND_MODE': ', mode' * bool(self.modes),
-            ' ARGUMENT': ', double torque' * self.takes_torque})
+            ' GIVEN': '; torque: that of the source during it' if self.takes_torque else '',
+            ' AND_MODE': ', mode' if self.modes else '', ' ARGUMENT': self._argument})
 
     def source(self) -> list[str]:
         """Return the text behind the functions of motion and loads."""
-        own, name = self._source.state_field if self._source.start else '', self._model.name
-        command = self.command
-        start = [*self._system.start[:2], self._source.start[0] if self._source.start else 0.0]
-        starts = [f'  drive->position = {literal(start[0])};',
-                  f'  drive->velocity = drive->motor_velocity = {literal(start[1])};',
-                  *([f'  drive->{own} = {literal(start[2])};'] if own else []),
-                  *([f'  drive->mode = {literal(self._system.mechanism.mode)};']
-                    if self.modes else []),
-                  *([f'  drive->{command.field} = {literal(command.value)};']
-                    if command and command.field else [])]
+        # current or integral: what the source keeps from step to step
+        kept, command = self._source.state_field if self._source.start else '', self.command
+        position, velocity = self._system.start[:2]
+        starts = [f'  drive->position = {literal(position)};',
+                  f'  drive->velocity = drive->motor_velocity = {literal(velocity)};']
+        if kept:
+            starts.append(f'  drive->{kept} = {literal(self._source.start[0])};')
+        if self.modes:
+            starts.append(f'  drive->mode = {literal(self._system.mechanism.mode)};')
+        argument = '0.0' if command is None else 'torque'
+        if command and command.field:
+            argument = f'drive->{command.field}'
+            starts.append(f'  {argument} = {literal(command.value)};')
         text = filled(snippet('drive.c'), {
-            ' ARGUMENT': ', double torque' * self.takes_torque,
-            ' PASSED': ', torque' * self.takes_torque,
-            'GIVEN_COMMAND': '0.0' if command is None else
-            f'drive->{command.field}' if command.field else 'torque',
-            'OWN_FIELD': f'from->{own}' if own else '0.0',
+            ' ARGUMENT': self._argument, ' PASSED': self._passed, 'GIVEN_COMMAND': argument,
+            'OWN_FIELD': f'from->{kept}' if kept else '0.0',
             'MODE_FIELD': 'from->mode' if self.modes else '0.0',
-            '  GIVE_OWN\n': f'  to->{own} = own;\n' if own else '',
-            '  TAKE_PLACE\n': TAKE_PLACE * bool(self.modes),
-            '  GIVE_PLACE\n': GIVE_PLACE * bool(self.modes),
-            '  FORGET_PLACE\n': '  drive->place[0] = 0.0;\n' * bool(self.modes),
-            'STARTS': '\n'.join(starts), 'NAME': name})
-        return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'),
-                text]
+            '  GIVE_OWN\n': f'  to->{kept} = own;\n' if kept else '',
+            '  TAKE_PLACE\n': TAKE_PLACE if self.modes else '',
+            '  GIVE_PLACE\n': GIVE_PLACE if self.modes else '',
+            '  FORGET_PLACE\n': '  drive->place[0] = 0.0;\n' if self.modes else '',
+            'STARTS': '\n'.join(starts), 'NAME': self._model.name})
+        return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'), text]
 
     def self_check(self) -> str:
         """Return the C text that compares the state after some steps with Python's."""
@@ -188,15 +195,15 @@ class DriveCode:
         return filled(snippet('drive.c', 'self_check'), {
             'EXPECTED': _list(values), 'NAME': self._model.name, 'COUNT': CHECKED,
             'STEP': literal(step), 'NUMBERS': len(values),
-            ' PASSED': ', 0.0' * self.takes_torque})
+            ' PASSED': ', 0.0' if self.takes_torque else ''})
 
     def _constants(self) -> list[str]:
         """Return the C constants of the step: phases, what takes over, budget, factors, limits."""
         mover, middle = self._mover, literal(self._system.coordinates.middle)
         low, high = self._scene.linkage.stroke or (-inf, inf)
-        numbers = {phase: i for i, phase in enumerate(self._phases)}
-        taking_over = [', '.join(str(numbers[other]) for other in mover.taking_over[phase])
-                       or '0, 0' for phase in self._phases]
+        index_of = {phase: i for i, phase in enumerate(self._phases)}
+        successors = [', '.join(str(index_of[phase]) for phase in mover.taking_over[before])
+                      or '0, 0' for before in self._phases]
         flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
@@ -212,7 +219,7 @@ class DriveCode:
                 f'static const double MODES[] = '
                 f'{{{_list(float(phase.mode) for phase in self._phases)}}};',
                 'static const int NEXT[][2] = '
-                f'{{{", ".join(f"{{{pair}}}" for pair in taking_over)}}};',
+                f'{{{", ".join(f"{{{pair}}}" for pair in successors)}}};',
                 *_definitions({name: getattr(node_step, name) for name in (
                     'SMALLEST', 'DEEPEST', 'SHORTER', 'LATE', 'LEAST')}
                     | {'LOW': low, 'HIGH': high}), '',
@@ -226,7 +233,7 @@ class DriveCode:
         return self._system.equation.tables
 
     def _of_tables(self) -> list[str]:
-        """Return the C text that ends steps at the places of force tables."""
+        """Return the C text that ends steps where pieces of force tables end."""
         tables = self._tables
         if not tables:
             return [snippet('tables.c', 'no_tables')]
@@ -254,8 +261,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     if any(not isinstance(force, TableForce) for force in forces):
         raise NotGenerated(f'{name}: a force that is a Python function')
     names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
-    found = [snippet('functions.c', name) for name in sorted(names)]
-    found += [snippet('functions.c', 'table')] * bool(forces)
+    functions = [snippet('functions.c', name) for name in (*sorted(names), 'table') if forces]
     for i, force in enumerate(forces):
         table = force.table
         inner, first = table.places[1:-1], table.places[0]
@@ -263,7 +269,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
         turned = ([f'  place = {literal(force.middle)} + remainder(place - '
                    f'{literal(force.middle)}, {literal(tau)});']
                   if force.middle is not None else [])
-        found += [
+        functions += [
             f'static double called_{i}(double place)\n{{',
             f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
             '  static const double pieces[][5] = {',
@@ -272,11 +278,11 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
             f'{literal(first)}, {literal(second)});',
             f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
             f'{len(inner)})], place);', '}', '']
-    return found
+    return functions
 
 
 def _base(force: TableForce) -> str:
-    """Return the C text of a place without whole turns or periods; '': it has none."""
+    """Return the C text that takes whole turns or periods off a position; '': there are none."""
     if force.middle is not None:
         middle = literal(force.middle)
         return f'{middle} + remainder(place - {middle}, WHOLE_TURN)'
@@ -285,8 +291,9 @@ def _base(force: TableForce) -> str:
     return ''
 
 
-def _definitions(numbers: dict[str, float]) -> list[str]:
-    return [f'static const double {name} = {literal(value)};' for name, value in numbers.items()]
+def _definitions(constants: dict[str, float]) -> list[str]:
+    return [f'static const double {name} = {literal(value)};'
+            for name, value in constants.items()]
 
 
 def _list(values: Iterable[float]) -> str:

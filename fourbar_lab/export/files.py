@@ -48,15 +48,15 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     """
     if as_ not in FORMATS:
         raise InvalidParameter('as', as_, one_of(FORMATS))
-    found = scene if isinstance(scene, Scene) else load(scene)
+    loaded = scene if isinstance(scene, Scene) else load(scene)
     stem = name or ('linkage' if isinstance(scene, Scene) else Path(scene).stem)
-    model = GeneratedModel(found, word(stem), outputs, parameters)
+    model = GeneratedModel(loaded, word(stem), outputs, parameters)
     model.check()
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     notes = [f'{stem} is {model.name}'] if model.name != stem else []
     if not model.loads and outputs is None:
-        notes.append(f'no loads: {found.why_no_loads}')
+        notes.append(f'no loads: {loaded.why_no_loads}')
     if as_ != 'c':
         from fourbar_lab.export.fmu import write
         path, more, operations = write(model, directory)

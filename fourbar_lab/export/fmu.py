@@ -45,7 +45,7 @@ class Variable(NamedTuple):
     """
     A variable of an FMU.
 
-    ``reference``: its place among the numbers of the instance; ``is_positive``: 0 or more.
+    ``reference``: index among the values of the instance; ``is_positive``: 0 or more.
     """
 
     name: str
@@ -59,14 +59,15 @@ class Variable(NamedTuple):
 
 def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]:
     """
-    Write NAME.fmu; return it, notes for its user, and the operations per sample.
+    Write NAME.fmu; return its path, notes for its user, and the operations per sample.
 
-    Without a compiler it has sources alone, which many masters build.
+    Without a compiler the FMU has sources alone, which many masters build.
     """
     if model.outputs is None:
         texts = model.units_and_texts
-        model = replace(model, outputs=[one.name for one in (*model.motion, *model.loads)
-                                        if texts.get(one.name, ('', ''))[0]])
+        model = replace(model, outputs=[
+            entry.name for entry in (*model.motion, *model.loads)
+            if entry.name in texts and texts[entry.name][0]])
     code = Code(model)
     variables = _variables(model, code.drive)
     text = _source(code)
@@ -95,39 +96,40 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
     its values follow, and no motion is prescribed: a torque, if commanded, is the input.
     """
     position, *rates = model.inputs
-    start = model.sample()[0][0]      # a pose that exists
+    (start, _, _), _ = model.sample()       # the links close there
     groups: dict[str, Sequence[Named]] = {
         'input': [position._replace(value=start), *rates], 'parameter': model.tunable,
         'output': (*model.motion, *model.loads)}
-    found = list[Variable]()
+    variables = list[Variable]()
     for causality, named in groups.items():
-        for one in named:
-            is_topic = one.name.rpartition('.')[0] in model.from_topics
-            found.append(Variable(one.name, len(found), 'input' if is_topic else causality,
-                                  one.unit, one.text, one.value, bool(model.bound_of(one.name))))
-    last = len(found)
+        for entry in named:
+            is_topic = entry.name.rpartition('.')[0] in model.from_topics
+            variables.append(Variable(
+                entry.name, len(variables), 'input' if is_topic else causality, entry.unit,
+                entry.text, entry.value, bool(model.bound_of(entry.name))))
+    last = len(variables)
     status = Variable('status', last, 'output', '', STATUS_TEXT, 0.0)
     if drive is None:
-        given = {one.name for one in model.inputs}
-        return [*(one for one in found if one.causality != 'output' or one.name not in given),
-                status]
+        inputs = {entry.name for entry in model.inputs}
+        return [*(variable for variable in variables
+                  if variable.causality != 'output' or variable.name not in inputs), status]
     signs = {f'sign_{i + 1}' for i in range(len(model.signs))} | {'sign'}
     first = last + 2                      # behind the time
-    of_drive = [Variable(f'drive.{one.name}', first + i, 'output', one.unit, one.text, 0.0)
-                for i, one in enumerate(drive.numbers) if one.name in drive.there]
-    last = first + len(drive.numbers)
+    of_drive = [Variable(f'drive.{entry.name}', first + i, 'output', entry.unit, entry.text, 0.0)
+                for i, entry in enumerate(drive.fields) if entry.name in drive.defined]
+    last = first + len(drive.fields)
     command = drive.command
-    own_input = [Variable(command.name, last + 1, 'input', command.unit, command.text,
+    commanded = [Variable(command.name, last + 1, 'input', command.unit, command.text,
                           command.value)] if command else []
-    kept = [one for one in found if one.reference >= len(model.inputs) and one.name not in signs]
-    return [*own_input, *kept, status,
-            *of_drive, Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
+    kept = [variable for variable in variables
+            if variable.reference >= len(model.inputs) and variable.name not in signs]
+    return [*commanded, *kept, status, *of_drive,
+            Variable('drive.status', last, 'output', '', DRIVE_TEXT, 0.0)]
 
 
 def _source(code: Code) -> str:
     """Return header, formulas and the functions of FMI as one file."""
     model, name = code.model, code.name
-    header = code.header()
     drive = code.drive
     command = drive.command if drive else None
     is_torque_given = bool(drive and drive.takes_torque)
@@ -135,15 +137,15 @@ def _source(code: Code) -> str:
         'INPUTS': len(model.inputs), 'PARAMETERS': len(model.tunable), 'LOADS': len(model.loads),
         'START': repr(model.sample()[0][0]),
         'HAS_DRIVE': int(bool(drive)), 'HAS_MODES': int(bool(drive and model.signs)),
-        'DRIVE_NUMBERS': len(drive.numbers) if drive else 0, 'HAS_COMMAND': int(bool(command)),
+        'DRIVE_NUMBERS': len(drive.fields) if drive else 0, 'HAS_COMMAND': int(bool(command)),
         'COMMAND': f'state->{f"drive.{command.field}" if command and command.field else "torque"}',
-        'GIVEN_TORQUE': ', state->torque' * is_torque_given,
+        'GIVEN_TORQUE': ', state->torque' if is_torque_given else '',
         'BEGIN': f'{name}_{"start" if is_torque_given else "complete"}'}
     defined = ''.join(f'#define {word} {meaning}\n' for word, meaning in settings.items())
     not_there = [*(f'NONE(fmi2{access}{kind})\n' for kind in TYPES.split()
                    for access in ('Get', 'Set')),
                  *(f'REFUSED(fmi2{function})\n' for function in NOT_OFFERED.split())]
-    text = code.source().replace(f'#include "{name}.h"\n', header)
+    text = code.source().replace(f'#include "{name}.h"\n', code.header())
     return text + defined + snippet('fmu.c').replace('NAME', name) + ''.join(not_there)
 
 
@@ -180,15 +182,6 @@ def _unit(unit: str) -> str:
     return unit.replace(' ', '.').replace('^', '')
 
 
-def _units(root: Element, variables: list[Variable]) -> None:
-    """Add all units in use, by name."""
-    units = add(root, 'UnitDefinitions')
-    for unit in sorted({one.unit for one in variables if one.unit} | {'s'}):
-        own = add(units, 'Unit', name=_unit(unit))
-        if unit == 'rad':
-            add(own, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
-
-
 def _description(model: GeneratedModel, variables: list[Variable], guid: str) -> Element:
     """Return modelDescription.xml; dependencies name variables by their order, from 1."""
     root = Element('fmiModelDescription', {
@@ -203,32 +196,37 @@ def _description(model: GeneratedModel, variables: list[Variable], guid: str) ->
         if tag == 'CoSimulation':
             kind.set('canHandleVariableCommunicationStepSize', 'true')
         add(add(kind, 'SourceFiles'), 'File', name=f'{model.name}.c')
-    _units(root, variables)
+    units = add(root, 'UnitDefinitions')
+    for unit in sorted({variable.unit for variable in variables if variable.unit} | {'s'}):
+        element = add(units, 'Unit', name=_unit(unit))
+        if unit == 'rad':
+            add(element, 'DisplayUnit', name='deg', factor=repr(180.0 / pi))
     step = 1.0 / model.scene.drive.rate if model.moves_by_torque else 0.001
     add(root, 'DefaultExperiment', startTime='0', stopTime='1', stepSize=repr(step))
     listed = add(root, 'ModelVariables')
-    for one in variables:
-        variability = 'tunable' if one.causality == 'parameter' else 'continuous'
-        variable = add(listed, 'ScalarVariable', name=one.name, valueReference=one.reference,
-                       causality=one.causality, variability=variability)
-        number = add(variable, 'Real')
-        if one.text:
-            variable.set('description', one.text)
-        if one.unit:
-            number.set('unit', _unit(one.unit))
-        if one.is_positive:
-            number.set('min', '0')
-        if one.causality != 'output':
-            number.set('start', repr(one.start))
+    for variable in variables:
+        element = add(listed, 'ScalarVariable', name=variable.name,
+                      valueReference=variable.reference, causality=variable.causality,
+                      variability='tunable' if variable.causality == 'parameter' else 'continuous')
+        real = add(element, 'Real')
+        if variable.text:
+            element.set('description', variable.text)
+        if variable.unit:
+            real.set('unit', _unit(variable.unit))
+        if variable.is_positive:
+            real.set('min', '0')
+        if variable.causality != 'output':
+            real.set('start', repr(variable.start))
     structure = add(root, 'ModelStructure')
-    order = {one.name: i for i, one in enumerate(variables, 1)}
-    not_outputs = [one for one in variables if one.causality != 'output']
+    order = {variable.name: i for i, variable in enumerate(variables, 1)}
+    not_outputs = [variable for variable in variables if variable.causality != 'output']
     # on torque, voltage or speed of the motor outputs depend by steps alone, not at once
-    inputs = [one for one in not_outputs if one.causality == 'input' and one.name != 'torque'
-              and not one.name.startswith('motor.')]
+    inputs = [variable for variable in not_outputs if variable.causality == 'input'
+              and variable.name != 'torque' and not variable.name.startswith('motor.')]
     for tag, known in (('Outputs', inputs), ('InitialUnknowns', not_outputs)):
-        on, unknowns = ' '.join(str(order[one.name]) for one in known), add(structure, tag)
-        for one in variables:
-            if one.causality == 'output':
-                add(unknowns, 'Unknown', index=order[one.name], dependencies=on)
+        on = ' '.join(str(order[variable.name]) for variable in known)
+        unknowns = add(structure, tag)
+        for variable in variables:
+            if variable.causality == 'output':
+                add(unknowns, 'Unknown', index=order[variable.name], dependencies=on)
     return root

@@ -12,13 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fourbar_ros.description.model import (
-    inertia_of,
-    ModelJoint,
-    ModelLink,
-    NoDescription,
-    RobotModel,
-)
+from fourbar_ros.description.model import inertia_of, ModelLink, NoDescription, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
@@ -43,23 +37,31 @@ def mjcf(model: RobotModel) -> str:
     for geom in _geoms(base, model.ground, -1):
         geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
-    for place, link in enumerate(model.links):
-        bodies[link.frame] = _body(bodies[link.parent], link, place, model.size)
+    for index, link in enumerate(model.links):
+        bodies[link.frame] = _body(bodies[link.parent], link, index, model.size)
     for name, (frame, x, y) in model.points.items():
         add(bodies[frame], 'site', name=name, pos=(x, y, 0.0), size=0.005 * model.size)
-    _equality(root, model, bodies)
+    # each cut joint: two sites that coincide where the loop is closed
+    equality = add(root, 'equality')
+    for closure in model.closures:
+        first, second = closure.frames
+        for name, frame, (x, y) in ((first, closure.parent, closure.connection.on_parent),
+                                    (second, closure.child, closure.connection.on_child)):
+            add(bodies[frame], 'site', name=name, pos=(x, y, 0.0), size=0.005 * model.size)
+        add(equality, 'connect', name=closure.name, site1=first, site2=second, solref=SOLREF,
+            solimp=SOLIMP)
     driven = next(joint for joint in model.joints if joint.is_driven)
     add(add(root, 'actuator'), 'motor', name=f'{driven.name}_drive', joint=driven.name)
     add(add(root, 'keyframe'), 'key', name='start',
-        qpos=tuple(joint.start for joint in _in_depth(model)))
+        qpos=tuple(_starts(model, model.root)))
     return as_text(root)
 
 
-def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
+def _body(parent: Element, link: ModelLink, index: int, size: float) -> Element:
     """
     Add a link with joint, mass and shapes to the body that carries it; return its element.
 
-    ``place`` in the order of links sets its colour; ``size`` of the mechanism [m] sets the least
+    The index of the link sets its colour; ``size`` of the mechanism [m] sets the least
     inertia. Only the driven joint has limits: the loops limit the others.
     """
     x, y, angle = link.joint.at_zero
@@ -71,11 +73,11 @@ def _body(parent: Element, link: ModelLink, place: int, size: float) -> Element:
     if link.body:
         mass, centre, moments = inertia_of(link.body, size)
         add(body, 'inertial', pos=centre, mass=mass, diaginertia=moments)
-    _geoms(body, link.shapes, place)
+    _geoms(body, link.shapes, index)
     return body
 
 
-def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> list[Element]:
+def _geoms(body: Element, shapes: Sequence[Shape], index: int) -> list[Element]:
     """
     Add shapes without contacts; return their elements.
 
@@ -87,27 +89,12 @@ def _geoms(body: Element, shapes: Sequence[Shape], place: int) -> list[Element]:
         size = sizes['size'] if shape.form == 'box' else (2.0 * sizes['radius'], sizes['length'])
         geoms.append(add(body, 'geom', type=shape.form,
                          size=tuple([0.5 * length for length in size]), pos=shape.pose[:3],
-                         euler=shape.pose[3:], rgba=colour(place), contype='0',
+                         euler=shape.pose[3:], rgba=colour(index), contype='0',
                          conaffinity='0'))
     return geoms
 
 
-def _equality(root: Element, model: RobotModel, bodies: dict[str, Element]) -> None:
-    """Add the constraints of the cut joints, each between two sites that coincide."""
-    equality = add(root, 'equality')
-    for closure in model.closures:
-        first, second = closure.frames
-        add(bodies[closure.parent], 'site', name=first, pos=(*closure.connection.on_parent, 0.0),
-            size=0.005 * model.size)
-        add(bodies[closure.child], 'site', name=second, pos=(*closure.connection.on_child, 0.0),
-            size=0.005 * model.size)
-        add(equality, 'connect', name=closure.name, site1=first, site2=second, solref=SOLREF,
-            solimp=SOLIMP)
-
-
-def _in_depth(model: RobotModel) -> list[ModelJoint]:
-    """Return the joints in the order of MuJoCo's coordinates: a body's, then its children's."""
-    def joints_on(frame: str) -> list[ModelJoint]:
-        return [joint for link in model.links if link.parent == frame
-                for joint in (link.joint, *joints_on(link.frame))]
-    return joints_on(model.root)
+def _starts(model: RobotModel, frame: str) -> list[float]:
+    """Return the joints' positions in MuJoCo's order: of a body on the frame, of its children."""
+    return [start for link in model.links if link.parent == frame
+            for start in (link.joint.start, *_starts(model, link.frame))]

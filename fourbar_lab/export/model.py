@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The generated content of a scene: its trace, and a name, a unit and a text for each number."""
+"""The content of generated code: a scene's trace, with name, unit and text of each number."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,12 +19,7 @@ from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
-from fourbar_ros.numerics.number_types import (
-    Function,
-    numbers_of,
-    NumberType,
-    REAL,
-)
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, REAL
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
@@ -56,7 +51,7 @@ class Named(NamedTuple):
     unit: str       # empty, as the text: none is known
     text: str
     value: float    # of a parameter: its value in the scene
-    place: int      # of a parameter among the data of the trace, of a result among its steps
+    slot: int       # index of a parameter among the data of the trace, of a result among its steps
 
 
 @dataclass(frozen=True)
@@ -65,24 +60,24 @@ class GeneratedModel:
 
     scene: Scene
     name: str                                   # a word in C: prefix of all names
-    outputs: Sequence[str] | None = None        # what is wanted; None: all
-    parameters: Sequence[str] | None = None     # what can be changed at run time; None: all
+    outputs: Sequence[str] | None = None        # names of the wanted results; None: all
+    parameters: Sequence[str] | None = None     # names that can change at run time; None: all
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Return the linkage; without masses where its loads have limits besides springs."""
+        """Return the mechanism; without masses if it has springs and a flat position at 0."""
         bare = self.scene.bare_linkage
         return self.scene.linkage if bare.is_flat_at_zero else bare
 
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
-        """Return {place among the data: {mode: number}}: differences of the modes passed."""
+        """Return {index in the data: {mode: sign}} of the signs that change with the mode."""
         mechanism, modes = self.mechanism, tuple[int, ...]()
         if self.moves_by_torque:
             from fourbar_ros.dynamics.node_step import modes_of
             modes = modes_of(mechanism)
         rows = {mode: numbers_of(mechanism.in_mode(mode).constants) for mode in modes}
-        return {place: dict(zip(rows, column)) for place, column in enumerate(zip(*rows.values()))
+        return {index: dict(zip(rows, column)) for index, column in enumerate(zip(*rows.values()))
                 if len(set(column)) > 1}
 
     @cached_property
@@ -105,12 +100,14 @@ class GeneratedModel:
     @cached_property
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
-        mechanism, (found, _, end_of_loads) = self.mechanism, self._recorded
-        zeros = {found.count + i: 0.0 for i, value in enumerate(self.data)
-                 if value == 0.0 and i not in self._asked and i < len(numbers_of(self.constants))
-                 } if mechanism.LEAVES_OUT_ZEROS else {}
-        # of points a node leaves nothing out
-        return found.simplified({**found.literals(), **zeros}, end_of_loads) if zeros else found
+        whole, _, end_of_loads = self._recorded
+        if not self.mechanism.LEAVES_OUT_ZEROS:
+            return whole
+        # the node keeps the zero coordinates of points, which follow those of the mechanism
+        of_mechanism = self.data[:len(numbers_of(self.constants))]
+        zeros = {whole.count + i: 0.0 for i, value in enumerate(of_mechanism)
+                 if value == 0.0 and i not in self._asked}
+        return whole.simplified({**whole.literals(), **zeros}, end_of_loads) if zeros else whole
 
     @cached_property
     def _recorded(self) -> tuple[Trace, int, int]:
@@ -118,33 +115,33 @@ class GeneratedModel:
         mechanism, elements, ends = self.mechanism, self.scene.elements, list[int]()
 
         def make_formula(n: NumberType, data: Any) -> Function:
-            """Return the formula (three inputs) -> (motion, loads, points), of some numbers."""
-            constants, places = data
+            """Return the formula (position, rate, acceleration) -> (motion, loads, points)."""
+            constants, coordinates = data
             parametric = with_any_lengths(mechanism, constants.lengths)
             # the lengths of motion by torque are fixed
             lengths = None if self.moves_by_torque else constants.lengths
             external = make_external(n, mechanism, elements, lengths) if elements else None
-            points = [make_point(n, parametric, point.link, *place)
-                      for point, place in zip(self.scene.points.values(), places)]
+            points = [make_point(n, parametric, point.link, *along_across) for point, along_across
+                      in zip(self.scene.points.values(), coordinates)]
             motion_of = mechanism.motion_formula(n, constants)
 
-            def formula(*given: Any) -> Any:
-                motion, loads = mechanism.MOTION._make(motion_of(*given)), ()
-                ends.append(len(given[0].trace.steps))
+            def formula(x: Any, rate: Any, acceleration: Any) -> Any:
+                motion, loads = mechanism.MOTION._make(motion_of(x, rate, acceleration)), ()
+                ends.append(len(x.trace.steps))
                 if mechanism.bodies:
-                    its = constants if external is None else constants._replace(
-                        external=external(motion, given[0], constants.external))
-                    loads = mechanism.loads_formula(n, its)(motion)
-                ends.append(given[0].trace.begin_apart())
+                    loaded = constants if external is None else constants._replace(
+                        external=external(motion, x, constants.external))
+                    loads = mechanism.loads_formula(n, loaded)(motion)
+                ends.append(x.trace.begin_apart())
                 return tuple(motion), loads, [point(motion) for point in points]
             return formula
 
-        trace = Trace(make_formula, 3, (self.constants, self._places))
+        trace = Trace(make_formula, 3, (self.constants, self._coordinates))
         end_of_motion, end_of_loads = ends
         return trace, end_of_motion, end_of_loads
 
     @property
-    def _places(self) -> tuple[tuple[float, ...], ...]:
+    def _coordinates(self) -> tuple[tuple[float, ...], ...]:
         """Return (along, across) of each point [m]."""
         return tuple([(point.along, point.across) for point in self.scene.points.values()])
 
@@ -157,7 +154,7 @@ class GeneratedModel:
     @cached_property
     def data(self) -> list[float]:
         """Return the numbers of the data, in the order of the trace."""
-        return [float(value) for value in numbers_of((self.constants, self._places))]
+        return [float(value) for value in numbers_of((self.constants, self._coordinates))]
 
     # --- names ----------------------------------------------------------------------------------
 
@@ -171,7 +168,7 @@ class GeneratedModel:
 
     @cached_property
     def _asked(self) -> frozenset[int]:
-        """Return which data are parameters, zero or not: by their names, or as topics set them."""
+        """Return the indices of data that must stay parameters, zero or not."""
         names = [name for name, _ in self.names]
         wanted = self.parameters or ()
         topics = self.from_topics
@@ -189,24 +186,24 @@ class GeneratedModel:
 
     @cached_property
     def names(self) -> list[tuple[str, str]]:
-        """Return name and unit of each number of the data; no name: it is fixed."""
+        """Return name and unit of each number of the data; a fixed number has no name."""
         constants = self.constants
-        found = [(name if isinstance(name, str) else '', 'm')
+        names = [(name if isinstance(name, str) else '', 'm')
                  for name in self.mechanism.numbers_of_lengths]
-        signs = list(self.signs)
-        found += [((f'sign_{signs.index(place) + 1}' if len(signs) > 1 else 'sign')
-                   if place in signs else '', '')
-                  for place in range(len(found), len(found) + len(numbers_of(constants.sign)))]
-        found += _of_links('bodies', constants.bodies)
-        found += ([(f'base.{name}', unit) for name, unit in zip(
+        name_of = {index: f'sign_{i}' if len(self.signs) > 1 else 'sign'
+                   for i, index in enumerate(self.signs, 1)}
+        names += [(name_of.get(len(names) + i, ''), '')
+                  for i in range(len(numbers_of(constants.sign)))]
+        names += _of_links('bodies', constants.bodies)
+        names += ([(f'base.{name}', unit) for name, unit in zip(
             Base._fields, ('m/s^2', 'm/s^2', 'rad/s', 'rad/s^2'))]
             if isinstance(constants.gravity, Base) else
             [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')])
-        found += _of_links('external', constants.external)
-        found += [(f'points.{name}.{what}', 'm') for name in self.scene.points
-                  for what in ('along', 'across')]
-        assert len(found) == len(self.data)
-        return found
+        names += _of_links('external', constants.external)
+        names += [(f'points.{name}.{field}', 'm') for name in self.scene.points
+                  for field in ('along', 'across')]
+        assert len(names) == len(self.data)
+        return names
 
     @cached_property
     def tunable(self) -> tuple[Named, ...]:
@@ -214,64 +211,58 @@ class GeneratedModel:
         trace, first = self.trace, self.trace.count
         used = {i - first for i in trace.needed(self.needed(True))}
         used |= {i for datum in used & self.derived.keys() for i in self.derived[datum]}
-        chooses_all = self.parameters is None and not self.is_fixed and not self.moves_by_torque
-
-        def is_tunable(place: int, name: str) -> bool:
-            """Return whether it was asked for, or all are wanted and results depend on it."""
-            return bool(name) and (place in self._asked or chooses_all and place in used
-                                   and trace.steps[first + place].operation == 'datum')
-        return self._with_fields([Named(name, '', unit, '', self.data[i], i)
-                                  for i, (name, unit) in enumerate(self.names)
-                                  if is_tunable(i, name)])
+        if self.parameters is None and not self.is_fixed and not self.moves_by_torque:
+            # all on which results depend
+            tunable = self._asked | {i for i in used if i < len(self.data)
+                                     and trace.steps[first + i].operation == 'datum'}
+        else:
+            tunable = self._asked
+        return self._with_fields([Named(name, '', unit, '', self.data[i], i) for i, (name, unit)
+                                  in enumerate(self.names) if name and i in tunable])
 
     def bound_of(self, name: str) -> str:
         """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""
         if name.startswith('bodies.') and name.endswith(('.mass', '.inertia')):
             return '>='
-        return '>' * any(length.name == name and not length.signed
-                         for length in self.mechanism.LENGTHS)
+        return '>' if any(length.name == name and not length.signed
+                          for length in self.mechanism.LENGTHS) else ''
 
     @cached_property
     def derived(self) -> dict[int, tuple[int, int]]:
-        """Return {place among the data: two others} of sizes of vectors."""
+        """Return {index of the size of a vector in the data: indices of its two components}."""
         return {i: name for i, name in enumerate(self.mechanism.numbers_of_lengths)
                 if not isinstance(name, str)}
 
     @cached_property
     def motion(self) -> tuple[Named, ...]:
         """Return the wanted fields of the motion, and those of points."""
-        return self._wanted(self.names_of_motion,
-                            [*_parts(self.trace)[0], *_parts(self.trace)[2]], False)
+        motion, _, points = _indices_of(self.trace)
+        return self._wanted(self.names_of_motion, [*motion, *points],
+                            self.mechanism.input_coordinate)
 
     @property
     def names_of_motion(self) -> list[str]:
         """Return the names of all results of the motion, and of points."""
         return [*self.mechanism.MOTION._fields, *(
-            f'{point}.{what}' for point in self.scene.points for what in PointMotion._fields)]
+            f'{point}.{field}' for point in self.scene.points for field in PointMotion._fields)]
 
     @cached_property
     def loads(self) -> tuple[Named, ...]:
         """Return the wanted fields of the loads."""
         return self._wanted(self.mechanism.LOADS._fields if self.mechanism.bodies else (),
-                            _parts(self.trace)[1], True)
+                            _indices_of(self.trace)[1])
 
-    def _wanted(self, names: Sequence[str], places: Sequence[int], are_loads: bool
+    def _wanted(self, names: Sequence[str], indices: Sequence[int], always: Sequence[str] = ()
                 ) -> tuple[Named, ...]:
-        """
-        Return the results that the user asked for, as C fields.
-
-        ``places``: their places in the trace. The motion always includes the input with its rates.
-        """
+        """Return as C fields the results that the user asked for, and those named ``always``."""
         texts = self.units_and_texts
-        given = dict.fromkeys(self.mechanism.input_coordinate)
         return self._with_fields([
-            Named(name, '', *texts.get(name, ('', '')), 0.0, place)
-            for name, place in zip(names, places)
-            if self.outputs is None or name in self.outputs
-            or name in given and not are_loads])
+            Named(name, '', *texts.get(name, ('', '')), 0.0, index)
+            for name, index in zip(names, indices)
+            if self.outputs is None or name in self.outputs or name in always])
 
     def check(self) -> None:
-        """Raise NotGenerated or InvalidParameter where it cannot be generated."""
+        """Raise NotGenerated or InvalidParameter if the scene cannot be generated as asked."""
         mechanism, outputs = self.mechanism, list(self.outputs or ())
         known = self.names_of_motion
         for name in outputs:
@@ -286,137 +277,137 @@ class GeneratedModel:
     @cached_property
     def units_and_texts(self) -> Mapping[str, tuple[str, str]]:
         """Return {field of motion or loads, or POINT.x: (unit, text)} as far as they are known."""
-        words = {what: what.replace('_', ' along ' if what[-2:] in ('_x', '_y') else ' ')
-                 for what in UNITS_OF_POINTS}
-        of_points = {f'{point}.{what}': (unit, f'{words[what]} of point {point}')
-                     for point in self.scene.points for what, unit in UNITS_OF_POINTS.items()}
+        words = {field: field.replace('_', ' along ' if field[-2:] in ('_x', '_y') else ' ')
+                 for field in UNITS_OF_POINTS}
+        of_points = {f'{point}.{field}': (unit, f'{words[field]} of point {point}')
+                     for point in self.scene.points for field, unit in UNITS_OF_POINTS.items()}
         return of_points | {name: (quantity.unit, quantity.text)
                             for name, quantity in fields_of(self.mechanism).items()}
 
     def _with_fields(self, named: Iterable[Named]) -> tuple[Named, ...]:
-        """Return them with fields that are words of C and differ."""
-        taken, found = set[str](), []
-        for one in named:
-            field = word(one.name)
-            while field in taken:
+        """Return the numbers with fields that are different words of C."""
+        by_field = dict[str, Named]()
+        for entry in named:
+            field = word(entry.name)
+            while field in by_field:
                 field += '_'
-            taken.add(field)
-            found.append(one._replace(field=field))
-        return tuple(found)
+            by_field[field] = entry._replace(field=field)
+        return tuple(by_field.values())
 
     # --- when there is no answer ----------------------------------------------------------------
 
     @cached_property
     def limits_at_zero(self) -> tuple[list[float], ...]:
         """
-        Return the fields at a flat position at 0 as coefficients, four lists.
+        Return four lists of coefficients: of 1, the rate, its square, the acceleration.
 
-        Of 1, the rate, its square, the acceleration.
+        These terms add up to the fields of motion and loads at a flat position at 0.
         """
         if not self.mechanism.is_flat_at_zero:
             return ()
         with_loads = self.mechanism.bodies is not None
-        at, forward, back, faster = (
-            limits_at_zero(self.mechanism, *given, with_loads)
-            for given in ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)))
-        return (at, [0.5 * (a - b) for a, b in zip(forward, back)],
-                [0.5 * (a + b) - c for a, b, c in zip(forward, back, at)],
-                [a - b if isfinite(b) else b for a, b in zip(faster, at)])
+        still, forward, back, faster = (
+            limits_at_zero(self.mechanism, *rates, with_loads)
+            for rates in ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)))
+        return (still, [0.5 * (a - b) for a, b in zip(forward, back)],
+                [0.5 * (a + b) - c for a, b, c in zip(forward, back, still)],
+                [a - b if isfinite(b) else b for a, b in zip(faster, still)])
 
     @property
     def depends(self) -> list[int]:
         """
-        Return for each field of :attr:`motion` what it needs: 1 rate, 2 acceleration, 3 both.
+        Return for each field of :attr:`motion` its need: 1 the rate, 2 the acceleration, 3 both.
 
         Terms that are zero in this scene count too.
         """
         trace = self._recorded[0]
-        found = [{0: 0, 1: 1, 2: 2}.get(place, 0) for place in range(len(trace.steps))]
-        for place, step in enumerate(trace.steps):
+        needs = [0, 1, 2] + [0] * (len(trace.steps) - 3)      # the first steps are the inputs
+        for index, step in enumerate(trace.steps):
             for i in step.arguments:
-                found[place] |= found[i]
-        places = dict(zip(self.names_of_motion, _parts(trace)[0] + _parts(trace)[2]))
-        return [found[places[one.name]] for one in self.motion]
+                needs[index] |= needs[i]
+        motion, _, points = _indices_of(trace)
+        index_of = dict(zip(self.names_of_motion, motion + points))
+        return [needs[index_of[entry.name]] for entry in self.motion]
 
     def sample(self) -> tuple[tuple[float, float, float], dict[str, float]]:
-        """Return one input, and all results of Python there by name."""
+        """Return an input with its rates, and Python's results for it by name."""
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
-        given = low + 0.6180339887 * (high - low), 1.5, -0.5
-        loaded = self.scene.linkage_at(*given[:2]) if self.scene.elements else mechanism
-        motion, loads = loaded.motion_and_loads(*given)
-        found = {**motion._asdict(), **(loads._asdict() if loads else {})}
+        x, rate, acceleration = low + 0.6180339887 * (high - low), 1.5, -0.5
+        loaded = self.scene.linkage_at(x, rate) if self.scene.elements else mechanism
+        motion, loads = loaded.motion_and_loads(x, rate, acceleration)
+        results = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():
             values = make_point(REAL, mechanism, *point)(motion)
-            found.update((f'{name}.{what}', value)
-                         for what, value in zip(PointMotion._fields, values))
-        return given, found
+            results.update((f'{name}.{field}', value)
+                           for field, value in zip(PointMotion._fields, values))
+        return (x, rate, acceleration), results
 
     def needed(self, with_loads: bool) -> list[int]:
-        """Return the places of the steps that the wanted results and the status need."""
+        """Return the indices of the steps that the wanted results and the status need."""
         steps = self.trace.steps
-        wanted = [self.transmission, *(one.place for one in (
+        wanted = [self.transmission, *(entry.slot for entry in (
             *self.motion, *(self.loads if with_loads else ())))]
-        for place in self.refusing(with_loads):
-            wanted.append(steps[place].arguments[-1] if steps[place].operation in JUDGED
-                          else place)
+        for index in self.refusing(with_loads):
+            wanted.append(steps[index].arguments[-1] if steps[index].operation in JUDGED
+                          else index)
         return self.trace.needed(wanted)
 
     def refusing(self, with_loads: bool) -> list[int]:
-        """Return the places of the steps that refuse some inputs."""
+        """Return the indices of the steps that refuse some inputs."""
         trace = self.trace
         _, end_of_motion, _ = self._recorded
         end = len(trace.steps) if with_loads and self.loads else end_of_motion
-        return [place for place, step in enumerate(trace.steps[:end])
-                if step.operation in REFUSING and place in trace.varies]
+        return [index for index, step in enumerate(trace.steps[:end])
+                if step.operation in REFUSING and index in trace.varies]
 
     @property
     def roots_left_out(self) -> list[int]:
-        """Return the arguments of roots that the transmission angle has but for zeros."""
+        """Return the arguments of roots that zeros take out of the transmission angle."""
         whole, trace = self._recorded[0], self.trace
-        place = _parts(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
-        lost = set(whole.needed([place])) - set(trace.needed([self.transmission]))
+        angle = _indices_of(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
+        lost = set(whole.needed([angle])) - set(trace.needed([self.transmission]))
         return [trace.steps[i].arguments[0] for i in sorted(lost)
                 if trace.steps[i].operation == 'sqrt' and i in trace.varies]
 
     @property
     def transmission(self) -> int:
-        """Return the place of the transmission angle, which is a number where the links close."""
+        """Return the index of the transmission angle, which is a number where the links close."""
         names: Sequence[str] = self.mechanism.MOTION._fields
-        return _parts(self.trace)[0][names.index('transmission_angle')]
+        return _indices_of(self.trace)[0][names.index('transmission_angle')]
 
 
-def _parts(trace: Trace) -> list[list[int]]:
-    """Return the places of the fields of motion, loads and points."""
+def _indices_of(trace: Trace) -> list[list[int]]:
+    """Return the indices in a trace of the fields of motion, of loads, of points."""
     assert not isinstance(trace.results, int)
     return [flat(part) for part in trace.results]
 
 
 def word(name: str) -> str:
     """Return a name as a word of C and C++."""
-    found = re.sub(r'\W', '_', name, flags=re.ASCII)
-    if found[:1].isdigit() or found[:1] == '_' or not found:
-        found = 'n' + found
-    return found + '_' if found in RESERVED else found
+    text = re.sub(r'\W', '_', name, flags=re.ASCII)
+    if not text or text[0].isdigit() or text[0] == '_':
+        text = 'n' + text
+    return text + '_' if text in RESERVED else text
 
 
 def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
     """
     Return the lines of a C struct: a double for each of ``named``; ``about``: comment above it.
 
-    C has no empty struct: without fields it gets the field none.
+    C has no empty struct: a struct without fields gets the field ``none``.
     """
     if not named:
         return [f'/* {about} Nothing. */', f'typedef struct {{ double none; }} {name};', '']
-    width = max(len(one.field) for one in named)
+    width = max(len(entry.field) for entry in named)
     return [f'/* {about} */', 'typedef struct {',
-            *(f'  double {one.field};{" " * (width - len(one.field))}  /* '
-              f'[{one.unit or "-"}] {one.text}'.rstrip() + ' */' for one in named),
+            *(f'  double {entry.field};{" " * (width - len(entry.field))}  /* '
+              f'[{entry.unit or "-"}] {entry.text}'.rstrip() + ' */' for entry in named),
             f'}} {name};', '']
 
 
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:
-    """Return name and unit of all numbers of bodies or external loads."""
+    """Return name and unit of all fields of bodies or external loads."""
     return [(f'{group}.{link}.{field.name}', UNITS_OF_BODIES.get(field.name, 'm'))
             for link in (record._fields if record else ())
             for field in fields(getattr(record, link))]

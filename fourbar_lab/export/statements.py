@@ -24,7 +24,7 @@ _SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
 
 
 @cache
-def _parts(file: str) -> dict[str, str]:
+def _texts(file: str) -> dict[str, str]:
     """Return {name: text} of a C file of this package; the text above all names has none."""
     text = (files(__package__) / 'c' / file).read_text(encoding='utf-8')
     first, *named = re.split(r'(?m)^// --- (\w+)\n', text)
@@ -32,8 +32,8 @@ def _parts(file: str) -> dict[str, str]:
 
 
 def snippet(file: str, name: str = '') -> str:
-    """Return a part of a C file of this package."""
-    return _parts(file)[name]
+    """Return a named text of a C file of this package, or the text above all names."""
+    return _texts(file)[name]
 
 
 def filled(text: str, words: Mapping[str, object]) -> str:
@@ -55,66 +55,69 @@ def literal(value: float) -> str:
 
 
 class Statements:
-    """Writes statements, and keeps what they need: texts, sizes, functions."""
+    """Writes statements, and keeps the C texts, sizes and functions that these call."""
 
     def __init__(self) -> None:
         self.used = set[str]()              # names of C texts of this package
         self.most_terms = 0                 # of a sum
-        self.called: list[Function] = []    # no formulas: the i-th is called ``called_i``
+        self.called: list[Function] = []    # functions of Python: the i-th is ``called_i``
 
     def lines(self, trace: Trace, needed: Iterable[int], refusing: Iterable[int],
               name_of: Callable[[int], str], refused: Mapping[str, str] = JUDGED) -> list[str]:
         """
         Return the statements of all that varies with the inputs, in order.
 
-        ``needed``: places whose results are wanted; ``refusing``: places that refuse some inputs,
-        wanted or not; ``name_of`` gives the name in C of the result of a place; ``refused`` is
-        {operation: test of its last argument that refuses the inputs}.
+        ``needed``: indices of steps whose results are wanted; ``refusing``: indices of steps that
+        refuse some inputs, wanted or not; ``name_of`` gives the name in C of the result of a step;
+        ``refused`` is {operation: test of its last argument that refuses the inputs}.
         """
-        found, needed = list[str](), set(needed)
-        for place in sorted(trace.varies & {*needed, *refusing}):
-            step = trace.steps[place]
-            if place in needed and not step.is_given:
-                found += self.define(f'v{place}', step, [name_of(i) for i in step.arguments],
+        lines, needed = list[str](), set(needed)
+        for index in sorted(trace.varies & {*needed, *refusing}):
+            step = trace.steps[index]
+            if index in needed and not step.is_given:
+                lines += self.define(f'v{index}', step, [name_of(i) for i in step.arguments],
                                      True, step.arguments[0] in trace.varies)
             if step.operation in refused:
                 last = name_of(step.arguments[-1])
                 refusal = f'refused |= {refused[step.operation].format(last)};'
                 # a number of the scene refuses nothing, unless it is zero
-                if (last[0] in 'vxk' or last == '0.0') and refusal not in found:
-                    found.append(refusal)
-        return found
+                if (last[0] in 'vxk' or last == '0.0') and refusal not in lines:
+                    lines.append(refusal)
+        return lines
 
-    def define(self, its_name: str, step: Step, names: Sequence[str], is_flag: bool = False,
+    def define(self, name: str, step: Step, operands: Sequence[str], is_flag: bool = False,
                is_chosen_by_flag: bool = False) -> list[str]:
         """
-        Return the definition of a number as the result of a step; ``names`` of its arguments.
+        Return the C definition of the result of a step; ``operands``: names of its arguments.
 
-        ``is_flag``: a comparison is an int, not 1.0 or 0.0; ``is_chosen_by_flag``: so is the
-        condition of a choice.
+        ``is_flag``: the result of a comparison is an int, not 1.0 or 0.0; ``is_chosen_by_flag``:
+        the condition of a choice is such an int.
         """
         operation, kind = step.operation, 'double'
         if operation in _SNIPPETS:
             self.used.add(_SNIPPETS[operation])
         if operation in _OF_LISTS:
-            self.most_terms = max(self.most_terms, len(names))
-            return [f'double {its_name};',
-                    f'{{ const double terms[] = {{{", ".join(names)}}}; '
-                    f'{its_name} = {operation}({len(names)}, terms); }}']
+            self.most_terms = max(self.most_terms, len(operands))
+            return [f'double {name};',
+                    f'{{ const double terms[] = {{{", ".join(operands)}}}; '
+                    f'{name} = {operation}({len(operands)}, terms); }}']
         if operation == 'where':
-            text = f'{names[0]}{" > 0.0" * (not is_chosen_by_flag)} ? {names[1]} : {names[2]}'
+            condition = operands[0] if is_chosen_by_flag else f'{operands[0]} > 0.0'
+            text = f'{condition} ? {operands[1]} : {operands[2]}'
         elif operation == 'call':
             if step.value not in self.called:
                 self.called.append(step.value)
-            text = f'called_{self.called.index(step.value)}({names[0]})'
+            text = f'called_{self.called.index(step.value)}({operands[0]})'
         else:
-            text = _FORMS.get(operation, operation + '({})'
-                              if len(names) == 1 else operation + '({}, {})').format(*names)
-        if operation in ('gt', 'lt'):
-            kind, text = ('int', text) if is_flag else (kind, f'{text} ? 1.0 : 0.0')
-        return [f'const {kind} {its_name} = {text};']
+            call = f'{operation}({", ".join(operands)})'
+            text = _FORMS[operation].format(*operands) if operation in _FORMS else call
+        if operation in ('gt', 'lt') and is_flag:
+            kind = 'int'
+        elif operation in ('gt', 'lt'):
+            text = f'{text} ? 1.0 : 0.0'
+        return [f'const {kind} {name} = {text};']
 
-    def function(self, its_name: str, trace: Trace) -> str:
+    def function(self, name: str, trace: Trace) -> str:
         """
         Return the C function of a trace without data: inputs x to results, flat.
 
@@ -123,19 +126,19 @@ class Statements:
         """
         values, steps = trace.constants([]), trace.steps
 
-        def name_of(place: int) -> str:
-            if place not in trace.varies:
-                value = values[place]
+        def name_of(index: int) -> str:
+            if index not in trace.varies:
+                value = values[index]
                 assert value is not None
                 return literal(value)
-            return f'x[{place}]' if steps[place].is_given else f'v{place}'
+            return f'x[{index}]' if steps[index].is_given else f'v{index}'
 
         results = flat(trace.results)
-        refusing = [place for place in trace.varies if steps[place].operation in JUDGED]
+        refusing = [index for index in trace.varies if steps[index].operation in JUDGED]
         needed = trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)])
         lines = self.lines(trace, needed, refusing, name_of, ALL_JUDGED)
-        lines += [f'to[{i}] = {name_of(place)};' for i, place in enumerate(results)]
-        is_used = any('x[' in line for line in lines)
-        return '\n'.join([f'static int {its_name}(const double *x, double *to)\n{{',
-                          '  int refused = 0;', *['  (void)x;'] * (not is_used),
-                          *(f'  {line}' for line in lines), '  return refused;', '}', ''])
+        lines += [f'to[{i}] = {name_of(index)};' for i, index in enumerate(results)]
+        unused = [] if any('x[' in line for line in lines) else ['(void)x;']
+        return '\n'.join([f'static int {name}(const double *x, double *to)\n{{',
+                          '  int refused = 0;', *(f'  {line}' for line in (*unused, *lines)),
+                          '  return refused;', '}', ''])

@@ -167,7 +167,7 @@ def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
     for mode in (1, 2):
         signs = {place: numbers[mode] for place, numbers in code.model.signs.items()}
         status, rows = run(np.ascontiguousarray(inputs), [
-            signs.get(one.place, one.value) for one in code.model.tunable])
+            signs.get(one.slot, one.value) for one in code.model.tunable])
         for said, found, given in zip(status, rows, inputs.tolist()):
             wanted, expected = stepper.step(*given, Wanted(True, scene.topics), mode)
             assert said == wanted == OK and bits(found) == bits(expected)
