@@ -91,6 +91,11 @@ def printed(item: str, unit: str, text: str, ours: float, verdict: str = AGREES,
     return Row(item, unit, text, ours, ours - value, verdict if is_earned else DIFFERS, why)
 
 
+def drawn(item: str, unit: str, text: str, ours: float, within: float, why: str = '') -> Row:
+    """Return the Row of a number that the document reads off a drawing."""
+    return printed(item, unit, text, ours, DRAWN, why, within=within)
+
+
 def remark(item: str, verdict: str, why: str) -> Row:
     """Return the Row of an item that is not compared, or only defined."""
     return Row(item, '', '', nan, nan, verdict, why)

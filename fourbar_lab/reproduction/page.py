@@ -11,13 +11,7 @@ from math import tau
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import (
-    make_figure,
-    make_panels,
-    STYLE,
-    Units,
-    writing,
-)
+from fourbar_lab.drawing.figure import make_figure, make_panels, STYLE, Units, writing
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
 from fourbar_ros import __version__
