@@ -30,9 +30,9 @@ from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.given import number
 import numpy as np
 
-# Of the solver; gap that a result may have, relative; what is rounding beside the radius or mass.
+# Tolerance of the solver; gap that a result may have, relative; rounding, of radius or mass.
 TOLERANCE, ENOUGH, NOTHING = 1e-12, 1e-6, 1e-10
-# Of the best counterweights the lightest: a kilogram costs so much of the load.
+# Price of a kilogram beside the load, so that of equally good counterweights the lightest win.
 LIGHT = 1e-9
 # Singular values below this part of the largest are rounding; nearer than this part of the radius
 # to their middle, two counterweights are one.

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from math import isnan
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,6 @@ from fourbar_ros.scene.units import of
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_lab.balancing import Balance, Loads, Places
-    from fourbar_ros.mechanisms.mechanism import Mechanism
     from rich.table import Table
 
 DESCRIPTION = """\
@@ -80,7 +78,12 @@ def _run(arguments: argparse.Namespace) -> None:
     from fourbar_ros.terminal import make_console
     scene = load(arguments.scene)
     loads = Loads(scene.bare_linkage, scene.drive.speed)
-    sites = Places(loads, _radii(scene.linkage, arguments.radius))
+    radii = {link: radius for link, radius in arguments.radius if link}
+    if not radii:
+        longest = max(map(abs, scene.linkage.lengths))
+        for_all = next((radius for _, radius in arguments.radius), 0.5 * longest)
+        radii = {link.name: for_all for link in scene.linkage.LINKS if link.turns}
+    sites = Places(loads, radii)
     balance, how = (_best if arguments.minimize else _full)(arguments, sites)
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
@@ -91,14 +94,6 @@ def _run(arguments: argparse.Namespace) -> None:
         arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:
         draw_changes(loads, balance.numbers, arguments.plot)
-
-
-def _radii(linkage: Mechanism, options: Sequence[tuple[str, float]]) -> dict[str, float]:
-    """Return {link: radius [m]} of the links named in options, or of all links that turn."""
-    named = {link: radius for link, radius in options if link}
-    for_all = next((radius for link, radius in options if not link),
-                   0.5 * max(map(abs, linkage.lengths)))
-    return named or {link.name: for_all for link in linkage.LINKS if link.turns}
 
 
 def _full(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:

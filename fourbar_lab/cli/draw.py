@@ -4,15 +4,10 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_output, add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
 from fourbar_ros.errors import InvalidParameter
-
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.mechanisms.picture import Points
 
 EPILOG = """\
 examples:
@@ -26,7 +21,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar draw`` with its arguments."""
     draw = add_verb(verbs, 'draw', 'draw a scene in one pose: linkage with forces, velocity and '
                                    'acceleration polygons',
                     'Draw the linkage with its joint forces and its velocity and acceleration '
@@ -65,18 +59,14 @@ def _draw(arguments: Namespace) -> None:
     elif position is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        # springs and other forces of the scene that act in this pose
-        _draw_pose(arguments, scene.linkage_at(position, speed, linkage.mode), speed, scene.points)
-
-
-def _draw_pose(arguments: Namespace, linkage: Mechanism, speed: float, points: Points) -> None:
-    """Draw one pose with its forces and polygons; its title names class, input and rates."""
-    from fourbar_lab.drawing.figure import make_figure, save
-    from fourbar_lab.drawing.poses import step_at
-    from fourbar_lab.drawing.tables import mode_name, rates_in_words
-    _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
-    pose = (f'{linkage.input_coordinate.position} {arguments.at:.8g} '
-            f'{"m" if linkage.is_driven_by_slide else "deg"}')
-    rates = rates_in_words(linkage, speed, arguments.acceleration, ', ')
-    title = f'{linkage.description}\n{pose}, {rates}, assembly mode {mode_name(linkage)}'
-    print(save(make_figure(linkage, motion, loads, title, points), arguments.out))
+        from fourbar_lab.drawing.figure import make_figure
+        from fourbar_lab.drawing.poses import step_at
+        from fourbar_lab.drawing.tables import mode_name, rates_in_words
+        # with springs and other forces of the scene that act in this pose
+        loaded = scene.linkage_at(position, speed, linkage.mode)
+        _, motion, loads = step_at(loaded, arguments.at, speed, arguments.acceleration)
+        unit = 'm' if loaded.is_driven_by_slide else 'deg'
+        rates = rates_in_words(loaded, speed, arguments.acceleration, ', ')
+        title = (f'{loaded.description}\n{loaded.input_coordinate.position} {arguments.at:.8g} '
+                 f'{unit}, {rates}, assembly mode {mode_name(loaded)}')
+        print(save(make_figure(loaded, motion, loads, title, scene.points), arguments.out))

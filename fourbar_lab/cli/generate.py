@@ -21,7 +21,6 @@ The results have the bits of the node, with the same libm. docs/generated.md has
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar generate`` with its arguments."""
     verb = add_verb(verbs, 'generate', 'write a scene as C code or an FMU',
                     'Write the formulas of a scene, for its input, as C99, or as an FMU for '
                     'co-simulation.', EPILOG)

@@ -16,7 +16,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar list`` with its arguments."""
     every = add_verb(verbs, 'list', 'the scenes that come with the package',
                      'List the scenes that every verb takes by name, and the studies.', EPILOG)
     every.set_defaults(run=_list)

@@ -18,7 +18,6 @@ started the same scene. The page is served to browsers of this machine only.
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
     live = add_verb(verbs, 'live', 'a page in the browser: the mechanism moving, curves, forces, '
                                    'extrema',
                     'Show a mechanism moving in the browser, with its curves, forces, polygons '

@@ -19,7 +19,6 @@ The node writes the bag into its recording.directory. Requires ROS 2.
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar record`` with its arguments."""
     record = add_verb(verbs, 'record', 'start or stop the bag of a running node',
                       'Start or stop the bag of a running node.', EPILOG)
     record.add_argument('what', metavar='start|stop', choices=('start', 'stop'),

@@ -21,7 +21,6 @@ known reason
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb."""
     from fourbar_lab.reproduction.documents import VERDICTS
     verdicts = '\n'.join(f'  {name:<21}{meaning}' for name, meaning in VERDICTS.items())
     verb = add_verb(

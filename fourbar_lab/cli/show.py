@@ -12,11 +12,7 @@ from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_lab.drawing.curves import Effort
-    from fourbar_lab.drawing.poses import DrawnPose
-    from fourbar_ros.extrema.find import Extremum
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.scene.scene import Scene
     from rich.table import Table
 
 SECONDS = 5.0
@@ -32,7 +28,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar show`` with its arguments."""
     show = add_verb(verbs, 'show', 'class, modes, limits, extrema and loads of a scene, as tables',
                     'Show Grashof class, input range, transmission angle, all extrema of motion '
                     'and (with masses) of\nloads over the input at constant speed, and optionally '
@@ -60,6 +55,8 @@ def _show(arguments: Namespace) -> None:
     from fourbar_lab.drawing.curves import effort_of
     from fourbar_lab.drawing.poses import evaluate_at, position_of
     from fourbar_lab.drawing.record import record_of
+    from fourbar_ros.extrema.find import find_extrema
+    from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.scene.files import find
     path, acceleration = find(arguments.scene), arguments.acceleration
     scene, linkage, speed = asked(arguments)
@@ -67,43 +64,47 @@ def _show(arguments: Namespace) -> None:
     pose = (None if arguments.at is None else evaluate_at(
         scene.linkage_at(position_of(linkage, arguments.at), speed, linkage.mode),
         arguments.at, speed, acceleration))
-    extrema = _extrema(scene, linkage, speed, within, arguments)
-    why_no_loads = scene.why_no_loads
+    with bar('proof', 100) as done:
+        extrema = find_extrema(
+            linkage, select((), linkage, scene.point_quantities), speed, acceleration,
+            arguments.certify, seconds=arguments.seconds,
+            progress=lambda share: done(round(100.0 * share)), within=within)
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
               if scene.tells_loads else None)
-    bare = scene.bare_linkage.in_mode(linkage.mode)         # without springs and forces
+    bare = scene.bare_linkage.in_mode(linkage.mode)         # with masses, without springs
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
-            **({'within': list(within)} if within else {}), 'why_no_loads': why_no_loads,
+            **({'within': list(within)} if within else {}), 'why_no_loads': scene.why_no_loads,
             **({'drive_effort': effort._asdict()} if effort else {}),
             **record_of(bare, extrema, scene.points, pose)}))
     else:
         from fourbar_lab.drawing import tables
+        from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
         from fourbar_ros.terminal import make_console
         rates = tables.rates_in_words(linkage, speed, acceleration)
         if within:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
         console = make_console()
-        blocks = [
+        blocks: list[Table | str | None] = [
             tables.linkage_table(bare, path),
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,
-            why_no_loads or None,
-            _effort_in_words(linkage, effort) if effort else None,
-            *(_pose_tables(linkage, pose, scene) if pose else ())]
+            scene.why_no_loads or None]
+        if effort:
+            unit = 'N' if linkage.is_driven_by_slide else 'N m'
+            blocks.append(f'{linkage.drive_load.replace("_", " ")}: root mean square '
+                          f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} '
+                          f'over the input{effort.how}')
+        if pose:
+            blocks += [motion_table(linkage, pose),
+                       loads_table(linkage, pose.loads) if pose.loads else None,
+                       points_table(linkage, pose.motion, scene.points) if scene.points else None]
         for index, block in enumerate(filter(None, blocks)):
             if index and not isinstance(block, str):
                 console.print()             # between tables; lines of text follow their table
             console.print(block)
-
-
-def _pose_tables(linkage: Mechanism, pose: DrawnPose, scene: Scene) -> list[Table | None]:
-    """Return the tables of a pose: its motion, loads and points."""
-    from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
-    return [motion_table(linkage, pose), loads_table(linkage, pose.loads) if pose.loads else None,
-            points_table(linkage, pose.motion, scene.points) if scene.points else None]
 
 
 def _within(linkage: Mechanism, low: float | None,
@@ -118,23 +119,3 @@ def _within(linkage: Mechanism, low: float | None,
     require('--from', low, unit)
     require('--to', high, unit)
     return position_of(linkage, low), position_of(linkage, high)
-
-
-def _effort_in_words(linkage: Mechanism, effort: Effort) -> str:
-    """Return the line about the effort of the drive."""
-    unit = 'N' if linkage.is_driven_by_slide else 'N m'
-    return (f'{linkage.drive_load.replace("_", " ")}: root mean square '
-            f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} over the input'
-            f'{effort.how}')
-
-
-def _extrema(scene: Scene, linkage: Mechanism, speed: float, within: tuple[float, float] | None,
-             arguments: Namespace) -> list[Extremum]:
-    """Return the extrema of all quantities; a proof of them shows its progress."""
-    from fourbar_ros.extrema.find import find_extrema
-    from fourbar_ros.mechanisms.quantities import select
-    with bar('proof', 100) as done:
-        return find_extrema(
-            linkage, select((), linkage, scene.point_quantities), speed, arguments.acceleration,
-            arguments.certify, seconds=arguments.seconds,
-            progress=lambda share: done(round(100.0 * share)), within=within)

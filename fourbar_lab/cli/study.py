@@ -51,7 +51,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb and its actions."""
     verb = add_verb(verbs, 'study', 'compute many designs of a scene; show and pick the best',
                     DESCRIPTION, EPILOG)
     parse = verb.parse_known_args
@@ -65,13 +64,6 @@ def add(verbs: Verbs) -> None:
 
     verb.parse_known_args = with_run_implied        # type: ignore[method-assign, assignment]
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
-    _add_run(actions)
-    _add_queries(actions)
-    tolerances.add(actions)
-
-
-def _add_run(actions: Verbs) -> None:
-    """Add the action that computes a study."""
     run = actions.add_parser('run', help='compute the designs of a study; "run" may be left out',
                              description=DESCRIPTION, epilog=EPILOG,
                              formatter_class=HelpFormatter)
@@ -87,10 +79,6 @@ def _add_run(actions: Verbs) -> None:
                        help='address of a Dask scheduler, tcp://host:8786; its workers need '
                             'pip install ".[study]", no ROS')
     run.set_defaults(run=_run)
-
-
-def _add_queries(actions: Verbs) -> None:
-    """Add the actions that read the folder of a study: show and pick."""
     show = actions.add_parser('show', help='show counts, ranges and the best designs of a study',
                               description='Show how many designs were left out by what, the '
                                           'range of each column, and the best designs.')
@@ -105,6 +93,7 @@ def _add_queries(actions: Verbs) -> None:
                help='file to write; default: print it')
     show.set_defaults(run=_show)
     pick.set_defaults(run=_pick)
+    tolerances.add(actions)
 
 
 def _show(arguments: argparse.Namespace) -> None:

@@ -32,7 +32,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar table`` and ``fourbar plot`` with their arguments."""
     table = add_verb(verbs, 'table', 'quantities over the input as CSV',
                      'Write quantities over all of the input, a row for each sample. Angles are '
                      'in degrees,\nall else is in SI.', TABLE)

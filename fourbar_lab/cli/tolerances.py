@@ -25,7 +25,6 @@ give.
 
 
 def add(actions: Verbs) -> None:
-    """Add the action."""
     parser = actions.add_parser('tolerances', help='sensitivities, worst case and Monte Carlo of '
                                                    'the tolerances of a study',
                                 description=DESCRIPTION,
