@@ -62,7 +62,7 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
         bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
         assert isinstance(linkage, Machine)
         return constants._replace(
-            lengths=machines.numbers_of(linkage, values, n),
+            lengths=machines.lengths_of(linkage, values, n),
             bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
     lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
     bodies = _UncheckedBodies(values, linkage.LINKS, lengths)

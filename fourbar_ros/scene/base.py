@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""How the frame of a base's messages lies to that of the linkage."""
+"""How the frame of a base's messages lies to that of the mechanism."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -11,24 +11,24 @@ from fourbar_ros.errors import InvalidParameter
 Rows = tuple[tuple[float, float, float], ...]
 
 
-def rotation_of(given: Sequence[float]) -> Rows:
+def rotation_of(rotation: Sequence[float]) -> Rows:
     """
-    Return the axes of the linkage as rows, in the frame of the messages.
+    Return the axes of the mechanism as rows, in the frame of the messages.
 
-    ``given``: nothing, roll, pitch, yaw [rad] as in URDF, or a quaternion x, y, z, w.
+    ``rotation``: nothing, roll, pitch, yaw [rad] as in URDF, or a quaternion x, y, z, w.
     """
-    if not given:
+    if not rotation:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-    if len(given) == 3:
-        half = [0.5 * angle for angle in given]
+    if len(rotation) == 3:
+        half = [0.5 * angle for angle in rotation]
         (c_r, s_r), (c_p, s_p), (c_y, s_y) = [(cos(angle), sin(angle)) for angle in half]
-        given = (s_r * c_p * c_y - c_r * s_p * s_y, c_r * s_p * c_y + s_r * c_p * s_y,
-                 c_r * c_p * s_y - s_r * s_p * c_y, c_r * c_p * c_y + s_r * s_p * s_y)
-    size = hypot(*given)
-    if len(given) != 4 or not 0.5 < size < 2.0:
-        raise InvalidParameter('base.rotation', list(given), 'must be roll, pitch, yaw, or a '
+        rotation = (s_r * c_p * c_y - c_r * s_p * s_y, c_r * s_p * c_y + s_r * c_p * s_y,
+                    c_r * c_p * s_y - s_r * s_p * c_y, c_r * c_p * c_y + s_r * s_p * s_y)
+    size = hypot(*rotation)
+    if len(rotation) != 4 or not 0.5 < size < 2.0:
+        raise InvalidParameter('base.rotation', list(rotation), 'must be roll, pitch, yaw, or a '
                                'quaternion x, y, z, w of length 1')
-    x, y, z, w = [value / size for value in given]
+    x, y, z, w = [value / size for value in rotation]
     return ((1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)),
             (2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
             (2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)))

@@ -76,13 +76,13 @@ def _source(values: ParameterValues) -> Law:
         return ConstantTorque(0.0)
     kind = values['motor.kind']
     parameters, law = of_motor(kind), MOTORS[kind]
-    own = {field: values[parameter.name] for field, parameter in parameters.items()}
+    arguments = {field: values[parameter.name] for field, parameter in parameters.items()}
     for field, default, _ in quantities_of(law):
-        if default is MISSING and isnan(own[field]):
+        if default is MISSING and isnan(arguments[field]):
             raise InvalidParameter(parameters[field].name, None,
                                    f'must be given: {parameters[field].text}')
     try:
-        return law(**{field: value for field, value in own.items() if not isnan(value)})
+        return law(**{field: value for field, value in arguments.items() if not isnan(value)})
     except InvalidParameter as error:          # names the field of the motor
         raise InvalidParameter(parameters[error.name].name, error.value, error.allowed) from None
 
@@ -94,11 +94,11 @@ def _shaft(values: ParameterValues) -> Shaft | None:
     InvalidParameter for damping of a rigid shaft, or an elastic one on a motor without inertia.
     """
     if isnan(values['shaft.stiffness']):
-        if values['shaft.damping']:
+        if values['shaft.damping'] != 0.0:
             raise InvalidParameter('shaft.damping', values['shaft.damping'],
                                    'needs shaft.stiffness: a rigid shaft has no damping')
         return None
-    if not values['motor.rotor_inertia']:
+    if values['motor.rotor_inertia'] == 0.0:
         raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
                                'must be positive: an elastic shaft (shaft.stiffness) needs an '
                                'inertia on the side of the drive')

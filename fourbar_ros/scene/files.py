@@ -11,11 +11,11 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.scene.settings import OF_PLACES, OF_VALUES, ParameterValues
+from fourbar_ros.scene.settings import FORCE_UNITS, ParameterValues, POSITION_UNITS
 import yaml
 
 NODE = '/fourbar'
-# {root of an XML file: what it is}
+# {root of an XML file: its format}
 DESCRIPTIONS = {'robot': 'URDF', 'sdf': 'SDF', 'mujoco': 'MJCF'}
 ROOT = re.compile(r'\ufeff?\s*(?:<[?!][^>]*>\s*)*<(\w+)')
 TABLE = re.compile(r'forces\.\w+\.table')
@@ -64,8 +64,8 @@ def find(name: str | Path) -> Path:
 
 def shipped() -> dict[str, Path]:
     """Return {name: file} of the supplied scenes."""
-    return {file.stem: file for place in (folder() / 'classics', folder())
-            for file in sorted(place.glob('*.yaml'))}
+    return {file.stem: file for directory in (folder() / 'classics', folder())
+            for file in sorted(directory.glob('*.yaml'))}
 
 
 def read_values(path: str | Path) -> YamlTree:
@@ -87,13 +87,13 @@ def read_values(path: str | Path) -> YamlTree:
     for key, tree in trees.items():
         if is_for(key, node):
             values |= flatten(tree, path)
-    others = [key for key in trees if not is_for(key, node)]
-    if len(others) == len(trees):
+    unread = [key for key in trees if not is_for(key, node)]
+    if len(unread) == len(trees):
         raise nothing_for(node or NODE, path, trees, f', or name one: {path}:'
-                          f'{others[0].lstrip("/*")}' if node is None else '')
-    if node is None and others and not any(name.startswith('linkage.') for name in values):
-        raise SceneError(f'{path}: has the nodes {", ".join(others)}; name one: '
-                         f'{path}:{others[0].lstrip("/*")}')
+                          f'{unread[0].lstrip("/*")}' if node is None else '')
+    if node is None and unread and not any(name.startswith('linkage.') for name in values):
+        raise SceneError(f'{path}: has the nodes {", ".join(unread)}; name one: '
+                         f'{path}:{unread[0].lstrip("/*")}')
     return with_tables(values, [path.parent])
 
 
@@ -176,9 +176,9 @@ def read_table(path: Path) -> TableColumns:
     rows = _rows(path)
     row, header = rows[0] if rows else (1, [])
     units = [match[2] if match else '' for match in map(HEADING.fullmatch, header)]
-    if len(units) != 2 or units[0] not in OF_PLACES or units[1] not in OF_VALUES:
+    if len(units) != 2 or units[0] not in POSITION_UNITS or units[1] not in FORCE_UNITS:
         raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
-                          f'units are {", ".join(OF_PLACES)} and {", ".join(OF_VALUES)}')
+                          f'units are {", ".join(POSITION_UNITS)} and {", ".join(FORCE_UNITS)}')
     table = TableColumns([], units[0], [], units[1])
     for row, cells in rows[1:]:
         if len(cells) != 2:
@@ -207,7 +207,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
 
 
 def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, Any]:
-    """Return (text, what it is as YAML) of a file; SceneError if the loader refuses it."""
+    """Return (text, its YAML document) of a file; SceneError if the loader refuses it."""
     text = ''
     try:
         text = Path(path).read_text(encoding='utf-8')
@@ -250,14 +250,14 @@ def _why_no_yaml(text: str, error: Exception) -> str:
     mark, lines = getattr(error, 'problem_mark', None), text.splitlines()
     why = str(getattr(error, 'problem', None) or getattr(error, 'reason', 'nested too deeply'))
     where = f', line {mark.line + 1}' if mark else ''
-    for at in (mark.line, mark.line - 1) if mark else ():       # YAML often sees it a line later
-        match = NO_BLANK.search(lines[at]) if 0 <= at < len(lines) else None
+    for line in (mark.line, mark.line - 1) if mark else ():     # YAML often sees it a line later
+        match = NO_BLANK.search(lines[line]) if 0 <= line < len(lines) else None
         if match:
-            where = f', line {at + 1}'
+            where = f', line {line + 1}'
             why = f'a blank is missing behind the colon: {match[1]}: {match[2]}'
             break
     else:
-        why = next((words for part, words in IN_WORDS.items() if part in why), why)
+        why = next((words for text_of_yaml, words in IN_WORDS.items() if text_of_yaml in why), why)
     return f'{where}: not YAML that ROS reads: {" ".join(why.split())}'
 
 
@@ -276,12 +276,11 @@ def is_for(key: str, node: str | None) -> bool:
     ``/**`` stands for any namespaces and names, ``/*`` for one. None as the node stands for one
     named fourbar in any namespace.
     """
-    parts = key.strip('/').split('/')
+    names = key.strip('/').split('/')
     if node is None:
-        return parts[-1] in ('*', '**', NODE[1:])
-    pattern = ''.join('(/[^/]+)*' if part == '**' else '/[^/]+' if part == '*' else '/'
-                      + re.escape(part)
-                      for part in parts)
+        return names[-1] in ('*', '**', NODE[1:])
+    pattern = ''.join({'**': '(/[^/]+)*', '*': '/[^/]+'}.get(name, '/' + re.escape(name))
+                      for name in names)
     return re.fullmatch(pattern, node) is not None
 
 
@@ -303,12 +302,12 @@ def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Ya
     """
     flat: YamlTree = {}
     for key, value in tree.items():
-        part = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
-                else {f'{prefix}{key}': value})
-        for name in part:
+        below = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
+                 else {f'{prefix}{key}': value})
+        for name in below:
             if name in flat:
                 raise SceneError(f'{path}: {name} is given twice')
-        flat |= part
+        flat |= below
     return flat
 
 
@@ -316,7 +315,7 @@ def as_text(values: ParameterValues) -> str:
     """
     Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
 
-    Those that are not given (NaN) are left out; numbers have all their digits.
+    NaN stands for "not given" and is left out; numbers have all digits.
     """
     tree: YamlTree = {}
     for name, value in values.items():
@@ -324,8 +323,8 @@ def as_text(values: ParameterValues) -> str:
             continue
         *path, last = name.split('.')
         below = tree
-        for step in path:
-            below = below.setdefault(step, {})
+        for group in path:
+            below = below.setdefault(group, {})
         below[last] = list(value) if isinstance(value, tuple) else value
     return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
 
@@ -338,10 +337,10 @@ class PlainYaml(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Return a mapping; {a1: 0,4} is refused, in which a1 is 0 and 4 has no value."""
         keys, whole = [key.value for key, _ in node.value], ''
-        for place, (key, value) in enumerate(node.value):
+        for index, (key, value) in enumerate(node.value):
             is_plain = isinstance(value, yaml.ScalarNode) and not value.style
             why = ''
-            if key.value in keys[:place]:
+            if key.value in keys[:index]:
                 why = f'{key.value} is given twice'
             elif is_plain and not value.value:
                 why = (f'a comma is no decimal point: write {whole}.{key.value}'
@@ -353,8 +352,8 @@ class PlainYaml(yaml.SafeLoader):
         return values
 
 
-# 4e-1 is a number, unlike in YAML 1.1, and so is what has more digits than an integer; 1_000 and
-# 1:30 are texts; all else is text as it stands
+# 4e-1 is a number, unlike in YAML 1.1, and so are digits too many for an integer; 1_000 and 1:30
+# are texts, as every other scalar
 for _tag, _pattern in (
         ('bool', '(?i:yes|no|true|false|on|off)'),
         ('int', '[-+]?(0[xX][0-9a-fA-F]{1,16}|0[0-7]{0,21}|[1-9][0-9]{0,18})'),
@@ -365,19 +364,19 @@ for _tag, _pattern in (
 
 
 class RosYaml(PlainYaml):
-    """The same for parameter files: ROS takes no list of different types."""
+    """YAML of parameter files: ROS takes no list of different types."""
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
         """Return a list whose items are of one type."""
         items: list[Any] = super().construct_sequence(node, deep=True)
-        numbers = all(type(item) in (int, float) for item in items)
-        for item, place in zip(items, node.value):
-            if numbers and type(item) is int and float in map(type, items):
+        are_numbers = all(type(item) in (int, float) for item in items)
+        for item, item_node in zip(items, node.value):
+            if are_numbers and type(item) is int and float in map(type, items):
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type: write {float(item)} for {item}',
-                    problem_mark=place.start_mark)
+                    problem_mark=item_node.start_mark)
             if type(item) is not type(items[0]) or isinstance(item, list):
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type, and {item!r} is not of that of '
-                            f'{items[0]!r}', problem_mark=place.start_mark)
+                            f'{items[0]!r}', problem_mark=item_node.start_mark)
         return items

@@ -20,18 +20,19 @@ if TYPE_CHECKING:
     from fourbar_ros.machine import Machine  # only scenes of machines need it
     from fourbar_ros.scene.scene import Scene
 
-OWN_NAMES = 'dyads.', 'cylinder', 'bodies.', 'external.'      # of parameters, as errors have them
+# an error of a mechanism names parameters of these groups as the scene does
+AS_IN_SCENE = 'dyads.', 'cylinder', 'bodies.', 'external.'
 RODS = 'bodies.rods.'
-OWN_FIELDS = 'mass', 'inertia', 'cg_along'           # of a body that is given by itself
+FIELDS_OF_BODY = 'mass', 'inertia', 'cg_along'       # of a link: each of them gives it a body
 SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular
 ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads', 'length, density, radius': 'bodies.rods',
            'length, density, width, thickness': 'bodies.rods'}
-GEOMETRY = 'linkage.', 'dyads.', 'cylinder'           # parameters of it; others are loads
+GEOMETRY = 'linkage.', 'dyads.', 'cylinder'
 MEMORY = 8
-# {parameters of its geometry: the newest machine that has them}: a live change of other parameters
-# does not search for ranges and toggles again, which takes as long as hundreds of steps
+# {parameters of GEOMETRY: the newest machine with these}: a live change of masses and loads does
+# not search for ranges and toggles again, which takes as long as hundreds of steps
 _newest: dict[str, Machine] = {}
 
 
@@ -39,16 +40,16 @@ def linkage_of(values: ParameterValues) -> Mechanism:
     """
     Return the mechanism of a scene, by all its parameters.
 
-    InvalidParameter names the parameter, also where the mechanism itself names its own argument.
+    InvalidParameter names the parameter, also where the mechanism names an argument of its class.
     """
     _check_lengths(values)
     make = _machine if values['linkage.kind'] == MACHINE else _of_kind
     try:
-        linkage = make(values)
-        linkage.prepare()
-        return linkage
+        mechanism = make(values)
+        mechanism.prepare()
+        return mechanism
     except InvalidParameter as error:
-        if error.name in values or error.name.startswith(OWN_NAMES):
+        if error.name in values or error.name.startswith(AS_IN_SCENE):
             raise
         name = RENAMED.get(error.name, f'linkage.{error.name}')
         raise InvalidParameter(name, error.value, error.allowed) from None
@@ -75,7 +76,7 @@ def _check_lengths(values: ParameterValues) -> None:
 def _of_kind(values: ParameterValues) -> Mechanism:
     """Return the mechanism of a scene that names a kind: lengths, bodies, gravity, forces."""
     name = values['linkage.kind']
-    kind: Any = kind_of(name, values['linkage.input'])     # its lengths are its arguments
+    kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
     for only in ('linkage.dyads', 'linkage.output'):
         if values[only]:
             raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
@@ -94,32 +95,32 @@ def _of_kind(values: ParameterValues) -> Mechanism:
     _check_links(values, kind)
     bodies = BodiesOfLinks(values, kind.LINKS,
                            {length: values[f'linkage.{length}'] for length in LENGTHS})
-    linkage: Mechanism = kind(
+    mechanism: Mechanism = kind(
         **arguments, mode=values['linkage.mode'],
         bodies=kind.BODIES(**bodies.made(True)) if bodies.are_given else None,
         gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
-    return linkage
+    return mechanism
 
 
 def _machine(values: ParameterValues) -> Mechanism:
     """Return the machine of dyads of a scene; links without a mass have none."""
-    from fourbar_ros.scene import machines  # only these scenes need its formulas
+    from fourbar_ros.scene import machines  # only scenes of machines need these formulas
 
     key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
     machine = _newest.get(key) or machines.machine_of(values)
     _check_links(values, machine)
     bodies = BodiesOfLinks(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
-    made = machine.with_loads(
+    loaded = machine.with_loads(
         bodies=bodies.made(False) if bodies.are_given else None, gravity=_gravity(values),
         external=external_of(values, machine))
     if len(_newest) >= MEMORY:
         _newest.clear()
-    _newest[key] = made
-    return made
+    _newest[key] = loaded
+    return loaded
 
 
 def _check_links(values: ParameterValues, mechanism: Mechanism | type[Mechanism]) -> None:
-    """Refuse bodies of links that it does not have, and forces on links that bear none."""
+    """Refuse bodies of links that the mechanism lacks, and forces on links that bear none."""
     known = {'bodies': [link.name for link in mechanism.LINKS],
              'external': mechanism.EXTERNAL._fields}
     for name, value in values.items():
@@ -145,7 +146,7 @@ def _gravity(values: ParameterValues) -> Gravity:
 
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
                 applied: Callable[..., Any] = Applied) -> dict[str, Any]:
-    """Return {link: its external force}, made by ``applied`` from the numbers of each."""
+    """Return {link: external force}, made by ``applied`` of the parameters external.LINK.*."""
     return {link: applied(**{field: values[f'external.{link}.{field}']
                              for field in Applied.__dataclass_fields__})
             for link in mechanism.EXTERNAL._fields}
@@ -155,29 +156,24 @@ class BodiesOfLinks:
     """
     The bodies of the links of a scene: given one by one, or by a model of rods.
 
-    ``values``: all parameters; ``lengths``: {name of a length: its value [m]}.
+    ``values``: all parameters; ``lengths``: {name: length [m]}.
     """
 
-    body = staticmethod(Body)        # makes a body of its numbers; a subclass may take arrays
+    body = staticmethod(Body)        # a subclass may take arrays
 
     def __init__(self, values: ParameterValues, links: Sequence[Link],
                  lengths: Mapping[str, Scalar]) -> None:
         self._values, self._links, self._lengths = values, links, lengths
         self._has_rods = any(map(self._has, ROD_PARAMETERS))
-        self._section = self._section_of_rods() if self._has_rods else ()
-
-    def _section_of_rods(self) -> tuple[str, ...]:
-        """Return the fields of the section of the rods, one of SECTIONS; refuse half a section."""
         of_round, of_flat = SECTIONS
-        section = of_flat if any(self._has(RODS + field) for field in of_flat) else of_round
-        if section == of_flat and self._has(RODS + 'radius'):
+        self._section = of_flat if any(self._has(RODS + field) for field in of_flat) else of_round
+        if self._section == of_flat and self._has(RODS + 'radius'):
             raise InvalidParameter(RODS + 'radius', self._values[RODS + 'radius'],
                                    'give either the radius of round rods or width and thickness')
-        for field in ('density', *section):
+        for field in ('density', *self._section) if self._has_rods else ():
             if not self._has(RODS + field):
                 raise InvalidParameter(RODS + field, None, 'must be given: rods have density and '
                                        'radius, or density, width and thickness')
-        return section
 
     def _has(self, name: str) -> bool:
         """Return whether a parameter is given: a number that is not NaN, or an array."""
@@ -194,42 +190,38 @@ class BodiesOfLinks:
 
     def made(self, are_all_needed: bool) -> dict[str, Body]:
         """
-        Return {link: Body}: of a link with a mass its own, else a rod where there are rods.
+        Return {link: Body}: by bodies.LINK.* where a mass is given, else a rod if there are rods.
 
-        Other links have none, which is refused if ``are_all_needed``.
+        Links without either have no body, which is refused if ``are_all_needed``.
         """
-        bodies = {}
+        values, bodies = self._values, {}
         for link in self._links:
-            own = [f'bodies.{link.name}.{field}' for field in OWN_FIELDS]
-            given = [name for name in own if self._has(name)]
+            group = f'bodies.{link.name}.'
+            fields = [field for field in FIELDS_OF_BODY if self._has(group + field)]
             if self._has_rods and link.length and not self._has_mass(link):
-                if given:
-                    raise InvalidParameter(given[0], self._values[given[0]], 'needs the mass of '
-                                           'the link: it is a rod (bodies.rods)')
+                if fields:
+                    raise InvalidParameter(group + fields[0], values[group + fields[0]], 'needs '
+                                           'the mass of the link: it is a rod (bodies.rods)')
                 bodies[link.name] = self.rod(self._lengths[link.length], *(
-                    self._values[RODS + field] for field in ('density', *self._section)))
-            elif given or are_all_needed:
-                bodies[link.name] = self._one(link)
+                    values[RODS + field] for field in ('density', *self._section)))
+            elif fields or are_all_needed:
+                for field in ('mass', 'inertia') if link.turns else ('mass',):
+                    if field not in fields:
+                        raise InvalidParameter(
+                            group + field, None, 'must be given: loads need mass'
+                            f'{" and inertia" if link.turns else ""} of the {link.name}')
+                along = (values[group + 'cg_along'] if 'cg_along' in fields
+                         else 0.5 * self._lengths[link.length] if link.length else 0.0)
+                bodies[link.name] = self.body(
+                    values[group + 'mass'], cg_along=along, cg_across=values[group + 'cg_across'],
+                    inertia=values[group + 'inertia'] if 'inertia' in fields else 0.0)
         return bodies
 
     def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
         """Return the body of a rod of the scene's section, round or flat."""
-        from fourbar_ros.mechanics.rods import flat_bar, round_rod  # other scenes do without
+        from fourbar_ros.mechanics.rods import flat_bar, round_rod  # only for scenes with rods
         make: Callable[..., Body] = round_rod if self._section == SECTIONS[0] else flat_bar
         return make(length, density, *section)
-
-    def _one(self, link: Link) -> Body:
-        """Return the body of a link by its own parameters, its centre half-way by default."""
-        name, values = f'bodies.{link.name}.', self._values
-        for field in ('mass', 'inertia') if link.turns else ('mass',):
-            if not self._has(name + field):
-                raise InvalidParameter(name + field, None, 'must be given: loads need mass'
-                                       f'{" and inertia" * link.turns} of the {link.name}')
-        along = (values[name + 'cg_along'] if self._has(name + 'cg_along')
-                 else 0.5 * self._lengths[link.length] if link.length else 0.0)
-        return self.body(values[name + 'mass'], cg_along=along,
-                         cg_across=values[name + 'cg_across'],
-                         inertia=values[name + 'inertia'] if self._has(name + 'inertia') else 0.0)
 
 
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------
@@ -250,19 +242,19 @@ def _long(scene: Scene) -> Iterator[str]:
             if isinstance(value, float) and abs(value) > LONGEST and not name.startswith(RODS)
             and unit_in(of_name(name), scene.values) == 'm']
     if long:
-        (name, value), *others = long
-        too = f' (and {len(others)} more)' if others else ''
+        name, value = long[0]
+        too = f' (and {len(long) - 1} more)' if len(long) > 1 else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
 
 
 def _carried(scene: Scene) -> Iterator[str]:
     """Yield a line for a carried inertia with which the torque of the rest is unstable."""
     carried, linkage = scene.drive.carried_inertia, scene.bare_linkage
-    if not carried or not scene.has_loads:
+    if carried == 0.0 or not scene.has_loads:
         return
-    from fourbar_ros.extrema.over_input import OverInput  # other scenes do without
+    from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
     inertia = OverInput(linkage, 'inertia')
-    assert inertia.least and inertia.most       # it is no angle
+    assert inertia.least and inertia.most       # both are None of angles alone
     least, most = inertia.least.value, inertia.most.value
     beyond = max(abs(most - carried), abs(least - carried)) - carried
     if most == inf:

@@ -11,12 +11,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.kinds import DIMENSIONS as OF_KIND
-from fourbar_ros.mechanisms.machine.describe.description import (
-    ANGLES,
-    by_link,
-    Cylinder,
-    Dyad,
-)
+from fourbar_ros.mechanisms.machine.describe.description import ANGLES, by_link, Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.joined import shaped
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
@@ -54,23 +49,23 @@ def machine_of(values: ParameterValues) -> Machine:
                    stroke=tuple(stroke) if stroke else None)
 
 
-def numbers_of(machine: Machine, values: ParameterValues,
-               numbers: NumberType) -> tuple[DyadLengths, ...]:
+def lengths_of(machine: Machine, values: ParameterValues,
+               arithmetic: NumberType) -> tuple[DyadLengths, ...]:
     """
-    Return the lengths, points and directions of all dyads of a machine, of any number type.
+    Return the lengths, points and directions of all dyads of a machine, in any arithmetic.
 
     With it a study computes many machines at once. ``machine`` has the same dyads. ``values``
-    holds all parameters; parameters that vary may be arrays of the type ``numbers``.
+    holds all parameters; those that vary may be arrays of the ``arithmetic``.
     """
     def along(angle: Scalar) -> tuple[Scalar, Scalar]:
         """Return (cos, sin) of an angle."""
         return (direction(angle) if isinstance(angle, float)         # exact at right angles
-                else (numbers.cos(angle), numbers.sin(angle)))
+                else (arithmetic.cos(angle), arithmetic.sin(angle)))
 
-    of_cylinder = machine.stages[0] if machine.cylinder else None
-    own = [_numbers(dyad, values, along, dyad is of_cylinder) for dyad in machine.stages]
+    cylinder = machine.stages[0] if machine.cylinder else None
+    lengths = [_lengths(dyad, values, along, dyad is cylinder) for dyad in machine.stages]
     with np.errstate(all='ignore'):       # sizes of points at the origin have no derivative
-        return tuple(shaped(machine.layout, own, numbers.hypot))
+        return tuple(shaped(machine.layout, lengths, arithmetic.hypot))
 
 
 def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, float]]]:
@@ -86,39 +81,39 @@ def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, flo
             yield links[link], Point(links[carrier], *point), along
 
 
-def bodies_of(machine: Machine, given: dict[str, Body] | None) -> Any:
-    """Return the bodies of all links, massless if not given; None for None."""
-    return by_link('bodies', given, Body, machine.BODIES, NO_BODY)
+def bodies_of(machine: Machine, bodies: dict[str, Body] | None) -> Any:
+    """Return the bodies of all links, massless where there is none; None for None."""
+    return by_link('bodies', bodies, Body, machine.BODIES, NO_BODY)
 
 
-def _numbers(dyad: Dyad, values: ParameterValues,
+def _lengths(dyad: Dyad, values: ParameterValues,
              along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> DyadLengths:
     """
-    Return the numbers of a dyad, or of the cylinder: a dyad of rod and tube.
+    Return the lengths of a dyad, or of the cylinder: a dyad of rod and tube.
 
     They are the points (along, across) [m] of the links where it hangs and its dimensions;
     ``along`` returns (cos, sin) of an angle.
     """
-    prefix, places = (('cylinder.', ('pin', 'base')) if is_cylinder else
-                      (f'dyads.{dyad.name}.', ('first', 'second')))
-    p, q = [(values[f'{prefix}{place}.along'], values[f'{prefix}{place}.across'])
-            for place in places]
+    prefix, ends = (('cylinder.', ('pin', 'base')) if is_cylinder else
+                    (f'dyads.{dyad.name}.', ('first', 'second')))
+    p, q = [(values[f'{prefix}{end}.along'], values[f'{prefix}{end}.across']) for end in ends]
     sizes: list[Scalar] = []
     for name in OF_KIND[dyad.kind]:
         value = values.get(prefix + name)
         if value is None or isinstance(value, float) and isnan(value):
-            value = getattr(dyad, name)      # an offset that is not given
+            value = getattr(dyad, name)      # the default of an offset
         sizes += along(value) if name in ANGLES else (value,)
     return DyadLengths(p, q, tuple(sizes))
 
 
 def _dyad(name: str, values: ParameterValues) -> Dyad:
     """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
-    own = {field: values[f'dyads.{name}.{field}'] for field in
-           (*DIMENSIONS, 'kind', 'links', 'mode')}
-    return Dyad(name, own['kind'], point_in(f'dyads.{name}.first', values),
-                point_in(f'dyads.{name}.second', values), tuple(own['links']), mode=own['mode'],
-                **{field: None if isnan(own[field]) else own[field] for field in DIMENSIONS})
+    group = f'dyads.{name}'
+    sizes = {field: values[f'{group}.{field}'] for field in DIMENSIONS}
+    return Dyad(name, values[f'{group}.kind'], point_in(f'{group}.first', values),
+                point_in(f'{group}.second', values), tuple(values[f'{group}.links']),
+                mode=values[f'{group}.mode'],
+                **{field: None if isnan(size) else size for field, size in sizes.items()})
 
 
 def _cylinder(values: ParameterValues) -> Cylinder | None:

@@ -43,9 +43,9 @@ REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
 TIMER, MESSAGES = 'timer', tuple(INPUTS)
 SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion follows from torque
-# of a table of forces: {unit: its size in SI}
-OF_PLACES = {**UNITS['rad'], **UNITS['m']}
-OF_VALUES = {**UNITS['N'], **UNITS['N m'], **UNITS['Pa']}
+# {unit: its size in SI} of both columns of a table of forces
+POSITION_UNITS = {**UNITS['rad'], **UNITS['m']}
+FORCE_UNITS = {**UNITS['N'], **UNITS['N m'], **UNITS['Pa']}
 
 
 class Parameter(NamedTuple):
@@ -128,10 +128,10 @@ def of_motor(kind: str) -> dict[str, Parameter]:
     """Return {number of the law of a motor: its parameter motor.NAME}."""
     parameters = {}
     for name, default, quantity in quantities_of(MOTORS[kind]):
-        is_given = isinstance(default, (int, float)) and isfinite(default)
+        has_default = isinstance(default, (int, float)) and isfinite(default)
         parameters[name] = Parameter(
             f'motor.{quantity.parameter or name}', 'integer' if quantity.is_whole else 'double',
-            default if is_given else nan, quantity.unit, f'{kind}: {quantity.text}',
+            default if has_default else nan, quantity.unit, f'{kind}: {quantity.text}',
             low=quantity.least, positive=quantity.above == 0.0)
     return parameters
 
@@ -275,16 +275,16 @@ _BASE = _group('base', (
 ))
 
 
-def _place(name: str, what: str, link: Any, on_what: str, live: bool = True
+def _point(name: str, text: str, link: Any, link_text: str, live: bool = True
            ) -> tuple[Parameter, ...]:
-    """Return the parameters of a point; ``link``: default of its link, ``on_what``: its text."""
+    """Return the parameters of a point; ``link``: default of the parameter of its link."""
     return (
-        Parameter(f'{name}.link', 'string', link, '', on_what, live=live),
+        Parameter(f'{name}.link', 'string', link, '', link_text, live=live),
         Parameter(f'{name}.along', 'double', 0.0, 'm',
-                  f'{what}: distance from the first joint of its link along the link; of the '
+                  f'{text}: distance from the first joint of its link along the link; of the '
                   'ground x from O1'),
         Parameter(f'{name}.across', 'double', 0.0, 'm',
-                  f'{what}: distance to the left of the line of its link; of the ground y from '
+                  f'{text}: distance to the left of the line of its link; of the ground y from '
                   'O1'),
     )
 
@@ -312,10 +312,10 @@ PARAMETERS = _table(
               live=False),
     Parameter('linkage.output', 'string', '', '',
               f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
-    *_place('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
+    *_point('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
             'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
             'to which the crank is pinned at O1; see docs/machines.md', live=False),
-    *_place('cylinder.pin', 'with linkage.input cylinder: pin of its rod', 'crank',
+    *_point('cylinder.pin', 'with linkage.input cylinder: pin of its rod', 'crank',
             'with linkage.input cylinder: link on which its rod is pinned, the crank', live=False),
     Parameter('cylinder.links', 'strings', ['rod', 'tube'], '',
               'with linkage.input cylinder: names of rod and tube', live=False),
@@ -383,13 +383,13 @@ def _having(dimension: str) -> str:
     return ', '.join(kind for kind, names in DIMENSIONS.items() if dimension in names)
 
 
-_POINT = _table(*_place('points.NAME', 'point NAME', 'coupler',
+_POINT = _table(*_point('points.NAME', 'point NAME', 'coupler',
                         'link to which the point NAME is fixed'))
 _DYAD = _table(
     Parameter('dyads.NAME.kind', 'string', REQUIRED, '',
               'kind of dyad NAME by its joints, R a pin, P a slide: outer, inner, outer; '
               'see docs/machines.md', choices=tuple(DIMENSIONS), live=False),
-    *(parameter for end in ('first', 'second') for parameter in _place(
+    *(parameter for end in ('first', 'second') for parameter in _point(
         f'dyads.NAME.{end}', f'point on which dyad NAME hangs with its {end} link', REQUIRED,
         f'link on which dyad NAME hangs with its {end} link: ground, the driven link (crank or '
         'slider), or a link of a dyad before it', live=False)),
@@ -443,7 +443,7 @@ _EXTERNAL = _table(
 )
 # A damper is a spring without stiffness.
 _SPRING = _table(
-    *(parameter for end in ('first', 'second') for parameter in _place(
+    *(parameter for end in ('first', 'second') for parameter in _point(
         f'springs.NAME.{end}', f'{end} end of the spring NAME', GROUND,
         f'link to which the {end} end of the spring NAME is fixed')),
     Parameter('springs.NAME.stiffness', 'double', 0.0, 'N/m', 'stiffness of the spring NAME',
@@ -467,7 +467,7 @@ _TORSION = _table(
 )
 # A table of forces stands in a file, or in places and values.
 _FORCE = _table(
-    *_place('forces.NAME', 'point where the force NAME acts', REQUIRED,
+    *_point('forces.NAME', 'point where the force NAME acts', REQUIRED,
             'link on which the force NAME acts, also in a motion that is given'),
     Parameter('forces.NAME.acts', 'string', REQUIRED, '',
               'direction of the force NAME: x or y of the ground; along the link, of a slider '
@@ -486,11 +486,11 @@ _FORCE = _table(
     Parameter('forces.NAME.places', 'doubles', [], '',
               'places of the table of the force NAME, increasing'),
     Parameter('forces.NAME.place_unit', 'string', '', '',
-              'unit of the places; default: rad or m', choices=('', *OF_PLACES)),
+              'unit of the places; default: rad or m', choices=('', *POSITION_UNITS)),
     Parameter('forces.NAME.values', 'doubles', [], '',
               'forces, couples or pressures at these places; beyond the ends those at the ends'),
     Parameter('forces.NAME.value_unit', 'string', '', '',
-              'unit of the values; default: N, of a couple N m', choices=('', *OF_VALUES)),
+              'unit of the values; default: N, of a couple N m', choices=('', *FORCE_UNITS)),
     Parameter('forces.NAME.periodic', 'bool', False, '',
               'the table of the force NAME repeats: its last place is the first one again, after '
               'a turn, a whole part of it, or, of a crank that is driven, some turns'),

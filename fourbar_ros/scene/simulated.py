@@ -18,7 +18,7 @@ from fourbar_ros.scene.settings import SOURCES
 from fourbar_ros.scene.topics import TORQUE
 import numpy as np
 
-if TYPE_CHECKING:      # other scenes do without
+if TYPE_CHECKING:
     from fourbar_ros.dynamics.node_step import DriveValues
     from fourbar_ros.dynamics.simulation import Run
 
@@ -83,13 +83,13 @@ class SimulatedScene(NamedTuple):
             ('torque of the motor', force, run.motor_torque),
             *((name, quantities[name].unit, values)
               for name, values in run.loads._asdict().items() if name in quantities)]
-        found = []
+        peaks = []
         for name, unit, values in rows:
             if not np.isnan(values).all():
                 low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-                found.append(Peak(name, unit, float(values[low]), float(run.time[low]),
+                peaks.append(Peak(name, unit, float(values[low]), float(run.time[low]),
                                   float(values[high]), float(run.time[high])))
-        return found
+        return peaks
 
     def speeds_of_last_turn(self) -> tuple[float, float] | None:
         """Return (lowest, highest) of a crank [rad/s]; None if it made no turn or stopped."""
