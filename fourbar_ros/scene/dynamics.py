@@ -32,12 +32,12 @@ class Dynamics(NamedTuple):
     position: float
     rate: float
 
-    def system(self, linkage: Mechanism) -> System:
+    def system(self, mechanism: Mechanism) -> System:
         """Return the equation of motion of a linkage with this drive and these springs."""
-        return System(linkage, self.position, self.rate, self.elements, self.drive)
+        return System(mechanism, self.position, self.rate, self.elements, self.drive)
 
 
-def of_values(values: ParameterValues, linkage: Mechanism,
+def of_values(values: ParameterValues, mechanism: Mechanism,
               forces: tuple[PositionForce, ...] = ()) -> Dynamics | None:
     """
     Return the Dynamics of a scene; None where the motion is given.
@@ -52,7 +52,7 @@ def of_values(values: ParameterValues, linkage: Mechanism,
             raise InvalidParameter(springs[0], None, 'a spring acts only where the motion follows '
                                    'from torque: drive.source: torque or motor')
         return None
-    if linkage.bodies is None:
+    if mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
     gear = values[GEAR.name]
@@ -61,10 +61,10 @@ def of_values(values: ParameterValues, linkage: Mechanism,
         raise InvalidParameter(GEAR.name, gear,
                                'its square times motor.rotor_inertia must be finite')
     drive = Drive(_source(values), rotor, values['flywheel.inertia'], _shaft(values))
-    springs_made = tuple(_spring(values, name, linkage) for name in springs)
+    springs_made = tuple(_spring(values, name, mechanism) for name in springs)
     dynamics = Dynamics(drive, springs_made + forces, values['drive.start'],
                         values['drive.start_speed'])
-    _check_start(dynamics, linkage)
+    _check_start(dynamics, mechanism)
     return dynamics
 
 
@@ -105,9 +105,9 @@ def _shaft(values: ParameterValues) -> Shaft | None:
     return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
-def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
+def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element:
     """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
-    links, turns = (GROUND, *linkage.loads_of_links()), name.startswith('torsion')
+    links, turns = (GROUND, *mechanism.loads_of_links()), name.startswith('torsion')
     of_links = [f'{name}.{end}' if turns else f'{name}.{end}.link' for end in ('first', 'second')]
     for parameter in of_links:
         if values[parameter] not in links:
@@ -127,13 +127,13 @@ def _spring(values: ParameterValues, name: str, linkage: Mechanism) -> Element:
         raise InvalidParameter(of_links[1], error.value, error.allowed) from None
 
 
-def _check_start(dynamics: Dynamics, linkage: Mechanism) -> None:
+def _check_start(dynamics: Dynamics, mechanism: Mechanism) -> None:
     """Refuse a start in which the links do not close or the equation of motion has no answer."""
     def refuse(why: str) -> InvalidParameter:
         return InvalidParameter('drive.start', dynamics.position, why)
 
     try:
-        system = dynamics.system(linkage)
+        system = dynamics.system(mechanism)
         rates = system.derivative(0.0, system.start)
         good = system.mechanism.turns_fully or system.distance_to_limit(system.start[0]) > 0.0
     except InvalidParameter:

@@ -29,23 +29,23 @@ ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
 
 
-def forces_of(values: ParameterValues, linkage: Mechanism) -> tuple[PositionForce, ...]:
+def forces_of(values: ParameterValues, mechanism: Mechanism) -> tuple[PositionForce, ...]:
     """Return the forces over a position of a scene; InvalidParameter names the parameter."""
     names = [f'forces.{name}' for name in names_in('forces', values)]
-    if names and linkage.bodies is None:
+    if names and mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
                                f'{names[0]} needs masses')
-    return tuple([_force(values, name, linkage) for name in names])
+    return tuple([_force(values, name, mechanism) for name in names])
 
 
-def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionForce:
+def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> PositionForce:
     """Return the force of the parameters ``name``.*, checked by computing with it once."""
     link, acts = values[f'{name}.link'], values[f'{name}.acts']
-    links = tuple(linkage.loads_of_links())
+    links = tuple(mechanism.loads_of_links())
     if link not in links:
         raise InvalidParameter(f'{name}.link', link, one_of(links, link))
-    over = _over(values, name, linkage)
-    positions, forces = _columns(values, name, over, linkage)
+    over = _over(values, name, mechanism)
+    positions, forces = _columns(values, name, over, mechanism)
     turns_with_link, direction = ACTS.get(acts, (False, 0.0))
     try:
         force = PositionForce(
@@ -54,14 +54,14 @@ def _force(values: ParameterValues, name: str, linkage: Mechanism) -> PositionFo
                        values[f'{name}.interpolation'] == 'linear'), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
             link if turns_with_link else GROUND, values[f'{name}.factor'])
-        make_loaded(linkage, (force,))
+        make_loaded(mechanism, (force,))
     except InvalidParameter as error:
         field = 'periodic' if error.name == 'is_periodic' else error.name
         raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
     return force
 
 
-def _columns(values: ParameterValues, name: str, over: Place, linkage: Mechanism
+def _columns(values: ParameterValues, name: str, over: Place, mechanism: Mechanism
              ) -> tuple[list[float], list[float]]:
     """
     Return both columns of the table of a force in SI units; refuse units that do not fit.
@@ -73,7 +73,7 @@ def _columns(values: ParameterValues, name: str, over: Place, linkage: Mechanism
 
     positions, factor = values[f'{name}.places'], values[f'{name}.factor']
     is_couple = values[f'{name}.acts'] == COUPLE
-    is_angle = not linkage.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle)
+    is_angle = not mechanism.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle)
     position_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
     unit = values[f'{name}.value_unit'] or ('N m' if is_couple else 'N')
     if file := values[f'{name}.table']:
@@ -95,15 +95,15 @@ def _columns(values: ParameterValues, name: str, over: Place, linkage: Mechanism
             [force_in_si * force for force in values[f'{name}.values']])
 
 
-def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
+def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Place:
     """
     Return the coordinate that forces.NAME.over names: the force is a function of it.
 
     It is the input, an angle or slide of the mechanism, or a coordinate of a point, ``P.x``.
     """
-    over, driven = values[f'{name}.over'], linkage.input_coordinate.position
+    over, driven = values[f'{name}.over'], mechanism.input_coordinate.position
     inputs: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
-    known = {**inputs, **_coordinates(linkage), **inputs}
+    known = {**inputs, **_coordinates(mechanism), **inputs}
     for point in names_in('points', values):
         attachment = Attachment(*point_in(f'points.{point}', values))
         known |= {f'{point}.x': Way(attachment), f'{point}.y': Way(attachment, direction=0.5 * pi)}
@@ -113,10 +113,10 @@ def _over(values: ParameterValues, name: str, linkage: Mechanism) -> Place:
     return known[over]
 
 
-def _coordinates(linkage: Mechanism) -> dict[str, Place]:
+def _coordinates(mechanism: Mechanism) -> dict[str, Place]:
     """Return {name: coordinate} of the angles and slides of a mechanism: theta4, theta_LINK."""
-    names = [coordinate.position for coordinate in linkage.PARTS]
-    links = {link.name for link in linkage.LINKS}
+    names = [coordinate.position for coordinate in mechanism.PARTS]
+    links = {link.name for link in mechanism.LINKS}
     coordinates: dict[str, Place] = {}
     for name in names:
         link = name.removeprefix('theta_')
@@ -124,13 +124,13 @@ def _coordinates(linkage: Mechanism) -> dict[str, Place]:
             coordinates[name] = LinkAngle(*ANGLES[name])
         elif link != name and link in links:
             coordinates[name] = LinkAngle(link)
-    if hasattr(linkage, 'stages'):
+    if hasattr(mechanism, 'stages'):
         from fourbar_ros.scene.machines import slides_in
-        for link, origin, (cosine, sine) in slides_in(linkage):
+        for link, origin, (cosine, sine) in slides_in(mechanism):
             coordinates[f'slide_{link}'] = Way(Attachment(link), Attachment(*origin),
                                                atan2(sine, cosine))
     elif 'slide' in names:
         # of a bar that turns, along it from its pivot; else along x
         coordinates['slide'] = (Way(Attachment('coupler'), Attachment('output'))
-                                if linkage.SLIDE_DIRECTION else Way(Attachment('output')))
+                                if mechanism.SLIDE_DIRECTION else Way(Attachment('output')))
     return coordinates

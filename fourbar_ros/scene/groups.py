@@ -106,8 +106,7 @@ class NodeSettings:
     pictures_rate: float            # [Hz], of markers
 
 
-def group_of(make: Callable[..., Record], group: str, values: ParameterValues,
-             **more: Any) -> Record:
-    """Return the parameters ``group``.* as a record; ``more``: its fields that are none."""
+def read(make: Callable[..., Record], group: str, values: ParameterValues, **more: Any) -> Record:
+    """Return the parameters ``group``.* as a record; ``more``: fields made of other values."""
     names = [field.name for field in fields(cast(Any, make)) if field.name not in more]
     return make(**{name: values[f'{group}.{name}'] for name in names}, **more)

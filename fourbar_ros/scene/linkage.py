@@ -249,11 +249,11 @@ def _long(scene: Scene) -> Iterator[str]:
 
 def _carried(scene: Scene) -> Iterator[str]:
     """Yield a line for a carried inertia with which the torque of the rest is unstable."""
-    carried, linkage = scene.drive.carried_inertia, scene.bare_linkage
+    carried, mechanism = scene.drive.carried_inertia, scene.bare_linkage
     if carried == 0.0 or not scene.has_loads:
         return
     from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
-    inertia = OverInput(linkage, 'inertia')
+    inertia = OverInput(mechanism, 'inertia')
     assert inertia.least and inertia.most       # both are None of angles alone
     least, most = inertia.least.value, inertia.most.value
     beyond = max(abs(most - carried), abs(least - carried)) - carried

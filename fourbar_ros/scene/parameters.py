@@ -31,13 +31,13 @@ VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings
 IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 LISTED = '; docs/reference.md lists all'
-ABSENT = 'gears', 'friction', 'cams'       # of linkages elsewhere
+ABSENT = 'gears', 'friction', 'cams'       # which other programs have
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
 # --- find ----------------------------------------------------------------------------------------
 
-@lru_cache(maxsize=4096)      # scenes are read again at every move of a slider
+@lru_cache(maxsize=4096)      # the page reads a scene again at every move of a slider
 def member_of(name: str) -> tuple[str, str, str] | None:
     """Return (family, member, field) by a name: points, P, along of points.P.along; or None."""
     match = _MEMBER.fullmatch(name)
@@ -67,7 +67,7 @@ def of_name(name: str) -> Parameter:
 def names_in(family: str, values: Iterable[str]) -> list[str]:
     """Return the members of a family in a scene: P and Q of points.P.link, points.Q.along."""
     members = filter(None, map(member_of, values))
-    return list(dict.fromkeys(member for its, member, _ in members if its == family))
+    return list(dict.fromkeys(member for group, member, _ in members if group == family))
 
 
 def point_in(name: str, values: ParameterValues) -> Point:
@@ -90,7 +90,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
     """
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
-        if not (name in PARAMETERS or _is_of_member(name, is_machine)):
+        is_dyads = name.startswith('dyads.') and not is_machine      # only machines have dyads
+        if name not in PARAMETERS and (is_dyads or _of_member(name) is None):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
     every = PARAMETERS | {parameter.name: parameter
@@ -109,11 +110,6 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
     return parameter.unit.split(' or ')[-1 if slides else 0]
 
 
-def _is_of_member(name: str, is_machine: bool) -> bool:
-    """Return whether it is a parameter of a member; only machines have dyads."""
-    return _of_member(name) is not None and (is_machine or not name.startswith('dyads.'))
-
-
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """
     Return why a scene cannot have a parameter, with the name that was probably meant.
@@ -123,9 +119,9 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     family, *rest = name.split('.')
     is_member = member_of(name) is not None
     if family in FAMILIES and len(rest) > 1 and not is_member:
-        of_what = 'link' if family in OF_LINKS else family[:-1]
-        return (f'{rest[0]!r} is not a valid {of_what.replace("_", " ")} name: use letters, '
-                'digits and _, starting with a letter')
+        noun = 'link' if family in OF_LINKS else family[:-1].replace('_', ' ')
+        return (f'{rest[0]!r} is not a valid {noun} name: use letters, digits and _, starting '
+                'with a letter')
     if family == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
     if family in ABSENT:
@@ -172,10 +168,10 @@ def _links_of_machine(values: ParameterValues) -> list[str]:
     driver = str(values.get('linkage.input'))
     cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
                 *_names([values.get('cylinder.base.link')])]
-    of_drive = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
-    of_dyads = [link for name in (*_names(values.get('linkage.dyads')), *names_in('dyads', values))
-                for link in _names(values.get(f'dyads.{name}.links'))]
-    return [link for link in (*of_dyads, *of_drive) if link != GROUND]
+    driven = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
+    dyads = *_names(values.get('linkage.dyads')), *names_in('dyads', values)
+    links = [link for name in dyads for link in _names(values.get(f'dyads.{name}.links'))]
+    return [link for link in (*links, *driven) if link != GROUND]
 
 
 def _names(value: Any) -> list[str]:
@@ -208,7 +204,7 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                 raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
-        # joints turn or slide, each for itself: their numbers have no unit
+        # some joints turn and others slide: numbers for all joints have no unit
         unit = '' if ' or ' in parameter.unit else parameter.unit
         value = [as_number(name, item, unit) for item in value]
         for item in value:
@@ -224,8 +220,8 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
 def _wanted(parameter: Parameter, value: Any) -> str:
     """Return the type of a parameter in words, with its unit."""
     if parameter.words:
-        return 'one of ' + ', '.join(f'{number} or {word}' for word, number
-                                     in parameter.words.items())
+        return 'one of ' + ', '.join(f'{value} or {word}'
+                                     for word, value in parameter.words.items())
     if parameter.type == 'double':
         return f'a number in {parameter.unit}' if parameter.unit else 'a number'
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
@@ -250,7 +246,7 @@ def as_number(name: str, value: Any, unit: str) -> Any:
     """Return an integer, or a text as '40mm', as a float in SI; anything else as it is."""
     if isinstance(value, str):
         try:
-            return float(quantity(value, *[unit] * bool(unit)))
+            return float(quantity(value, *filter(None, [unit])))
         except WrongQuantity as error:
             raise InvalidParameter(name, value, str(error)) from None
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

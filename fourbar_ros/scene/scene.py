@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A scene: one linkage, its drive, its topics.
+A scene: one mechanism with its drive and topics.
 
 Read from a ROS 2 parameter file, without ROS.
 """
@@ -20,16 +20,7 @@ import warnings
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.scene.groups import (
-    BaseSettings,
-    CarriedBody,
-    DriveSettings,
-    group_of,
-    JointStates,
-    NodeSettings,
-    RecordingSettings,
-    WrenchSettings,
-)
+from fourbar_ros.scene import groups
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
 from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in, unit_in
@@ -83,15 +74,15 @@ class Scene:
     linkage: Mechanism
     bare_linkage: Mechanism
     points: dict[str, Point]
-    wrenches: WrenchSettings
-    base: BaseSettings
-    drive: DriveSettings
+    wrenches: groups.WrenchSettings
+    base: groups.BaseSettings
+    drive: groups.DriveSettings
     outputs: tuple[str, ...]
     frame_id: str
     joint_names: tuple[str, ...]      # with their prefix
-    joint_states: JointStates
-    node: NodeSettings
-    recording: RecordingSettings
+    joint_states: groups.JointStates
+    node: groups.NodeSettings
+    recording: groups.RecordingSettings
     forces: tuple[PositionForce, ...]
     dynamics: Dynamics | None
     values: ParameterValues
@@ -102,7 +93,7 @@ class Scene:
         return json.dumps({name: value for name, value in self.values.items() if value == value})
 
     def in_mode(self, mode: int | None) -> Mechanism:
-        """Return the linkage in an assembly mode; None or 0: the scene's mode."""
+        """Return the mechanism in an assembly mode; None or 0: the scene's mode."""
         known = self.linkage.modes
         if mode and mode not in known:
             where = ', or change dyads.NAME.mode in the scene' if self.kind == MACHINE else ''
@@ -114,8 +105,8 @@ class Scene:
         """
         Return this scene with other values of parameters that may change while a node runs.
 
-        InvalidParameter as of :func:`from_values`. What does not change is not checked again: of a
-        live change that would take half the time. ``pause()`` is called between its pieces.
+        InvalidParameter as of :func:`from_values`. Values that stay are not checked again, which
+        would take half the time of a live change. ``pause()`` is called between pieces of work.
         """
         checked = {name: check_value(of_name(name), value, self.values)
                    for name, value in changes.items()}
@@ -123,7 +114,7 @@ class Scene:
         return _build({**self.values, **checked}, pause)
 
     def taken_in(self, mode: int) -> Scene:
-        """Return this scene with its linkage in another assembly mode, as beyond a toggle."""
+        """Return this scene with the mechanism in another assembly mode, as beyond a toggle."""
         return replace(self, linkage=self.linkage.in_mode(mode),
                        bare_linkage=self.bare_linkage.in_mode(mode))
 
@@ -166,14 +157,14 @@ class Scene:
 
     @property
     def drive_topics(self) -> list[Topic]:
-        """Return the topics of a drive that works by torque: its command, if any, and state."""
+        """Return the topics of a drive that works by torque: its command, if any, its state."""
         if self.dynamics is None:
             return []
         return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
 
     @property
     def received(self) -> list[Topic]:
-        """Return the topics to which its node listens."""
+        """Return the topics to which the node listens."""
         source = self.drive.source
         inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
         return [*self.acting_received, *inputs,
@@ -181,20 +172,19 @@ class Scene:
 
     @property
     def published(self) -> list[Topic]:
-        """Return the topics on which its node sends, except those of every ROS node."""
-        both = [*self.acting_topics, *self.drive_topics,
-                *(TRAJECTORIES.values() if self.node.trajectories else ())]
-        received = self.received
-        return [*(topic for topic in both if topic not in received), DRIVEN, SCENE,
+        """Return the topics on which the node sends, except those of every ROS node."""
+        answers = [topic for name, topic in TRAJECTORIES.items() if name not in ANSWERS]
+        return [*map(applied_topic, self.acting), *([DRIVE_STATE] if self.dynamics else []),
+                *(answers if self.node.trajectories else []), DRIVEN, SCENE,
                 *self.topics.values(), *self.pictures.values()]
 
     @property
     def transmission(self) -> Transmission:
         """
-        Return the Transmission from its drive to its output, on the branch about ``drive.start``.
+        Return the Transmission from drive to output, on the branch about ``drive.start``.
 
-        Where that is not given and the linkage does not close there, about the middle of the first
-        range. Raises FourBarError.
+        If drive.start is 0, the default, and the mechanism does not close there: on the branch
+        about the middle of the first range. Raises FourBarError.
         """
         from fourbar_ros.transmission import Transmission
         try:
@@ -212,7 +202,7 @@ class Scene:
 
     @cached_property
     def carried(self) -> Rigid | None:
-        """Return the inertia that a simulator's own body has for the linkage, if it has any."""
+        """Return the inertia that a body of a simulator has for the mechanism; None: none."""
         body = self.base.carried
         if not any(asdict(body).values()):
             return None
@@ -224,18 +214,18 @@ class Scene:
             raise InvalidParameter('base.carried.mean', True, f'the mean is not finite: {mean}')
         return mean
 
-    def make_loaded(self, linkage: Mechanism
+    def make_loaded(self, mechanism: Mechanism
                     ) -> Callable[[float, float], Mechanism | None] | None:
         """
-        Return a function (position, rate) -> linkage with the forces of its elements there.
+        Return a function (position, rate) -> mechanism with the forces of elements as external.
 
-        Without springs, dampers and forces over a position: None. The function returns None where
-        their forces are not known.
+        None if the scene has no springs, dampers and forces over a position. The function returns
+        None where these forces are not known.
         """
         if not self.elements:
             return None
         from fourbar_ros.dynamics.forces import make_loaded
-        return make_loaded(linkage, self.elements)
+        return make_loaded(mechanism, self.elements)
 
     @property
     def has_loads(self) -> bool:
@@ -255,30 +245,30 @@ class Scene:
         Arguments and errors as of ``linkage.loads``, and ``mode`` of :meth:`in_mode`. Where a
         force is not known, as of a spring whose ends meet, InvalidParameter, in arrays NaN.
         """
-        linkage = self.in_mode(mode)
+        mechanism = self.in_mode(mode)
         if self.base.topic and self.has_loads:
             raise InvalidParameter('base.topic', self.base.topic, self.why_no_loads)
         if not (self.elements and self.has_loads):
-            return linkage.loads(position, rate, acceleration)
+            return mechanism.loads(position, rate, acceleration)
         if any(map(np.ndim, (position, rate, acceleration))):
             from fourbar_ros.dynamics.forces import loads_with
-            return loads_with(self.bare_linkage.in_mode(linkage.mode), self.elements, position,
+            return loads_with(self.bare_linkage.in_mode(mechanism.mode), self.elements, position,
                               rate, acceleration)
-        linkage.motion(position, rate, acceleration)      # refuses an input out of range
+        mechanism.motion(position, rate, acceleration)      # refuses an input out of range
         loaded = self.linkage_at(cast(float, position), cast(float, rate), mode)
         if loaded.bodies is None:
-            raise InvalidParameter(linkage.input_coordinate.position, position,
+            raise InvalidParameter(mechanism.input_coordinate.position, position,
                                    'a force of a spring or a table is not finite there')
         return loaded.loads(position, rate, acceleration)
 
     @property
     def turns(self) -> int:
-        """Return after how many turns of a crank its forces repeat: two of a four-stroke."""
+        """Return after how many turns of a crank the forces repeat: two of a four-stroke."""
         return lcm(*[force.turns for force in self.forces])
 
     @property
     def why_no_loads(self) -> str:
-        """Return why :attr:`linkage` has no loads of its own, for a user; empty if it has."""
+        """Return for a user why :attr:`linkage` has no loads; empty if it has."""
         if not self.has_loads:
             return 'the scene gives no masses: see bodies.* in docs/reference.md'
         if self.base.topic:
@@ -291,15 +281,15 @@ class Scene:
 
     def linkage_at(self, position: float, rate: float, mode: int | None = None) -> Mechanism:
         """
-        Return the linkage with all forces that act on it at one input, as external ones.
+        Return the mechanism with all forces that act on it at one input, as external forces.
 
-        ``mode`` as of :meth:`in_mode`. Where these forces are not known it has no masses, so no
-        loads.
+        ``mode`` as of :meth:`in_mode`. Where these forces are not known, the mechanism has no
+        masses, so no loads.
         """
-        linkage = self.in_mode(mode)
-        bare = self.bare_linkage.in_mode(linkage.mode)
+        mechanism = self.in_mode(mode)
+        bare = self.bare_linkage.in_mode(mechanism.mode)
         loaded = self.make_loaded(bare)
-        return linkage if loaded is None else loaded(position, rate) or linkage
+        return mechanism if loaded is None else loaded(position, rate) or mechanism
 
     @property
     def mover(self) -> Mover:
@@ -348,7 +338,7 @@ class Scene:
 
     @property
     def point_quantities(self) -> list[Function]:
-        """Return NAME.speed [m/s] and NAME.acceleration [m/s^2] of its points, for extrema."""
+        """Return NAME.speed [m/s] and NAME.acceleration [m/s^2] of all points, for extrema."""
         from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
         return [make(self.linkage, *point, name=name)
                 for name, point in self.points.items()
@@ -366,41 +356,42 @@ def from_values(values: ParameterValues) -> Scene:
 
 def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
     """Return the Scene of all its parameters, each of which is good by itself."""
-    linkage, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
+    mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
-    links, joints = [link.name for link in linkage.LINKS], linkage.JOINTS
+    links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
     points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
-    base = group_of(BaseSettings, 'base', values,
-                    carried=group_of(CarriedBody, 'base.carried', values))
-    wrenches = group_of(WrenchSettings, 'external', values, links=tuple(
-        link for link in linkage.EXTERNAL._fields if values[f'external.{link}.from_topic']))
-    joint_states = group_of(JointStates, 'joint_states', values,
-                            ratios=values['joint_states.ratios'] or [1.0] * len(joints),
-                            offsets=values['joint_states.offsets'] or [0.0] * len(joints))
+    base = groups.read(groups.BaseSettings, 'base', values,
+                       carried=groups.read(groups.CarriedBody, 'base.carried', values))
+    wrenches = groups.read(groups.WrenchSettings, 'external', values, links=tuple(
+        link for link in mechanism.EXTERNAL._fields if values[f'external.{link}.from_topic']))
+    joint_states = groups.read(
+        groups.JointStates, 'joint_states', values,
+        ratios=values['joint_states.ratios'] or [1.0] * len(joints),
+        offsets=values['joint_states.offsets'] or [0.0] * len(joints))
     joint_names = values['joint_names'] or [joint.name or joint.place for joint in joints]
-    node = NodeSettings(values['services'], values['trajectories'], values['trajectory_fields'],
-                        values['pictures.rate'])
+    node = groups.NodeSettings(values['services'], values['trajectories'],
+                               values['trajectory_fields'], values['pictures.rate'])
     forces: tuple[PositionForce, ...] = ()
     families = {name.partition('.')[0] for name in values}
     if 'forces' in families:
-        from fourbar_ros.scene.forces import forces_of  # scenes without forces do not load them
-        forces = forces_of(values, linkage)
+        from fourbar_ros.scene.forces import forces_of  # few scenes have forces
+        forces = forces_of(values, mechanism)
     dynamics = None
     if values['drive.source'] in SOURCES or families & {'springs', 'torsion_springs'}:
-        from fourbar_ros.scene.dynamics import of_values  # nor those without torque or springs
-        dynamics = of_values(values, linkage, forces)
+        from fourbar_ros.scene.dynamics import of_values  # nor torque or springs
+        dynamics = of_values(values, mechanism, forces)
     elements = dynamics.elements if dynamics else forces
     lacks_forces = bool(elements or base.topic)     # the mechanism does not know all that acts
     scene = Scene(
-        kind=kind, linkage=replace(linkage, bodies=None) if lacks_forces else linkage,
-        bare_linkage=linkage, points=points, wrenches=wrenches, base=base,
-        drive=group_of(DriveSettings, 'drive', values), outputs=outputs,
+        kind=kind, linkage=replace(mechanism, bodies=None) if lacks_forces else mechanism,
+        bare_linkage=mechanism, points=points, wrenches=wrenches, base=base,
+        drive=groups.read(groups.DriveSettings, 'drive', values), outputs=outputs,
         frame_id=values['frame_id'], joint_states=joint_states,
         joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
-        recording=group_of(RecordingSettings, 'recording', values), forces=forces,
+        recording=groups.read(groups.RecordingSettings, 'recording', values), forces=forces,
         dynamics=dynamics, values=values)
     _check_together(scene)
     return scene
@@ -424,9 +415,9 @@ def load(path: str | Path) -> Scene:
 @contextmanager
 def naming_nan(values: ParameterValues) -> Iterator[None]:
     """
-    Say of a parameter that a user gave as NaN, where it must be given, that NaN is no number.
+    Refuse NaN from a user with "NaN is not a number", where a value must be given.
 
-    In the values of a scene NaN stands for "not given", so checks speak of that.
+    In the values of a scene NaN stands for "not given", so checks would say that.
     """
     try:
         yield
@@ -435,12 +426,12 @@ def naming_nan(values: ParameterValues) -> Iterator[None]:
         if isinstance(value, float) and isnan(value):
             unit = unit_in(of_name(error.name), values)
             raise InvalidParameter(error.name, value, 'NaN is not a number'
-                                   + f' in {unit}' * bool(unit)) from None
+                                   + (f' in {unit}' if unit else '')) from None
         raise
 
 
 def give_warnings(scene: Scene, path: str | Path) -> None:
-    """Warn Python's way of what is probably not meant in a scene that was read from a file."""
+    """Give a SceneWarning for each value in a file that is allowed but probably not meant."""
     for line in warnings_of(scene):
         warnings.warn(f'{path}: {line}', SceneWarning, stacklevel=3)
 

@@ -72,10 +72,10 @@ class SimulatedScene(NamedTuple):
 
     def peaks(self) -> list[Peak]:
         """Return the extrema of speed, drive and, where they are known, loads at the samples."""
-        run, linkage = self.run, self.scene.linkage
-        per_second = f'{linkage.input_coordinate.unit}/s'
-        force = 'N' if linkage.is_driven_by_slide else 'N m'
-        quantities = known_quantities(linkage, linkage.input)
+        run, mechanism = self.run, self.scene.linkage
+        per_second = f'{mechanism.input_coordinate.unit}/s'
+        force = 'N' if mechanism.is_driven_by_slide else 'N m'
+        quantities = known_quantities(mechanism, mechanism.input)
         rows: list[tuple[str, str, Array]] = [
             ('speed of the input', per_second, run.rate),
             ('acceleration of the input', f'{per_second}^2', run.acceleration),

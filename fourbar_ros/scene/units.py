@@ -47,7 +47,7 @@ COMMA = re.compile(r'[-+]?[0-9]*,[0-9]+.*')
 
 
 class Quantity(float):
-    """A number in SI and the SI unit of its own unit, a key of UNITS; empty if it had none."""
+    """A value in SI and its SI unit, a key of UNITS; empty if the text had no unit."""
 
     unit = ''
 
@@ -75,7 +75,7 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> Quantity:
     if COMMA.fullmatch(text):
         raise WrongQuantity(f'must be written {text.replace(",", ".", 1)}: a comma is no decimal '
                             'point')
-    number, unit = match.groups() if match else ('nan', '')
+    digits, unit = match.groups() if match else ('nan', '')
     size, si = sizes.get(unit.translate(SPELLINGS), ('1', '')) if unit else ('1', '')
     if not match or unit and not si:
         allowed = ', '.join(unit for si in units for unit in units_of(si))
@@ -83,7 +83,7 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> Quantity:
                             f'{allowed}' if units else 'must be a number without a unit')
     if si == 'rad' and plain_angle == 'deg':
         size = float(size) / DEGREE
-    value = Quantity(Decimal(repr(float(number))) * Decimal(size))
+    value = Quantity(Decimal(repr(float(digits))) * Decimal(size))
     if not isfinite(value):
         raise WrongQuantity('must be a finite number')
     value.unit = si
