@@ -8,24 +8,17 @@ from concurrent.futures import Future, wait
 from math import inf
 from pathlib import Path
 import time
-from traceback import format_exc
 from typing import Any, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import (
-    check_overrides,
-    OVERRIDES,
-    Troubles,
-    WAITING,
-    Worker,
-)
+from fourbar_ros.ros.node.entities import check_overrides, OVERRIDES, Troubles, Worker
+from fourbar_ros.ros.node.rclpy_guard import CHANGES, GuardedNode
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
-from fourbar_ros.scene.parameters import check_value, find_parameter, of_name
+from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import check_for_node, from_values, naming_nan, Scene
 from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import SERVICES
@@ -35,30 +28,23 @@ from rcl_interfaces.msg import (
     ParameterType,
     SetParametersResult,
 )
-from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
-from rclpy.qos import QoSProfile
-from rclpy.service import Service
-from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:      # only the scenes that want it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
-CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
 PAUSE = 5e-5           # [s] between two pieces of a change
 LOOK = 0.1             # [s] between two looks whether the node stops
-REQUESTS = 1000        # that may arrive at once: as many as of parameters
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
 
-class FourBarNode(Node):
+class FourBarNode(GuardedNode):
     """
     The node of a scene; see docs/node.md for its topics, services and parameters.
 
-    ``name`` may begin with a namespace of its own, below ``namespace``; ``arguments`` are those of
-    the command line. It survives requests that an rclpy node does not.
+    ``name`` may begin with a further namespace, below ``namespace``; ``arguments`` are those of
+    the command line.
     """
 
     def __init__(self, name: str = 'fourbar', namespace: str = '', arguments: Sequence[str] = (),
@@ -163,70 +149,6 @@ class FourBarNode(Node):
                 self.trajectories.stop(PATIENCE)
             self.destroy_node()
 
-    # --- what rclpy's node does not survive ------------------------------------------------------
-
-    def declare_parameters(self, namespace: str, parameters: Any,
-                           ignore_override: bool = False) -> list[RosParameter]:
-        """Declare (name, value, ...); an empty list in a file comes as None, refused by rclpy."""
-        return list(super().declare_parameters(
-            namespace, [(name, [] if value is None else value, *rest)
-                        for name, value, *rest in parameters], ignore_override))
-
-    def set_parameters_atomically(self, parameter_list: Sequence[RosParameter]
-                                  ) -> SetParametersResult:
-        """Set parameters; take 3 and 40mm for a double, an empty list for one of any type."""
-        for parameter in parameter_list:
-            if not self.has_parameter(parameter.name):   # rclpy overlooks an empty name
-                raise ParameterNotDeclaredException(parameter.name)
-        values = self.stream.scene.values
-        try:
-            converted = [as_declared(parameter, values) for parameter in parameter_list]
-        except InvalidParameter as error:
-            return SetParametersResult(reason=str(error))
-        return super().set_parameters_atomically(converted)
-
-    def create_subscription(self, msg_type: type[Any], topic: str,
-                            callback: Callable[..., object], *qos: Any, **options: Any) -> Any:
-        """Create a subscription; of /clock it ignores times below zero, which end rclpy's node."""
-        def guarded(message: Message) -> None:
-            if message.clock.sec < 0:
-                self.troubles.log('clock', f'/clock: {message.clock.sec} s is no time: ignored')
-            else:
-                callback(message)
-        return super().create_subscription(
-            msg_type, topic, guarded if msg_type is Clock else callback, *qos, **options)
-
-    def create_service(self, srv_type: type[Any], srv_name: str,
-                       callback: Callable[[Message, Message], Message],
-                       worker_for: Callable[[Message], Worker] | None = None,
-                       **options: Any) -> Any:
-        """
-        Create a service; an exception in its callback is logged and does not end the node.
-
-        If that takes long, ``worker_for(request)`` returns the thread to answer in. Its queue is
-        deep, so that each request of a burst is answered, if only with RESULT_BUSY.
-        """
-        options.setdefault('qos_profile', QoSProfile(depth=REQUESTS))
-
-        def answer(request: Message, response: Message) -> Message:
-            try:
-                return callback(request, response)
-            except Exception as error:
-                self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
-                return _without_answer(request, response, 'RESULT_INVALID_REQUEST',
-                                       f'a fault in the node, see its log: {error!r}')
-        if srv_type in (SetParameters, SetParametersAtomically):
-            worker_for = self._changes
-        if worker_for is None:
-            return super().create_service(srv_type, srv_name, answer, **options)
-        service = super().create_service(srv_type, srv_name, _both, **options)
-        _answer_beside(service, answer, worker_for)
-        return service
-
-    def _changes(self, request: Message) -> Worker:
-        """Return the thread that changes parameters, whatever the request."""
-        return self.workers[CHANGES]
-
     def _between_callbacks(self, job: Callable[[], None]) -> None:
         """Do a job of the thread CHANGES between two callbacks of the executor; wait for it."""
         worker, done = self.workers[CHANGES], Future[None]()
@@ -244,44 +166,6 @@ class FourBarNode(Node):
         while not wait([done], LOOK).done:
             worker.check()
         done.result()
-
-
-# --- services that answer in another thread ------------------------------------------------------
-
-def _both(request: Message, response: Message) -> tuple[Message, Message]:
-    return request, response
-
-
-def _answer_beside(service: Service, answer: Callable[[Message, Message], Message],
-                   worker_for: Callable[[Message], Worker]) -> None:
-    """
-    Have a service answer in the worker for the request, or at once that too many wait.
-
-    The executor calls its callback, which is :func:`_both`, and passes the result to
-    ``send_response``. That is replaced: it queues the answer. rclpy has callback groups for that,
-    but its EventsExecutor does not know them (ros2/rclpy#1473).
-    """
-    send = service.send_response
-
-    def queue(arguments: tuple[Message, Message], header: Message) -> None:
-        if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
-            send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
-                                 'answer already: ask again later'), header)
-    service.send_response = queue
-
-
-def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
-    """Return the response of any service, which says why the request has no answer."""
-    refused = SetParametersResult(reason=why)
-    if isinstance(response, SetParameters.Response):
-        response.results = [refused] * len(request.parameters)
-    elif isinstance(response, SetParametersAtomically.Response):
-        response.result = refused
-    elif hasattr(response, 'message'):
-        response.message = why
-        if hasattr(response, 'result'):
-            response.result = getattr(response, result)
-    return response
 
 
 # --- parameters: declared as the table says, read as a scene, checked on a change ----------------
@@ -390,26 +274,3 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
                                # to rclpy an empty list is one of bytes
                                dynamic_typing=parameter.type in ('strings', 'doubles'),
                                additional_constraints=parameter.allowed)
-
-
-def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParameter:
-    """
-    Return a parameter in the type that the table declares, if its value can be converted.
-
-    A client sends 3 as an integer, 40mm as a string, and an empty list as one of bytes; rclpy
-    refuses them for a parameter of doubles. ``values``: of the scene. InvalidParameter for a text
-    that is no number.
-    """
-    declared, types = find_parameter(parameter.name), RosParameter.Type
-    kind = declared.type if declared else ''
-    is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
-    if declared and kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
-        return RosParameter(parameter.name, types.DOUBLE,
-                            check_value(declared, parameter.value, values))
-    if declared and kind == 'doubles' and (
-            is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
-        return RosParameter(parameter.name, types.DOUBLE_ARRAY,
-                            check_value(declared, list(parameter.value), values))
-    if kind == 'strings' and is_empty:
-        return RosParameter(parameter.name, types.STRING_ARRAY, [])
-    return parameter

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
 from typing import Any
 
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
+from fourbar_ros.ros.node.rclpy_guard import with_info
 from fourbar_ros.scene.topics import Topic
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
@@ -83,10 +83,5 @@ def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles:
         sequence.take(info['publication_sequence_number'])
         take(data)
 
-    # rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes
-    # both as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
-    @wraps(receive)
-    def from_any_executor(*given: Any) -> None:
-        receive(*(given if len(given) == 2 else given[0]))
-    made = entities.subscription(node, topic, from_any_executor, troubles, is_reliable, events)
+    made = entities.subscription(node, topic, with_info(receive), troubles, is_reliable, events)
     return made, sequence

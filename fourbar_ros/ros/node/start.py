@@ -10,8 +10,6 @@ import os
 import re
 import signal
 import sys
-import threading
-import time
 from traceback import print_exc
 from typing import TYPE_CHECKING
 
@@ -20,7 +18,6 @@ if TYPE_CHECKING:
 
 SIGNALS = 'SIGINT', 'SIGTERM', 'SIGHUP'
 SWITCH = 0.001  # [s] how long a busy thread may hold the interpreter (Python: 5 ms)
-SPIN = 0.2      # [s] so often at least the executor sees signals and timers
 USAGE = 'fourbar_node --ros-args --params-file SCENE'
 NODE_NAME = re.compile(r'([A-Za-z_]\w*/)*[A-Za-z_]\w*')
 RENAMES = re.compile(r'__(node|name):=')
@@ -81,6 +78,7 @@ def run(given: Sequence[str], signals: Signals) -> int:
         return 0
     from fourbar_ros.errors import FourBarError
     from fourbar_ros.ros.node.node import FourBarNode
+    from fourbar_ros.ros.node.rclpy_guard import spin
     import rclpy
     from rclpy.exceptions import NameValidationException, ParameterException
     from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -179,30 +177,6 @@ def close(nodes: Sequence[FourBarNode], why: str = 'the node ended') -> None:
     with contextlib.ExitStack() as stack:
         for node in nodes:
             stack.callback(node.close, why)
-
-
-def spin(nodes: Sequence[FourBarNode], signals: Signals) -> None:
-    """Handle messages and timers of all nodes until a signal has come."""
-    from rclpy.experimental import EventsExecutor
-
-    executor, ended = EventsExecutor(), False
-    for node in nodes:
-        executor.add_node(node)
-
-    def wake() -> None:
-        """Wake the executor: that of the wheels waits by the system clock, also if set back."""
-        while not ended:
-            time.sleep(SPIN)
-            executor.create_task(lambda: None)
-    waker = threading.Thread(target=wake, name='waker', daemon=True)
-    waker.start()
-    try:
-        while not signals:
-            executor.spin_once(timeout_sec=SPIN)
-    finally:
-        ended = True
-        waker.join()
-        executor.shutdown()
 
 
 if __name__ == '__main__':

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isnan, sin
 from pathlib import Path
 import threading
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
@@ -21,15 +21,13 @@ from fourbar_ros.pipeline import stepper as pipeline
 from fourbar_ros.pipeline.stepper import OK, Wanted
 from fourbar_ros.ros import messages
 from fourbar_ros.ros.messages import Message, resolve, Stamp
-from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
+from fourbar_ros.ros.node.rclpy_guard import TopicPublisher
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.scene.message_fields import FieldMap
 from fourbar_ros.scene.scene import no_pause, Scene
 from fourbar_ros.scene.topics import applied_topic, DRIVE_STATE, DRIVEN, SCENE, Topic
-from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
@@ -305,40 +303,6 @@ class Stream:
         else:
             self._log(f'status_{status}',
                       f'{name} = {position!r} {unit}: {pipeline.STATUS_NAMES[status]}')
-
-
-class TopicPublisher:
-    """
-    One published topic; ``is_subscribed`` tells whether it has subscribers.
-
-    ``changed()`` is called when the first subscriber has come or the last one has left. Where the
-    middleware has no event for that, the topic counts as subscribed. It is kept when a scene no
-    longer names it: rclpy's EventsExecutor ends the process at an event of a publisher that is
-    gone, as when its last subscriber leaves.
-    """
-
-    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
-        self._node, self._topic, self._changed = node, topic, changed
-        self.is_subscribed = False
-        try:
-            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
-        except UnsupportedEventTypeError:
-            self.is_subscribed = True
-            self._publisher = self._create(None)
-        self.topic = str(self._publisher.topic_name)     # its full name
-        # This takes half the time of Publisher.publish, which also guards against its destruction
-        # meanwhile.
-        self.publish: Callable[[bytes], None] = self._publisher.handle.publish_raw
-
-    def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
-        return entities.publisher(self._node, self._topic, event_callbacks=callbacks)
-
-    def _matched(self, info: Any) -> None:
-        """Note how many subscribers there are: rclpy's event."""
-        is_subscribed = info.current_count > 0
-        if is_subscribed != self.is_subscribed:
-            self.is_subscribed = is_subscribed
-            self._changed()
 
 
 # --- a scene with all that its steps need --------------------------------------------------------

@@ -1,0 +1,247 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+All that rclpy's node and its EventsExecutor do not survive, or do not do (rclpy 7.1, Jazzy).
+
+* A time below zero on /clock, an empty list in a parameter file, a parameter without a name, and
+  an exception in a service's callback end the node: GuardedNode.
+* An integer, a text with a unit or an empty list is refused for a parameter of doubles:
+  as_declared.
+* The executor knows no callback groups, so a slow service holds up the stream (ros2/rclpy#1473):
+  _answer_beside.
+* An event of a publisher that is gone ends the process, and publishing takes twice the time that
+  it must: TopicPublisher.
+* The executor passes a message and its info as one argument: with_info.
+* It waits by the system clock, for hours if that is set back: spin.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import wraps
+import threading
+import time
+from traceback import format_exc
+from typing import Any, TYPE_CHECKING
+
+from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.ros.messages import Message
+from fourbar_ros.ros.node import entities
+from fourbar_ros.ros.node.entities import Troubles, WAITING, Worker
+from fourbar_ros.scene.parameters import check_value, find_parameter
+from fourbar_ros.scene.settings import ParameterValues
+from fourbar_ros.scene.topics import Topic
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
+from rclpy.exceptions import ParameterNotDeclaredException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.service import Service
+from rosgraph_msgs.msg import Clock
+
+if TYPE_CHECKING:      # stream imports this file
+    from fourbar_ros.ros.node.stream import Stream
+
+CHANGES = 'changes'    # name of the thread that changes parameters, beside the stream
+REQUESTS = 1000        # that may arrive at once: as many as of parameters
+SPIN = 0.2             # [s] so often at least the executor sees signals and timers
+
+
+class GuardedNode(Node):
+    """A node that survives what is listed above; ``workers`` has a thread named CHANGES."""
+
+    troubles: Troubles
+    workers: dict[str, Worker]
+    stream: Stream
+
+    def declare_parameters(self, namespace: str, parameters: Any,
+                           ignore_override: bool = False) -> list[RosParameter]:
+        """Declare (name, value, ...); an empty list in a file comes as None, refused by rclpy."""
+        return list(super().declare_parameters(
+            namespace, [(name, [] if value is None else value, *rest)
+                        for name, value, *rest in parameters], ignore_override))
+
+    def set_parameters_atomically(self, parameter_list: Sequence[RosParameter]
+                                  ) -> SetParametersResult:
+        """Set parameters; take 3 and 40mm for a double, an empty list for one of any type."""
+        for parameter in parameter_list:
+            if not self.has_parameter(parameter.name):   # rclpy overlooks an empty name
+                raise ParameterNotDeclaredException(parameter.name)
+        values = self.stream.scene.values
+        try:
+            converted = [as_declared(parameter, values) for parameter in parameter_list]
+        except InvalidParameter as error:
+            return SetParametersResult(reason=str(error))
+        return super().set_parameters_atomically(converted)
+
+    def create_subscription(self, msg_type: type[Any], topic: str,
+                            callback: Callable[..., object], *qos: Any, **options: Any) -> Any:
+        """Create a subscription; of /clock it ignores times below zero."""
+        def guarded(message: Message) -> None:
+            if message.clock.sec < 0:
+                self.troubles.log('clock', f'/clock: {message.clock.sec} s is no time: ignored')
+            else:
+                callback(message)
+        return super().create_subscription(
+            msg_type, topic, guarded if msg_type is Clock else callback, *qos, **options)
+
+    def create_service(self, srv_type: type[Any], srv_name: str,
+                       callback: Callable[[Message, Message], Message],
+                       worker_for: Callable[[Message], Worker] | None = None,
+                       **options: Any) -> Any:
+        """
+        Create a service; an exception in its callback is logged and does not end the node.
+
+        If that takes long, ``worker_for(request)`` returns the thread to answer in. Its queue is
+        deep, so that each request of a burst is answered, if only with RESULT_BUSY.
+        """
+        options.setdefault('qos_profile', QoSProfile(depth=REQUESTS))
+
+        def answer(request: Message, response: Message) -> Message:
+            try:
+                return callback(request, response)
+            except Exception as error:
+                self.get_logger().error(f'a fault in {srv_name}: {format_exc()}')
+                return _without_answer(request, response, 'RESULT_INVALID_REQUEST',
+                                       f'a fault in the node, see its log: {error!r}')
+        if srv_type in (SetParameters, SetParametersAtomically):
+            worker_for = self._changes
+        if worker_for is None:
+            return super().create_service(srv_type, srv_name, answer, **options)
+        service = super().create_service(srv_type, srv_name, _both, **options)
+        _answer_beside(service, answer, worker_for)
+        return service
+
+    def _changes(self, _: Message) -> Worker:
+        """Return the thread that changes parameters; rclpy makes the services before threads."""
+        return self.workers[CHANGES]
+
+
+def _both(request: Message, response: Message) -> tuple[Message, Message]:
+    return request, response
+
+
+def _answer_beside(service: Service, answer: Callable[[Message, Message], Message],
+                   worker_for: Callable[[Message], Worker]) -> None:
+    """
+    Have a service answer in the worker for the request, or at once that too many wait.
+
+    The executor calls its callback, which is :func:`_both`, and passes the result to
+    ``send_response``. That is replaced: it queues the answer.
+    """
+    send = service.send_response
+
+    def queue(arguments: tuple[Message, Message], header: Message) -> None:
+        if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
+            send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
+                                 'answer already: ask again later'), header)
+    service.send_response = queue
+
+
+def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
+    """Return the response of any service, which says why the request has no answer."""
+    refused = SetParametersResult(reason=why)
+    if isinstance(response, SetParameters.Response):
+        response.results = [refused] * len(request.parameters)
+    elif isinstance(response, SetParametersAtomically.Response):
+        response.result = refused
+    elif hasattr(response, 'message'):
+        response.message = why
+        if hasattr(response, 'result'):
+            response.result = getattr(response, result)
+    return response
+
+
+def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParameter:
+    """
+    Return a parameter in the type that the table declares, if its value can be converted.
+
+    A client sends 3 as an integer, 40mm as a string, and an empty list as one of bytes; rclpy
+    refuses them for a parameter of doubles. ``values``: of the scene. InvalidParameter for a text
+    that is no number.
+    """
+    declared, types = find_parameter(parameter.name), RosParameter.Type
+    kind = declared.type if declared else ''
+    is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
+    if declared and kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
+        return RosParameter(parameter.name, types.DOUBLE,
+                            check_value(declared, parameter.value, values))
+    if declared and kind == 'doubles' and (
+            is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
+        return RosParameter(parameter.name, types.DOUBLE_ARRAY,
+                            check_value(declared, list(parameter.value), values))
+    if kind == 'strings' and is_empty:
+        return RosParameter(parameter.name, types.STRING_ARRAY, [])
+    return parameter
+
+
+class TopicPublisher:
+    """
+    A published topic; ``is_subscribed`` tells whether it has subscribers.
+
+    ``changed()`` is called when the first subscriber has come or the last one has left. Where the
+    middleware has no event for that, the topic counts as subscribed. The publisher must be kept
+    when a scene no longer names its topic: an event of one that is gone, as when its last
+    subscriber leaves, ends the process.
+    """
+
+    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
+        self._node, self._topic, self._changed = node, topic, changed
+        self.is_subscribed = False
+        try:
+            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
+        except UnsupportedEventTypeError:
+            self.is_subscribed = True
+            self._publisher = self._create(None)
+        self.topic = str(self._publisher.topic_name)     # the full name
+        # This takes half the time of Publisher.publish, which also guards against its destruction
+        # meanwhile.
+        self.publish: Callable[[bytes], None] = self._publisher.handle.publish_raw
+
+    def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
+        return entities.publisher(self._node, self._topic, event_callbacks=callbacks)
+
+    def _matched(self, info: Any) -> None:
+        """Note how many subscribers there are: rclpy's event."""
+        is_subscribed = info.current_count > 0
+        if is_subscribed != self.is_subscribed:
+            self.is_subscribed = is_subscribed
+            self._changed()
+
+
+def with_info(receive: Callable[[bytes, dict[str, Any]], None]) -> Callable[..., None]:
+    """
+    Return a callback of a subscription that gets a message and the info about it.
+
+    rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes both
+    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    """
+    @wraps(receive)
+    def from_any_executor(*arguments: Any) -> None:
+        receive(*(arguments if len(arguments) == 2 else arguments[0]))
+    return from_any_executor
+
+
+def spin(nodes: Sequence[Node], signals: Sequence[int]) -> None:
+    """Handle messages and timers of all nodes until a signal has come."""
+    executor, ended = EventsExecutor(), False
+    for node in nodes:
+        executor.add_node(node)
+
+    def wake() -> None:
+        """Wake the executor: that of the wheels waits by the system clock, also if set back."""
+        while not ended:
+            time.sleep(SPIN)
+            executor.create_task(lambda: None)
+    waker = threading.Thread(target=wake, name='waker', daemon=True)
+    waker.start()
+    try:
+        while not signals:
+            executor.spin_once(timeout_sec=SPIN)
+    finally:
+        ended = True
+        waker.join()
+        executor.shutdown()
