@@ -108,5 +108,6 @@ def _figure(title: str, unit: str, curves: Mapping[str, Sequence[Array]]) -> Fig
 def _bounded(vectors: Array) -> Array:
     """Return vectors (n, 2) with outliers as NaN: near a toggle they would dwarf the rest."""
     size = np.hypot(*vectors.T)
-    bound = OUTLIER * float(np.nanmedian(size)) or np.inf
+    median = float(np.nanmedian(size))
+    bound = OUTLIER * median if median != 0.0 else np.inf
     return np.where((size <= bound)[:, None], vectors, np.nan)

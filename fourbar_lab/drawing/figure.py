@@ -15,12 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
-from fourbar_lab.drawing.polygons import (
-    acceleration_polygon,
-    Arrow,
-    sides_of,
-    velocity_polygon,
-)
+from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism

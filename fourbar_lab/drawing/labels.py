@@ -156,7 +156,7 @@ def load_lines(loads: NamedFields, labels: Labels, torque: str) -> list[str]:
              for name, symbol in labels.forces.items()]
     values = {name: significant(value) for name, value in loads._asdict().items()}
     lines.append(f'drive $P$ = {values["driving_force"]} N'
-                 if getattr(loads, 'driving_force', 0.0) else
+                 if getattr(loads, 'driving_force', 0.0) != 0.0 else
                  f'drive ${torque}$ = {values["driving_torque"]} N m')
     if 'guide_force' in values:
         lines += [f'guide force {values["guide_force"]} N',

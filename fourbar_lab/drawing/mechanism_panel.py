@@ -11,22 +11,9 @@ from typing import TYPE_CHECKING
 from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
 from fourbar_lab.drawing.polygons import renamed
 from fourbar_lab.drawing.sheet import Sheet
+from fourbar_ros.mechanisms import picture
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import (
-    Arm,
-    Bar,
-    Block,
-    Diagram,
-    diagram_of,
-    forces_of,
-    NamedJoint,
-    of_kind,
-    outlines,
-    picture,
-    Points,
-    Primitive,
-)
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -40,7 +27,7 @@ BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'     # dark enou
 Letters = Mapping[str, str]         # {name of a joint: other letter}
 
 
-def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: Points,
+def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: picture.Points,
                    paths: Sequence[Array] = (), extra_points: Sequence[Array] = (),
                    names: Letters = MappingProxyType({}), title: str = '') -> Sheet:
     """
@@ -48,8 +35,9 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
 
     It also has room for ``extra_points``, which the caller draws.
     """
-    diagram, parts = diagram_of(mechanism, motion), picture(mechanism, motion, points)
-    joints, arms = np.array(list(diagram.joints.values())), of_kind(Arm, parts)
+    diagram = picture.diagram_of(mechanism, motion)
+    parts = picture.picture(mechanism, motion, points)
+    joints, arms = np.array(list(diagram.joints.values())), picture.of_kind(picture.Arm, parts)
     every = np.vstack([joints, *paths, *extra_points, *(bar[:2] for bar in diagram.bars),
                        *(arm.end for arm in arms)])
     every = every[np.isfinite(every).all(axis=1)]
@@ -71,29 +59,33 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
 
 
 def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None,
-              points: Points, names: Letters, unit: tuple[str, float], title: str) -> None:
+              points: picture.Points, names: Letters, unit: tuple[str, float], title: str) -> None:
     """
     Draw links, joints, centres of gravity, angles, points; with loads also forces and the drive.
 
     ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``unit`` of the
     scale of lengths: (text, size in [m]).
     """
-    diagram = diagram_of(mechanism, motion)
+    from matplotlib.patches import Wedge
+    diagram = picture.diagram_of(mechanism, motion)
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
-    labels, forces = labels_of(diagram), forces_of(diagram, loads) if loads else []
+    labels, forces = labels_of(diagram), picture.forces_of(diagram, loads) if loads else []
     longest = max((force.size for force in forces), default=0.0)
     forces = [force._replace(vector=ARROW * size / longest * force.vector) for force in forces
               if force.size > LEAST_FORCE * longest]
     bodies = mechanism.bodies._asdict().items() if mechanism.bodies else ()
     centres = [point_motion(mechanism, motion, link, body.cg_along, body.cg_across).place
-               for link, body in bodies if body.mass]
+               for link, body in bodies if body.mass != 0.0]
     sheet = draw_mechanism(axes, mechanism, motion, points, (), [
         *centres, *(force.point + force.vector for force in forces)], names, title)
-    for centre in centres:
-        _draw_centre(sheet, centre)
+    for centre in centres:      # a quartered circle
+        for start, end, colour in ((0.0, 360.0, 'w'), (0.0, 90.0, 'k'), (180.0, 270.0, 'k')):
+            axes.add_patch(Wedge(centre, 0.06 * sheet.inch, start, end, fc=colour, ec='k', lw=0.8,
+                                 zorder=6.5))
+        sheet.taken.append(centre)
     _draw_angles(sheet, motion, diagram)
     torque = getattr(loads, 'driving_torque', 0.0)
-    if torque:
+    if torque != 0.0:
         _draw_torque(sheet, torque, mechanism, motion, diagram)
     for force in forces:
         tip = force.point + force.vector
@@ -110,22 +102,22 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
 
 # --- strokes -------------------------------------------------------------------------------------
 
-def draw_part(sheet: Sheet, part: Primitive) -> None:
+def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
     """Draw one part, and keep labels off its lines."""
     axes = sheet.axes
-    if isinstance(part, Bar):
+    if isinstance(part, picture.Bar):
         line, width = (part.start, part.end), 4.5 * part.width
         sheet.line(*line, color=BODY, lw=width, solid_capstyle='round', zorder=2)
         axes.plot(*zip(*line), color='0.88', lw=width - 1.9, solid_capstyle='round', zorder=3)
-    elif isinstance(part, Arm):
+    elif isinstance(part, picture.Arm):
         for line in (part.start, part.foot), (part.foot, part.end):
             sheet.line(*line, color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
-    elif isinstance(part, NamedJoint):
+    elif isinstance(part, picture.NamedJoint):
         axes.plot(*part.point, 'o', ms=5, mfc='w', mec='k', zorder=7)
     else:
-        is_block = isinstance(part, Block)
-        corners, ground = outlines(part, sheet.inch)
+        is_block = isinstance(part, picture.Block)
+        corners, ground = picture.outlines(part, sheet.inch)
         axes.fill(*corners.T, fc='0.95' if is_block else 'w', ec='k', lw=1.2,
                   zorder=4 if is_block else 1)
         for start, end in zip(corners, np.roll(corners, 1, axis=0)) if is_block else ():
@@ -134,17 +126,7 @@ def draw_part(sheet: Sheet, part: Primitive) -> None:
             sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
 
 
-def _draw_centre(sheet: Sheet, centre: Array) -> None:
-    """Draw the quartered circle of a centre of gravity."""
-    from matplotlib.patches import Wedge
-    radius = 0.06 * sheet.inch
-    for start, end, colour in ((0.0, 360.0, 'w'), (0.0, 90.0, 'k'), (180.0, 270.0, 'k')):
-        sheet.axes.add_patch(Wedge(centre, radius, start, end, fc=colour, ec='k', lw=0.8,
-                                   zorder=6.5))
-    sheet.taken.append(centre)
-
-
-def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram) -> None:
+def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: picture.Diagram) -> None:
     """Draw the arcs of the absolute angles from x."""
     radius = 0.3 * sheet.inch
     for name, joint in diagram.angles.items():
@@ -160,7 +142,7 @@ def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: Diagram) -> None:
 
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
-                 diagram: Diagram) -> None:
+                 diagram: picture.Diagram) -> None:
     """Draw the torque as a turning arrow about the driven joint, away from the links."""
     radius, sense, joints = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0, diagram.joints
     centre = joints.get(mechanism.input, np.zeros(2))       # O1, or a joint that moves

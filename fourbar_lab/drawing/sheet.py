@@ -51,7 +51,8 @@ class Sheet:
         width, height = (box.width * axes.figure.get_figwidth(),
                          box.height * axes.figure.get_figheight())       # [inches]
         # 0.9 by 1.15 inches of paper are left around the drawing for labels, and below for scales
-        self.inch = max((high - low) / (width - 0.9, height - 1.15)) or 1.0
+        inch = max((high - low) / (width - 0.9, height - 1.15))
+        self.inch = inch if inch != 0.0 else 1.0
         middle = 0.5 * (low + high) - (0.0, 0.12 * self.inch)
         half = 0.5 * self.inch * np.array([width, height])
         self.axes, self.low, self.high = axes, middle - half, middle + half

@@ -7,13 +7,7 @@ from collections.abc import Sequence
 from math import degrees, pi, tau
 
 from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
-from fourbar_lab.drawing.record import (
-    ANGLE,
-    counted,
-    Intervals,
-    LinkageRecord,
-    properties_of,
-)
+from fourbar_lab.drawing.record import ANGLE, counted, Intervals, LinkageRecord, properties_of
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.proof import INTERVALS
 from fourbar_ros.mechanics.bodies import Base, field_of
@@ -36,8 +30,9 @@ def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
                    between: str = ' and ') -> str:
     """Return speed and acceleration, if there is one, as text: '25 rad/s and 2 rad/s^2'."""
     unit = linkage.input_coordinate.unit
-    return f'{speed:g} {unit}/s' + (f'{between}{acceleration:g} {unit}/s^2' if acceleration
-                                    else '')
+    if acceleration == 0.0:
+        return f'{speed:g} {unit}/s'
+    return f'{speed:g} {unit}/s{between}{acceleration:g} {unit}/s^2'
 
 
 def _ranges(coordinate: Coordinate, ranges: Intervals) -> str:
@@ -89,7 +84,7 @@ def _masses(linkage: Mechanism, properties: LinkageRecord) -> list[tuple[str, st
     """Return rows (name, text) of the bodies, and of what they are together."""
     rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
                    f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
-                   if body['mass'] or body['inertia'] else 'no mass in the scene')
+                   if (body['mass'], body['inertia']) != (0.0, 0.0) else 'no mass in the scene')
             for name, body in properties['bodies'].items()]
     if not any(field_of(linkage.gravity)) and not isinstance(linkage.gravity, Base):
         rows.append(NO_WEIGHT)

@@ -88,7 +88,7 @@ def _readable(values: Array, marked: Sequence[float]) -> Array:
     sizes = np.abs(values)
     typical = float(np.nanmedian(sizes))
     bound = max([NEAR * typical, *(1.2 * abs(value) for value in marked)])
-    if not typical or np.nanmax(sizes) <= max(FAR * typical, bound):
+    if typical == 0.0 or np.nanmax(sizes) <= max(FAR * typical, bound):
         return values
     return np.where(sizes <= bound, values, np.nan)
 

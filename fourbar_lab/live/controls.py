@@ -123,8 +123,8 @@ def _span(parameter: Parameter, value: float, shown: Shown) -> tuple[float, floa
     parameter allows. Of a zero, the longest link or 1 stands for the value.
     """
     size = max(map(abs, shown.linkage.lengths)) if parameter.unit == 'm' else 1.0
-    reach = SPAN * (abs(value) or size)
-    low = -reach if value < 0.0 or value == 0.0 or parameter.unit == 'rad/s or m/s' else 0.0
+    reach = SPAN * (abs(value) if value != 0.0 else size)
+    low = -reach if value <= 0.0 or parameter.unit == 'rad/s or m/s' else 0.0
     low = max(low, parameter.low) if parameter.low > -1e300 else low
     if parameter.positive or parameter.name.split('.')[-1] in ('mass', 'inertia'):
         low = max(low, 0.0)

@@ -17,21 +17,9 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.drawing.tables import facts
-from fourbar_lab.live import charts, controls, downloads, link, tables
+from fourbar_lab.live import charts, controls, downloads, link, picture, tables
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.model import shown as shown_of
-from fourbar_lab.live.picture import (
-    Drawn,
-    grips_svg,
-    joints_of,
-    LAYERS,
-    mechanism_svg,
-    mechanism_view,
-    polygon_drawing,
-    POLYGONS,
-    traces_svg,
-    USUAL,
-)
 from fourbar_lab.live.svg import HEIGHT, STYLE, WIDTH
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.pipeline.stepper import INVALID_INPUT, OK, STATUS_NAMES
@@ -100,7 +88,7 @@ class Page:
         if self.state.input is not None:
             self.position = self._position_of(self.state.input)
         self.names = self.shown.usual_quantities        # whose curves are drawn
-        self.layers = USUAL                             # what is drawn beside the links
+        self.layers = picture.USUAL                     # what is drawn beside the links
         self.pose: DrawnPose | None = None          # what is drawn now; None: nothing
         self.refusal = self.no_pose = ''            # why there is no mechanism, why it has no pose
 
@@ -151,8 +139,8 @@ class Page:
                 show(self.player, size=[WIDTH, HEIGHT], answered=0, **NOTHING)
                 self.player.on('rest', self._rest, [None])
             with ui.row().classes('fb-options fb-middle'):
-                for name, text in LAYERS.items():
-                    ui.checkbox(text, value=name in USUAL,
+                for name, text in picture.LAYERS.items():
+                    ui.checkbox(text, value=name in picture.USUAL,
                                 on_change=lambda _, name=name: self.switch(name)
                                 ).set_visibility(name != 'axis' or self.shown.has_axis)
                 self.no_loads = ui.label()
@@ -181,7 +169,7 @@ class Page:
                     self.cursor = PoseElement('', 'div')
             with _panel('Polygons'):
                 self.polygons = {}
-                for name in POLYGONS:
+                for name in picture.POLYGONS:
                     ui.label(f'{name} polygon')
                     self.polygons[name] = PoseElement(f'{name} polygon')
             with _panel('Extrema'):
@@ -209,13 +197,18 @@ class Page:
         """
         try:
             shown = shown_of(self.state.values, self.state.acceleration)
-            self.view = mechanism_view(shown)
+            self.view = picture.mechanism_view(shown)
         except FourBarError as error:
             self.refusal, self.pose = str(error), None
             self.alarm.set_text(self.refusal)
             self.warnings.set_text('')
             self.words.set_text('impossible')
-            self._clear()
+            show(self.player, **NOTHING)
+            for element in self._pose_elements():
+                show(element, **BLANK)
+            self.set_curves({})
+            self.extrema.rows, self.facts.rows = [], []
+            self.no_extrema.set_text('')
             return
         self.shown, self.refusal = shown, ''
         self.names = [name for name in self.names if name in shown.quantities]
@@ -224,16 +217,6 @@ class Page:
         self.warnings.set_text('\n'.join(warnings_of(shown.scene)))
         self.no_loads.set_text(shown.why_no_loads and f'no forces: {shown.why_no_loads}')
         self._refill()
-
-    def _clear(self) -> None:
-        """Show nothing of a mechanism: there is none."""
-        show(self.player, **NOTHING)
-        for element in self._pose_elements():
-            show(element, **BLANK)
-        self.set_curves({})
-        for table in (self.extrema, self.facts):
-            table.rows = []
-        self.no_extrema.set_text('')
 
     def _refill(self) -> None:
         """Draw all anew, after another choice of what is shown or how; views when they open."""
@@ -273,7 +256,6 @@ class Page:
         self._refill()
 
     def _remember(self) -> None:
-        """Put the state into the address of the page."""
         query = link.address(self.state._replace(input=self.shown_input))
         ui.run_javascript(f'history.replaceState(null, "", "?{query}")')
 
@@ -288,15 +270,12 @@ class Page:
         coordinate = self.shown.linkage.input_coordinate
         show(self.player, label=f'{coordinate.position} [{self.shown.input_unit}]',
              bounds=list(self.shown.bounds), at=self.shown_input,
-             under=traces_svg(self.shown, self.view) if 'curves' in self.layers else '',
-             still=self._picture(pose) + grips_svg(self.shown, pose, self.view)
-             if self.pose else '')
+             under=picture.traces_svg(self.shown, self.view) if 'curves' in self.layers else '',
+             still=(picture.mechanism_svg(self.shown, pose, self.view, self.layers)
+                    + picture.grips_svg(self.shown, pose, self.view)) if self.pose else '')
         drawn = self._drawn() if self.pose else {}
         for element in self._pose_elements():
             show(element, still=drawn[element](self.shown_input, pose) if element in drawn else '')
-
-    def _picture(self, pose: DrawnPose) -> str:
-        return mechanism_svg(self.shown, pose, self.view, self.layers)
 
     def _why_no_pose(self, status: int) -> str:
         """Return a status with the input that has it, for the alarm of the page."""
@@ -307,18 +286,18 @@ class Page:
             'large, or unknown')
 
     def _pose_elements(self) -> list[PoseElement]:
-        """Return all elements beside the picture that show a pose."""
         return [self.now, self.cursor, *self.polygons.values()]
 
-    def _drawn(self) -> dict[PoseElement, Drawn]:
+    def _drawn(self) -> dict[PoseElement, picture.Drawn]:
         """Return the elements that show a pose in the open view, and how each draws it."""
         shown, view = self.shown, self.tabs.value
-        drawn: dict[PoseElement, Drawn] = {self.now: lambda _, pose: tables.now_html(shown, pose)}
+        drawn: dict[PoseElement, picture.Drawn] = {
+            self.now: lambda _, pose: tables.now_html(shown, pose)}
         if view == 'Curves' and self.names:
             drawn[self.cursor] = lambda shown_input, _: charts.cursor_html(shown_input,
                                                                            *shown.bounds)
         if view == 'Polygons':
-            drawn |= {element: polygon_drawing(shown, name)
+            drawn |= {element: picture.polygon_drawing(shown, name)
                       for name, element in self.polygons.items()}
         return drawn
 
@@ -344,7 +323,7 @@ class Page:
             for element, properties in cycle.items():
                 show(element, **properties)
 
-    def _cycle(self, shown: Shown, drawn: dict[PoseElement, Drawn]
+    def _cycle(self, shown: Shown, drawn: dict[PoseElement, picture.Drawn]
                ) -> dict[Element, dict[str, Any]]:
         """Return {element: its properties} for the frames of a cycle, the player last."""
         samples = shown.samples(FRAMES)
@@ -357,8 +336,10 @@ class Page:
                      for low, high in shown.ranges]
         sense = -1 if shown.rate < 0.0 else 1
         properties[self.player] = {
-            'inputs': inputs, 'frames': [self._picture(pose) for _, pose in samples],
-            'joints': [joints_of(shown, pose, self.view) for _, pose in samples],
+            'inputs': inputs,
+            'frames': [picture.mechanism_svg(self.shown, pose, self.view, self.layers)
+                       for _, pose in samples],
+            'joints': [picture.joints_of(shown, pose, self.view) for _, pose in samples],
             'ranges': [[frames[0], frames[-1]] for frames in of_ranges if frames],
             'turns': sense if shown.linkage.turns_fully else 0}
         return properties

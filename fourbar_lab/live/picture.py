@@ -11,12 +11,7 @@ from types import MappingProxyType
 from fourbar_lab.drawing.axis import axis_angle, axis_parts
 from fourbar_lab.drawing.collineation import instant_centre
 from fourbar_lab.drawing.labels import significant
-from fourbar_lab.drawing.polygons import (
-    acceleration_polygon,
-    Arrow,
-    sides_of,
-    velocity_polygon,
-)
+from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.live import svg
 from fourbar_lab.live.model import Shown
@@ -24,13 +19,7 @@ from fourbar_lab.live.svg import HEIGHT, PRINTED_STYLE, View, view_of, WIDTH
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import (
-    Arm,
-    diagram_of,
-    forces_of,
-    of_kind,
-    picture,
-)
+from fourbar_ros.mechanisms.picture import Arm, diagram_of, forces_of, of_kind, picture
 import numpy as np
 
 LONGEST = 0.3                      # of the longest force, over the size of the mechanism
