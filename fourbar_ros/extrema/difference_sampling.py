@@ -63,7 +63,7 @@ class DifferenceSampler(Sampler):
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
         return DIFFERENCE * (self._x[i] - self._x[i - 1])
 
-    def at(self, x: Array, row: Array) -> tuple[Array, Array]:
+    def value_and_slope(self, x: Array, row: Array) -> tuple[Array, Array]:
         """Return value and derivative by the five-point formula, of error step^4."""
         h = self.step(x)
         points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
@@ -98,9 +98,9 @@ class DifferenceSampler(Sampler):
         low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
         for _ in range(56):
-            one, other = high - part * (high - low), low + part * (high - low)
-            keeps_low = sense * self.values(one)[row, i] > sense * self.values(other)[row, i]
-            low, high = np.where(keeps_low, low, one), np.where(keeps_low, other, high)
+            left, right = high - part * (high - low), low + part * (high - low)
+            keeps_low = sense * self.values(left)[row, i] > sense * self.values(right)[row, i]
+            low, high = np.where(keeps_low, low, left), np.where(keeps_low, right, high)
         better = 0.5 * (low + high)
         gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
         return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)

@@ -17,8 +17,11 @@ from math import isfinite, isnan, nan, pi
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.extrema.path_search import PathExtremum
-from fourbar_ros.extrema.search import Search
+from fourbar_ros.extrema.difference_sampling import DifferenceSampler
+from fourbar_ros.extrema.input_paths import input_paths, unresolved
+from fourbar_ros.extrema.path_search import PathExtremum, search_path
+from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
+from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
@@ -31,6 +34,8 @@ INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
+
+SAMPLES = 256       # points of a full turn, at least
 
 # A condition larger than this belongs to a change point, where values on both sides differ.
 TRUSTED = 1e6
@@ -60,7 +65,7 @@ class Extremum(NamedTuple):
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
-        If each link length is wrong by a relative eps, the place moves by up to eps * condition
+        If each link length is wrong by a relative eps, the input moves by up to eps * condition
         [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
     proof : str
         Whether it is proved that no extremum inside the range is missing: '' if not asked,
@@ -144,8 +149,8 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
     every: Any = [quantities] if _is_one(quantities) else quantities
-    if isinstance(every, Collection) and any(isinstance(one, str) and one == INERTIA
-                                             for one in every):
+    if isinstance(every, Collection) and any(
+            isinstance(quantity, str) and quantity == INERTIA for quantity in every):
         options: Any = {'certify': certify, 'conditions': conditions, 'check': check,
                         'seconds': seconds, 'progress': progress, 'within': within}
         return [extremum for quantity in every
@@ -159,15 +164,86 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     if not search.paths:
         raise InvalidParameter('within', within, 'the links close at none of these inputs, but in '
                                + in_words(linkage.input_ranges, linkage.input_coordinate.unit))
-    found, proofs, refuted = search.extrema(conditions), [''] * len(quantities), set[int]()
+    extrema, proofs, refuted = search.extrema(conditions), [''] * len(quantities), set[int]()
     if certify:
         def tell(share: float) -> None:
             check()
             progress(share)
-        found, proofs, refuted = search.proved(found, conditions, tell, seconds)
-    return [extremum for row, quantity in enumerate(quantities) if found[row]
-            for extremum in _extrema(quantity, linkage, found[row], proofs[row], row in refuted,
+        extrema, proofs, refuted = search.proved(extrema, conditions, tell, seconds)
+    return [extremum for row, quantity in enumerate(quantities) if extrema[row]
+            for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
                                      search.unresolved, partial(search.exact, row))]
+
+
+class Search:
+    """
+    The search, and its proof, for some quantities of a mechanism at rate and acceleration.
+
+    ``within``: lowest and highest input, see :func:`.input_paths`; ``paths``: those of the input;
+    ``unresolved``: where their samples are not dense enough, in words.
+    """
+
+    def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
+                 rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
+        """Make samplers of the quantities, by complex steps and by differences."""
+        self._linkage, self._quantities, self._rates = linkage, quantities, rates
+        rough = [row for row, quantity in enumerate(quantities)
+                 if isinstance(quantity, Function) and not quantity.is_smooth]
+        smooth = [row for row in range(len(quantities)) if row not in rough]
+        self._groups = [(kind(linkage, [quantities[row] for row in rows], rates), rows)
+                        for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)) if rows]
+        self.paths, self.unresolved = input_paths(linkage, SAMPLES, within), unresolved(linkage)
+
+    def extrema(self, with_conditions: bool = True,
+                more: Sequence[float] = ()) -> list[list[PathExtremum]]:
+        """
+        Return the extrema of each quantity, in the order of the quantities.
+
+        ``with_conditions``: compute their condition numbers too, else NaN. ``more``: inputs of
+        further samples, in the unit of the input.
+        """
+        extrema: list[list[PathExtremum]] = [[] for _ in self._quantities]
+        for sampler, rows in self._groups:       # rows: where its quantities stand in the order
+            for path in self.paths:
+                for extremum in search_path(sampler, path, with_conditions, more):
+                    extrema[rows[extremum.quantity]].append(extremum)
+        return extrema
+
+    def exact(self, quantity: int, x: Sequence[float]) -> Array:
+        """Return a quantity at inputs, in the unit of the input, as :meth:`.Sampler.exact`."""
+        sampler, rows = next(group for group in self._groups if quantity in group[1])
+        return sampler.exact(np.array(x), np.full(len(x), rows.index(quantity)))
+
+    def proved(self, extrema: list[list[PathExtremum]], with_conditions: bool,
+               check: Callable[[float], None], seconds: float
+               ) -> tuple[list[list[PathExtremum]], list[str], set[int]]:
+        """
+        Return the extrema and the text of the proof of each quantity, and whose are refuted.
+
+        Extrema that contradict their proof are searched once more: between the ends of the parts
+        in which the proof says that they are.
+        ``extrema``: results of the search of each quantity; others as for :meth:`prove`.
+        """
+        proofs = self.prove(extrema, check, seconds)
+        texts = [proof.verdict(of_quantity) for proof, of_quantity in zip(proofs, extrema)]
+        wrong = {row for row, proof in enumerate(proofs)
+                 if texts[row].startswith(NOT_PROVED) and not proof.why_not}
+        if wrong:
+            ends = [end for row in wrong for part in proofs[row].parts
+                    for end in (part.low, part.high)]
+            again = self.extrema(with_conditions, ends)
+            for row in sorted(wrong):
+                text = proofs[row].verdict(again[row])
+                if not text.startswith(NOT_PROVED):
+                    extrema[row], texts[row] = again[row], text
+                    wrong.remove(row)
+        return extrema, texts, wrong
+
+    def prove(self, extrema: list[list[PathExtremum]], check: Callable[[float], None],
+              seconds: float) -> list[Proof]:
+        """Return a proof of each quantity, see :func:`fourbar_ros.extrema.proof.prove`."""
+        return prove(self._linkage, self._quantities, self._rates, self.paths, extrema, check,
+                     seconds)
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
@@ -186,8 +262,8 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
 def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:
     """Return the extrema of the inertia at the input: the drive at rest, accelerated by one."""
     unit = 'kg' if linkage.is_driven_by_slide else 'kg m^2'
-    found = find_extrema(linkage.weightless, linkage.drive_load, 0.0, 1.0, **options)
-    return [one._replace(quantity=INERTIA, unit=unit) for one in found]
+    return [extremum._replace(quantity=INERTIA, unit=unit) for extremum in find_extrema(
+        linkage.weightless, linkage.drive_load, 0.0, 1.0, **options)]
 
 
 def resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
@@ -215,43 +291,43 @@ def _is_one(quantity: Any) -> bool:
     return isinstance(quantity, str) or hasattr(quantity, 'of') or callable(quantity)
 
 
-def _extrema(quantity: Asked, linkage: Mechanism, found: list[PathExtremum], proof: str,
+def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], proof: str,
              is_refuted: bool, unresolved: str,
              exact: Callable[[list[float]], Array]) -> list[Extremum]:
     """
-    Return the extrema of one quantity as records for users, by place, the global ones marked.
+    Return the extrema of a quantity as records for users, by input, the global ones marked.
 
-    ``found``: from the search; ``proof``: says whether they are complete; ``is_refuted``: it says
-    that they are not, so that only infinite ones are global; ``unresolved``: where samples are
-    not dense enough; ``exact``: see :func:`_most_extreme`.
+    ``extrema``: from the search; ``proof``: says whether they are complete; ``is_refuted``: the
+    proof says that they are not, so that only infinite ones are global; ``unresolved``: where
+    samples are not dense enough; ``exact``: see :func:`_most_extreme`.
     """
-    found = sorted(found, key=lambda one: (one.place, one.side))
+    extrema = sorted(extrema, key=lambda extremum: (extremum.x, extremum.side))
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide
-    lowest, low_in_doubt = _most_extreme(found, -1, exact)
-    highest, high_in_doubt = _most_extreme(found, 1, exact)
+    lowest, low_in_doubt = _most_extreme(extrema, -1, exact)
+    highest, high_in_doubt = _most_extreme(extrema, 1, exact)
     first, in_doubt = lowest | highest, low_in_doubt | high_in_doubt
     gap = (unresolved or 'extrema are missing: their kinds do not alternate'
-           if unresolved or any(one.misses for one in found) else '')
+           if unresolved or any(extremum.misses for extremum in extrema) else '')
     if is_refuted or gap:
-        first = {i for i in first if not isfinite(found[i].value) or not found[i].sense}
-    proofs = [f'not certain: constant within {one.noise:.1e} {symbol}, its rounding errors'
-              if not one.sense and one.noise else
+        first = {i for i in first if not isfinite(extrema[i].value) or not extrema[i].sense}
+    proofs = [f'not certain: constant within {extremum.noise:.1e} {symbol}, its rounding errors'
+              if not extremum.sense and extremum.noise else
               proof if proof and not is_refuted and not unresolved else f'not certain: {gap}'
               if gap else
               'not certain: rounding errors hide which is the most extreme' if i in in_doubt
-              else proof for i, one in enumerate(found)]
-    angles = _crank_angles(linkage, found) if is_slide else [one.place for one in found]
-    return [Extremum(name, symbol, mode, _KINDS[one.sense], theta1, one.value,
+              else proof for i, extremum in enumerate(extrema)]
+    angles = _crank_angles(linkage, extrema) if is_slide else [extremum.x for extremum in extrema]
+    return [Extremum(name, symbol, mode, _KINDS[extremum.sense], theta1, extremum.value,
                      i in first,
-                     INTERIOR if not one.side or not one.sense else ONE_SIDED if one.is_flat
-                     else LIMIT,
-                     one.side, unit * one.condition, one.value_condition, text,
-                     unit * one.place if is_slide else nan)
-            for i, (one, theta1, text) in enumerate(zip(found, angles, proofs))]
+                     INTERIOR if not extremum.side or not extremum.sense
+                     else ONE_SIDED if extremum.is_flat else LIMIT,
+                     extremum.side, unit * extremum.condition, extremum.value_condition, text,
+                     unit * extremum.x if is_slide else nan)
+            for i, (extremum, theta1, text) in enumerate(zip(extrema, angles, proofs))]
 
 
-def _most_extreme(found: Sequence[PathExtremum], sense: int,
+def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
                   exact: Callable[[list[float]], Array]) -> tuple[set[int], set[int]]:
     """
     Return the indices of the lowest (``sense`` -1) or highest extrema (1), and of those in doubt.
@@ -259,19 +335,19 @@ def _most_extreme(found: Sequence[PathExtremum], sense: int,
     Values that differ by their last bits are equal. Where errors may be larger than that,
     ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not known.
     """
-    values = {i: sense * one.value for i, one in enumerate(found)
-              if one.sense != -sense and not isnan(one.value)}
+    values = {i: sense * extremum.value for i, extremum in enumerate(extrema)
+              if extremum.sense != -sense and not isnan(extremum.value)}
     if not values:
         return set(), set()
     best = max(values, key=values.__getitem__)
-    least = values[best] - _error(found[best])
-    near = {i: value for i, value in values.items() if value + _error(found[i]) >= least}
+    least = values[best] - _error(extrema[best])
+    near = {i: value for i, value in values.items() if value + _error(extrema[i]) >= least}
     greatest = _greatest(near)
     if len(greatest) == len(near):
         return greatest, set()
-    inner = [i for i in near if found[i].sense and not found[i].side and found[i].value]
-    exactly = near | dict(zip(inner, (sense * exact([found[i].place for i in inner])).tolist()))
-    if any(isnan(exactly[i]) or found[i].noise and not found[i].sense for i in near):
+    inner = [i for i in near if extrema[i].sense and not extrema[i].side and extrema[i].value]
+    exactly = near | dict(zip(inner, (sense * exact([extrema[i].x for i in inner])).tolist()))
+    if any(isnan(exactly[i]) or extrema[i].noise and not extrema[i].sense for i in near):
         return greatest, set(near)
     return _greatest(exactly), set()
 
@@ -283,23 +359,24 @@ def _greatest(values: dict[int, float]) -> set[int]:
     return {i for i, value in values.items() if value >= least}
 
 
-def _error(one: PathExtremum) -> float:
+def _error(extremum: PathExtremum) -> float:
     """Return a bound of the error of a value."""
-    if not isfinite(one.value):
+    if not isfinite(extremum.value):
         return 0.0
-    condition = one.value_condition if one.value_condition < TRUSTED else 0.0
-    return max(one.noise, 4 * EPS * (16 + condition) * abs(one.value))
+    condition = extremum.value_condition if extremum.value_condition < TRUSTED else 0.0
+    return max(extremum.noise, 4 * EPS * (16 + condition) * abs(extremum.value))
 
 
-def _crank_angles(linkage: Mechanism, found: Sequence[PathExtremum]) -> list[float]:
+def _crank_angles(linkage: Mechanism, extrema: Sequence[PathExtremum]) -> list[float]:
     """
     Return the crank's angles [rad] at extrema over a driven slide; NaN where there is no crank.
 
     A limit that was rounded outwards has no pose: there the angle a few roundings inside serves.
     """
-    places = linkage.input_unit * np.array([one.place for one in found])
+    positions = linkage.input_unit * np.array([extremum.x for extremum in extrema])
     # side: +1 at the lower end of a range, -1 at the upper one, 0 inside
-    inward = np.array([one.side for one in found]) * 4.0 * EPS * np.abs(places)
-    angles, inside = (linkage.crank_angle(linkage.motion(at)) for at in (places, places + inward))
+    inward = np.array([extremum.side for extremum in extrema]) * 4.0 * EPS * np.abs(positions)
+    angles, inside = (linkage.crank_angle(linkage.motion(position))
+                      for position in (positions, positions + inward))
     result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()
     return result

@@ -32,26 +32,26 @@ NOT_ANALYTIC = ('hypot', 'atan2')
 
 @cache
 def _weights() -> Array:
-    """Return coefficients of polynomials that are 1 at one of 1, 2, ... NODES, 0 at the others."""
+    """Return coefficients of polynomials that are 1 at one of 1, 2, ... NODES, 0 at the rest."""
     columns = []
     for node in range(1, NODES + 1):
-        others = [other for other in range(1, NODES + 1) if other != node]
-        columns.append([Decimal(c) / prod(node - other for other in others)
-                        for c in np.poly(others)[::-1]])
+        zeros = [zero for zero in range(1, NODES + 1) if zero != node]
+        columns.append([Decimal(c) / prod(node - zero for zero in zeros)
+                        for c in np.poly(zeros)[::-1]])
     return np.array(columns).T
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def _cut(trace: Trace) -> tuple[list[int], list[int]]:
-    """Return the places of the analytic numbers that results need, and of the steps from these."""
+    """Return the indices of the analytic numbers that results need, and of steps from these."""
     late = set[int]()
     needed = trace.needed(flat(trace.results))
-    for place in needed:
-        step = trace.steps[place]
-        if place in trace.varies and (step.operation in NOT_ANALYTIC
+    for index in needed:
+        step = trace.steps[index]
+        if index in trace.varies and (step.operation in NOT_ANALYTIC
                                       or not late.isdisjoint(step.arguments)):
-            late.add(place)
-    taken = {i for place in late for i in trace.steps[place].arguments}.union(flat(trace.results))
+            late.add(index)
+    taken = {i for index in late for i in trace.steps[index].arguments}.union(flat(trace.results))
     return sorted((taken & trace.varies) - late), sorted(late)
 
 
@@ -59,7 +59,7 @@ class FlatSide:
     """
     Motion and loads on one side of a flat position, in the mode of a mechanism.
 
-    ``rates``: rate and acceleration of the input. ``place``: the flat position, in the input's
+    ``rates``: rate and acceleration of the input. ``flat_x``: the flat position, in the input's
     unit. ``side``: +1 for inputs above it, -1 below. ``with_loads``: of a mechanism with bodies.
 
     Attributes
@@ -69,33 +69,33 @@ class FlatSide:
 
     """
 
-    def __init__(self, mechanism: Mechanism, rates: tuple[float, float], place: float,
+    def __init__(self, mechanism: Mechanism, rates: tuple[float, float], flat_x: float,
                  side: int, with_loads: bool) -> None:
-        """Compute with many digits beside the place, within the nearest other singularity."""
+        """Compute with many digits beside the flat position, nearer than the next singularity."""
         unit, names = mechanism.input_unit, mechanism.MOTION._fields
         self._is_angle = not mechanism.is_driven_by_slide
-        self.place, self.side = place, side
-        others = (self._turned(z / unit - place) for z in mechanism.singular_inputs)
-        self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, others))]))[1]
+        self.x, self.side = flat_x, side
+        singular = (self._turned(z / unit - flat_x) for z in mechanism.singular_inputs)
+        self._scale = 2.0**frexp(min([1.0, *filter(None, map(abs, singular))]))[1]
         record = mechanism.record_with_loads if with_loads else mechanism.record_of_motion
         self._trace = record.trace
         self._values: list[Any] = [None, *rates, *record.constants[3:]]
         self._results, (self._analytic, self._late) = flat(self._trace.results), _cut(self._trace)
         count = len(self._analytic)
         with localcontext(MANY_DIGITS):
-            numbers = in_decimals(self._trace, numbers_of(formula_of(mechanism, with_loads)[1]),
-                                  [*self._analytic, *self._results])
-            start, scale = mechanism.flat_place(unit * place), Decimal(unit * side * self._scale)
+            values_of = in_decimals(self._trace, numbers_of(formula_of(mechanism, with_loads)[1]),
+                                    [*self._analytic, *self._results])
+            start, scale = mechanism.flat_place(unit * flat_x), Decimal(unit * side * self._scale)
 
-            def numbers_at(distance: Decimal) -> list[Decimal]:
-                """Return the numbers at a distance from the place in units of the scale."""
-                return numbers(start + scale * distance, *map(Decimal, rates))
+            def values_beside(distance: Decimal) -> list[Decimal]:
+                """Return the analytic numbers at a distance in units of the scale."""
+                return values_of(start + scale * distance, *map(Decimal, rates))
 
-            far, near = map(numbers_at, NEAR)
+            far, near = map(values_beside, NEAR)
             self._powers = np.array([round(log10(abs(a / b)) * 0.5) if a and b else 0
                                      for a, b in zip(far[:count], near)])
             distances = [Decimal(REACH) / NODES * k for k in range(1, NODES + 1)]
-            values = np.array([numbers_at(distance) for distance in distances])
+            values = np.array([values_beside(distance) for distance in distances])
             names += mechanism.LOADS._fields if with_loads else ()
             self.varies = {name: not is_nothing(max(v) - min(v), *v)
                            for name, v in zip(names, values[:, count:].T)}
@@ -109,7 +109,7 @@ class FlatSide:
 
     def distance(self, x: Array) -> Array:
         """Return the distances of inputs on this side, in units of the scale."""
-        return np.asarray(self.side * self._turned(x - self.place) / self._scale)
+        return np.asarray(self.side * self._turned(x - self.x) / self._scale)
 
     def state(self, t: Array) -> Array:
         """Return fields of motion and of loads, if any, at distances t, (fields, t.size)."""
@@ -119,7 +119,7 @@ class FlatSide:
             rows = rows * s + c
         values = list(self._values)
         with np.errstate(all='ignore'):
-            for place, row, power in zip(self._analytic, rows, self._powers.tolist()):
-                values[place] = row * t**power if power >= 0 else row * (1.0 / t)**-power
+            for index, row, power in zip(self._analytic, rows, self._powers.tolist()):
+                values[index] = row * t**power if power >= 0 else row * (1.0 / t)**-power
             run(self._trace, self._late, ARRAYS, values)
         return np.stack([np.broadcast_to(values[i], t.shape) for i in self._results])

@@ -189,7 +189,7 @@ def unresolved(mechanism: Mechanism) -> str:
     real = [z.real for z in singular if not z.imag]
     for z in singular:
         if 0.0 < abs(z.imag) < least or not z.imag and any(
-                0.0 < abs(mechanism.distance(z.real, other)) < least for other in real):
+                0.0 < abs(mechanism.distance(z.real, x)) < least for x in real):
             return (f'changes within {least:.0e} {coordinate.unit} of {coordinate.position} = '
                     f'{z.real:.9g} are not resolved')
     return ''
@@ -250,8 +250,8 @@ def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
     is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_flat])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    flat = {float(np.arcsin(place)): End(float(x), True)
-            for place, x in zip(scaled.real[is_flat], singular.real[is_flat])}
+    flat = {float(np.arcsin(sine)): End(float(x), True)
+            for sine, x in zip(scaled.real[is_flat], singular.real[is_flat])}
     ends = {-0.5 * pi: limits[0], **dict(sorted(flat.items())), 0.5 * pi: limits[1]}
     return _paths(kernels, _within(ends, cut, bounds, bounds.phi), bounds.to_input)
 
@@ -321,7 +321,7 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     """
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
     count = max(int(np.ceil(end - begin)), LEAST)
-    before, after = (closer_points(one, count) for one in ends or (None, None))
+    before, after = (closer_points(end, count) for end in ends or (None, None))
     part = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     return _inverse(kernels, bounds, begin + (end - begin) * part), before.size, after.size
 
@@ -334,13 +334,13 @@ def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:
     slopes (Hermite) is good to 1e-4 of a step, with one step of Newton's method to 1e-9.
     """
     half = 0.5 * (-pi + 2.0 * pi / NODES * np.arange(NODES))
-    own = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
-    nodes = np.add.outer((-2.0 * pi, 0.0, 2.0 * pi), own).ravel()
+    centres = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
+    nodes = np.add.outer((-2.0 * pi, 0.0, 2.0 * pi), centres).ravel()
     nodes = np.unique(np.concatenate((nodes[(nodes > bounds[0]) & (nodes < bounds[1])], bounds)))
-    at, slope = kernels.samples(nodes)
-    i = np.clip(np.searchsorted(at, t) - 1, 0, nodes.size - 2)
-    low, high, rise = nodes[i], nodes[i + 1], at[i + 1] - at[i]
-    part = (t - at[i]) / rise
+    targets, slope = kernels.samples(nodes)
+    i = np.clip(np.searchsorted(targets, t) - 1, 0, nodes.size - 2)
+    low, high, rise = nodes[i], nodes[i + 1], targets[i + 1] - targets[i]
+    part = (t - targets[i]) / rise
     rest = 1.0 - part
     phi = (low + (high - low) * part * part * (3.0 - 2.0 * part)
            + rise * part * rest * (rest / slope[i] - part / slope[i + 1]))

@@ -20,10 +20,9 @@ from math import inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
 from typing import NamedTuple
 
 from fourbar_ros.extrema import find
-from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
+from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, SAMPLES
 from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.sampling import Sampler
-from fourbar_ros.extrema.search import SAMPLES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
 from fourbar_ros.mechanisms.quadrature import mean_over_input, nodes

@@ -8,7 +8,7 @@ Quantities are sampled with their derivatives on the points of
 are bracketed, and all brackets of all quantities solved at once. For omega4 and alpha4 this does
 the work of both documents' algorithms of extreme values.
 
-Conditions. With F = dQ/dtheta1 at an extremum, its place moves by -sum (dF/da_i) da_i / F' and its
+Conditions. With F = dQ/dtheta1 at an extremum, its input moves by -sum (dF/da_i) da_i / F' and its
 value by sum (dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums
 of the absolute terms bounds both.
 """
@@ -54,9 +54,9 @@ BESIDE = 2.0**-6
 TURN = 2.0**-12
 
 
-def _weights(number: int, terms: Callable[[int], int]) -> Array:
+def _weights(count: int, terms: Callable[[int], int]) -> Array:
     """Return weights, of sum one, that extrapolate samples at 1/2, 3/2, ... to 0 (Lagrange)."""
-    weights = np.array([(-1)**j * terms(j) / (j + 0.5) for j in range(number)])
+    weights = np.array([(-1)**j * terms(j) / (j + 0.5) for j in range(count)])
     return np.asarray(weights / weights.sum())
 
 
@@ -66,15 +66,15 @@ _UP_TO = _weights(NEIGHBOURS, lambda j: comb(NEIGHBOURS - 1, j))
 
 
 class PathExtremum(NamedTuple):
-    """One extremum of one quantity, found on a path of the input."""
+    """An extremum of a quantity on a path of the input."""
 
-    quantity: int                    # its number in the sampler
-    place: float                     # input, in the mechanism's unit
+    quantity: int                    # its index in the sampler
+    x: float                         # input, in the mechanism's unit
     value: float
     sense: int                       # +1 maximum, -1 minimum, 0 constant from here on
     side: int = 0                    # as in :class:`~fourbar_ros.extrema.find.Extremum`
     is_flat: bool = False            # at the flat position of a change point
-    condition: float = nan           # as in Extremum, of the place
+    condition: float = nan           # as in Extremum, of the input
     value_condition: float = nan
     noise: float = 0.0               # least error of the value, of a constant a bound
     misses: bool = False             # another of its quantity is missing: they do not take turns
@@ -107,24 +107,26 @@ def _with_gaps(extrema: list[PathExtremum], path: InputPath, turn: float) -> lis
 
     One without a value is left out. ``turn``: after which the input is the same, 0 if never.
     """
-    def along(one: PathExtremum) -> float:
+    def along(extremum: PathExtremum) -> float:
         """Return where an extremum is on the path."""
-        if one.side:
-            return -one.side * inf
-        return one.place if path.low is None or not turn else (one.place - path.low.x) % turn
+        if extremum.side:
+            return -extremum.side * inf
+        return extremum.x if path.low is None or not turn else (extremum.x - path.low.x) % turn
 
     by_quantity: dict[int, list[PathExtremum]] = {}
-    for one in extrema:
-        by_quantity.setdefault(one.quantity, []).append(one)
+    for extremum in extrema:
+        by_quantity.setdefault(extremum.quantity, []).append(extremum)
     wrong = set[int]()
-    for quantity, own in by_quantity.items():
-        senses = [one.sense for one in sorted(own, key=along)]
+    for quantity, of_quantity in by_quantity.items():
+        senses = [extremum.sense for extremum in sorted(of_quantity, key=along)]
         following = senses[1:] + senses[:path.is_closed]
         if len(senses) > 1 and any(a == b for a, b in zip(senses, following)) or any(
-                isnan(one.value) for one in own):
+                isnan(extremum.value) for extremum in of_quantity):
             wrong.add(quantity)
-    return [one._replace(misses=True) if one.quantity in wrong else one for one in extrema
-            if not isnan(one.value)] if wrong else extrema
+    if not wrong:
+        return extrema
+    return [extremum._replace(misses=extremum.quantity in wrong) for extremum in extrema
+            if not isnan(extremum.value)]
 
 
 def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[float, float]]:
@@ -156,8 +158,8 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
 class Roots(NamedTuple):
     """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
-    quantity: Array     # its number
-    before: Array       # number of the sample before the root
+    quantity: Array     # its index
+    before: Array       # index of the sample before the root
     sense: Array        # +1 a maximum, -1 a minimum
     x: Array            # the input there
     spacing: Array      # distance of the samples there
@@ -178,14 +180,14 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
-    def at(x: Array, which: Array) -> tuple[Array, ...]:
+    def newton(x: Array, which: Array) -> tuple[Array, ...]:
         """Return the slopes (or those of squares) and Newton steps for some of the brackets."""
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     def solved(which: Array) -> tuple[Array, Array]:
         """Return the roots in some of the brackets, and the values there."""
         root, step, value, slope = newton_roots(
-            at, which, *(v[which] for v in (xa, xb, fa, guess)))
+            newton, which, *(v[which] for v in (xa, xb, fa, guess)))
         # the slope, of Q or where Q > 0 of Q^2/2, falls to 0 over the last step: by the mean
         # slope, half of this one, Q changes by half of slope * step, Q^2 by twice that
         change, is_of_square = slope * step, is_positive[which]
@@ -245,7 +247,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
         else (unknown, unknown, roots.value))
     value = np.where((roots.value != 0.0) & (roots.spacing > NARROW), value, roots.value)
     value = sampler.same_turn(samples.values[roots.quantity, roots.before], value, roots.quantity)
-    columns = {'quantity': roots.quantity, 'place': sampler.fold(roots.x), 'value': value,
+    columns = {'quantity': roots.quantity, 'x': sampler.fold(roots.x), 'value': value,
                'sense': roots.sense, 'condition': condition,
                'value_condition': value_condition, 'noise': roots.rounding}
     return [PathExtremum(**dict(zip(columns, fields)))
@@ -292,8 +294,8 @@ class _Turn(NamedTuple):
 
     value: float
     error: float
-    before: int         # number of the sample before it
-    root: int           # its number among the roots
+    before: int         # index of the sample before it
+    root: int           # its index among the roots
 
 
 def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
@@ -315,21 +317,21 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
 
     order = np.lexsort((roots.x, roots.before, roots.quantity))
     kept = list[int]()
-    for own in np.split(order, np.flatnonzero(np.diff(roots.quantity[order])) + 1):
-        if not own.size:
+    for of_quantity in np.split(order, np.flatnonzero(np.diff(roots.quantity[order])) + 1):
+        if not of_quantity.size:
             break
-        quantity = roots.quantity[own[0]]
+        quantity = roots.quantity[of_quantity[0]]
         values, errors = samples.values[quantity], PART_OF_NOISE * samples.noise[quantity]
         turns = [_Turn(float(roots.value[k]), float(roots.noise[k]), int(roots.before[k]), k)
-                 for k in own.tolist()]
+                 for k in of_quantity.tolist()]
         if not samples.path.is_closed:
             turns = [_Turn(float(values[0]), float(errors[0]), -1, -1), *turns,
                      _Turn(float(values[-1]), float(errors[-1]), values.size - 1, -1)]
 
-        def is_certain(one: _Turn, other: _Turn) -> bool:
+        def is_certain(turn: _Turn, following: _Turn) -> bool:
             """Return whether two neighbours that differ by less than the bound are extrema."""
-            inner = [turn.root for turn in (one, other) if turn.root >= 0]
-            return (bool(inner) and abs(one.value - other.value) > roots.rounding[inner].max()
+            inner = [end.root for end in (turn, following) if end.root >= 0]
+            return (bool(inner) and abs(turn.value - following.value) > roots.rounding[inner].max()
                     and all(map(is_confirmed, inner)))
         kept += [turn.root for turn in _with_falls(turns, values, errors, is_certain)
                  if turn.root >= 0]
@@ -340,16 +342,16 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array,
                 is_certain: Callable[[_Turn, _Turn], bool]) -> list[_Turn]:
     """Return those of the extrema of a quantity, with any ends, that its rounding leaves."""
     @cache
-    def fall(one: _Turn, other: _Turn) -> float:
+    def fall(turn: _Turn, following: _Turn) -> float:
         """Return the largest fall between two neighbours, over its error."""
-        least = abs(one.value - other.value) / max(one.error, other.error, SMALLEST)
-        number = (other.before - one.before) % values.size
-        if least > 1.0 or not number:
+        least = abs(turn.value - following.value) / max(turn.error, following.error, SMALLEST)
+        between = (following.before - turn.before) % values.size
+        if least > 1.0 or not between:
             return least
-        i = (one.before + 1 + np.arange(number)) % values.size
+        i = (turn.before + 1 + np.arange(between)) % values.size
         with np.errstate(over='ignore'):
-            return float(max(least, *((np.abs(values[i] - turn.value) / np.maximum(
-                errors[i], max(turn.error, SMALLEST))).max() for turn in (one, other))))
+            return float(max(least, *((np.abs(values[i] - end.value) / np.maximum(
+                errors[i], max(end.error, SMALLEST))).max() for end in (turn, following))))
 
     is_closed = turns[0].root >= 0
     while len(turns) > (0 if is_closed else 2):
@@ -399,8 +401,8 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     slopes = samples.slopes[:, nearest]
     falls = slopes * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
-    place = sampler.fold(end.x)
-    return [PathExtremum(row, place, float(limits[row]), int(sense[row]), side, end.is_flat)
+    x = sampler.fold(end.x)
+    return [PathExtremum(row, x, float(limits[row]), int(sense[row]), side, end.is_flat)
             for row in rows.tolist()]
 
 
@@ -424,12 +426,12 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
         return limits
     near = path.half_a_step_from(side) + side * np.arange(NEIGHBOURS)
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
-    other = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
+    other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
-    bounded, is_coarse = _continued(sampler, here, other.values(x))
+    bounded, is_coarse = _continued(sampler, here, other_mode.values(x))
     if is_coarse[rows].any():       # what turns between samples and toggle shows nearer to it
         x = end.x + NEARER * (x - end.x)
-        nearer, _ = _continued(sampler, sampler.values(x), other.values(x))
+        nearer, _ = _continued(sampler, sampler.values(x), other_mode.values(x))
         bounded = np.where(is_coarse, sampler.same_turn(bounded, nearer, np.arange(nearer.size)),
                            bounded)
     bounded[np.abs(bounded) <= 64.0 * EPS * np.abs(here).max(axis=1)] = 0.0
@@ -460,14 +462,15 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array, Array]:
     """
-    Return the conditions of the place and of the relative value of n extrema and the values, (n,).
+    Return the conditions of the input and of the relative value of n extrema and the values, (n,).
 
-    They come from derivatives by the lengths beside each: see the top of this file. ``x``: places
+    They come from derivatives by the lengths beside each: see the top of this file. ``x``: inputs
     of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
     """
     turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
     around, rows = np.concatenate((x - turn, x, x + turn)), np.concatenate((row, row, row))
-    (_, value, _), (before, _, after) = (part.reshape(3, -1) for part in sampler.at(around, rows))
+    (_, value, _), (before, _, after) = (
+        part.reshape(3, -1) for part in sampler.value_and_slope(around, rows))
     by = sampler.by_lengths(around, rows).reshape(3, row.size, -1)
     with np.errstate(divide='ignore', invalid='ignore'):
         return (np.abs(by[2] - by[0]).sum(axis=1) / np.abs(after - before),

@@ -6,7 +6,7 @@ Proof on demand that a set of extrema is complete, and the reason where there is
 The trace of the formulas is evaluated in Taylor series of balls (Arb, by the optional package
 python-flint) over pieces of the input. About the middle m of a piece, with t = x - m,
 
-    (T1)  f'(m + t) in c_1 + 2 c_2 t + ... + n c_n t^(n-1) + (n + 1) C t^n
+    (Z1)  f'(m + t) in c_1 + 2 c_2 t + ... + n c_n t^(n-1) + (n + 1) C t^n
 
 where C holds f^(n+1)/(n+1)! on the whole piece (Lagrange). Where f' cannot vanish there is no
 extremum. Where f'' cannot vanish there is one if f' changes sign from end to end, else none. Other
@@ -38,18 +38,18 @@ if TYPE_CHECKING:      # an optional package
 INTERVALS, NOT_PROVED = 'interval bounds', 'not proved'
 MISSING = 'needs python-flint (pip install python-flint)'
 ORDER, BITS = 8, 96
-# How many intervals between samples make a piece at first, and where pieces are cut: at an odd
-# place, as extrema like the middle.
+# How many intervals between samples make a piece at first, and where pieces are cut: not in
+# the middle, as extrema like that.
 STRIDE, CUT = 4, 0.47
 NARROWEST = 2.0**-44            # of a piece, over its input or 1
 # Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
 LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
-# How well a proof confirms places at best and at least [in the input's unit], and values: over
+# How well a proof confirms inputs at best and at least [in the input's unit], and values: over
 # themselves, besides what the rounding of their terms and of the input, over itself, makes of it.
-PLACE, WIDEST, VALUE, INPUT = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-50
-NARROW = 2.0**-40               # what is tried first, of a place
+TOLERANCE, WIDEST, VALUE, ROUNDING = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-50
+NARROW = 2.0**-40               # what is tried first, of an input
 
 
 class ProvenPiece(NamedTuple):
@@ -69,81 +69,82 @@ class Proof(NamedTuple):
 
     linkage: Mechanism
     parts: list[ProvenPiece]
-    enclose: Callable[[float, float], list[arb] | None] | None      # the quantity, for (T1)
+    enclose: Callable[[float, float], list[arb] | None] | None      # the quantity, for (Z1)
     is_square: bool                          # the square is enclosed, of a root
     is_angle: bool                           # values may differ by whole turns
     ends: list[tuple[int, float, float]]     # (side, input, width left out), in its unit
     why_not: str = ''
 
-    def verdict(self, found: Sequence[PathExtremum]) -> str:
+    def verdict(self, extrema: Sequence[PathExtremum]) -> str:
         """
-        Return a text on whether these are the extrema: as many, of the same kinds, places, values.
+        Return a text on whether these are the extrema: as many, of the same kinds, inputs, values.
 
-        Each one found is matched with a part; the text says how well places are confirmed, or
+        Each extremum is matched with a part; the text says how well inputs are confirmed, or
         which one is not.
         """
         if self.why_not:
             return f'{NOT_PROVED}: {self.why_not}'
-        interior = [one for one in found if one.side == 0 and one.sense]
-        inside, left = [one for one in interior if not self._is_left_out(one)], list(self.parts)
+        interior = [extremum for extremum in extrema if extremum.side == 0 and extremum.sense]
+        inside, left = [extremum for extremum in interior
+                        if not self._is_left_out(extremum)], list(self.parts)
         if len(inside) != len(left):
             exist = len(left) + len(interior) - len(inside)
             return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
-        coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, PLACE
+        coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, TOLERANCE
         turns = (0,) if self.linkage.is_driven_by_slide else (-1, 0, 1)     # paths may go beyond
-        for one in inside:
+        for extremum in inside:
             part = next((part for part in left for turn in turns
-                         if part.sense == one.sense and part.low - PLACE <= one.place
-                         + 2.0 * pi * turn <= part.high + PLACE), None)
-            around = self._width(one) if part else inf
+                         if part.sense == extremum.sense and part.low - TOLERANCE <= extremum.x
+                         + 2.0 * pi * turn <= part.high + TOLERANCE), None)
+            around = self._width(extremum) if part else inf
             if part is None or around == inf:
-                kind = 'minimum' if one.sense < 0 else 'maximum'
-                return (f'{NOT_PROVED}: no {kind} of {one.value:.12g} confirmed at '
-                        f'{coordinate.position} = {unit * one.place:.12g}')
+                kind = 'minimum' if extremum.sense < 0 else 'maximum'
+                return (f'{NOT_PROVED}: no {kind} of {extremum.value:.12g} confirmed at '
+                        f'{coordinate.position} = {unit * extremum.x:.12g}')
             left.remove(part)
             width = max(width, around)
         text = INTERVALS
-        if width > PLACE:
+        if width > TOLERANCE:
             text += f', places to {unit * width:.0e} {coordinate.unit}'
         if self.ends:
             text += (f', except {max(width for *_, width in self.ends):.0e} {coordinate.unit} '
                      'at the ends')
         return text
 
-    def _is_left_out(self, one: PathExtremum) -> bool:
+    def _is_left_out(self, extremum: PathExtremum) -> bool:
         """Return whether an extremum is so near to an end that nothing is enclosed there."""
-        place = self.linkage.input_unit * one.place
-        return any(0.0 < side * self.linkage.distance(place, at) < width
-                   for side, at, width in self.ends)
+        position = self.linkage.input_unit * extremum.x
+        return any(0.0 < side * self.linkage.distance(position, end) < width
+                   for side, end, width in self.ends)
 
-    def _width(self, one: PathExtremum) -> float:
+    def _width(self, extremum: PathExtremum) -> float:
         """
-        Return how near to its place an extremum is, inf if it may be far or has another value.
+        Return how near to its input an extremum is, inf if it may be far or has another value.
 
         The interval about it is widened until the derivative is not zero at both ends: if it
         changes its sign as the kind of extremum says, the extremum lies in it.
         """
         width = NARROW          # beside change points wider intervals tell nothing
         while width < WIDEST and self.enclose:
-            c = self.enclose(one.place - width, one.place + width)
-            before, after = [one.sense * polynomial(slopes(c), t) if c else nan
+            c = self.enclose(extremum.x - width, extremum.x + width)
+            before, after = [extremum.sense * polynomial(slopes(c), t) if c else nan
                              for t in (-width, width)]
             if c and before > 0 > after:
-                return width if self._has_value(c, one) else inf
-            if width >= PLACE and (before < 0 or after > 0):
+                return width if self._has_value(c, extremum) else inf
+            if width >= TOLERANCE and (before < 0 or after > 0):
                 return inf
-            width *= 16.0 if width < PLACE else 2.0
+            width *= 16.0 if width < TOLERANCE else 2.0
         return inf
 
-    def _has_value(self, c: list[arb], one: PathExtremum) -> bool:
-        """Return whether the quantity with the coefficients ``c`` has the value that was found."""
-        value, slope, bend, size = *(float(part.mid()) for part in c[:3]), abs(one.value)
-        near, bound = INPUT * max(abs(one.place), PLACE), VALUE * size + one.noise
+    def _has_value(self, c: list[arb], extremum: PathExtremum) -> bool:
+        """Return whether a quantity with the coefficients ``c`` has the value of the extremum."""
+        value, slope, bend, size = *(float(part.mid()) for part in c[:3]), abs(extremum.value)
+        near, bound = ROUNDING * max(abs(extremum.x), TOLERANCE), VALUE * size + extremum.noise
         by_input = (abs(slope) + abs(bend) * near) * near
         if self.is_square:
-            return (one.value >= 0.0 and abs(value - size * size)
+            return (extremum.value >= 0.0 and abs(value - size * size)
                     <= bound * (2.0 * size + bound) + by_input)
-        off = value - one.value
+        off = value - extremum.value
         return (abs(off - 2.0 * pi * round(off / (2.0 * pi)) * self.is_angle)
                 <= bound + by_input)
 
@@ -156,25 +157,26 @@ def slopes(c: list[arb]) -> list[arb]:
 def polynomial(c: list[arb], t: arb | float) -> arb:
     """Return the value of a polynomial, by Horner's rule."""
     value = c[-1]
-    for one in c[-2::-1]:
-        value = value * t + one
+    for coefficient in c[-2::-1]:
+        value = value * t + coefficient
     return value
 
 
 def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
-          paths: Sequence[InputPath], found: Sequence[Sequence[PathExtremum]],
+          paths: Sequence[InputPath], extrema: Sequence[Sequence[PathExtremum]],
           check: Callable[[float], None], seconds: float) -> list[Proof]:
     """
     Return a proof of each quantity, whose ``verdict`` compares extrema with it.
 
-    ``found``: the extrema of each; one constant in a range is not proved. ``check``: called before
-    each piece with the share of the paths that is decided; an exception from it ends the proof.
-    ``seconds``: of a processor, for each quantity; those still open then are not proved.
+    ``extrema``: those of each quantity; one that is constant in a range is not proved.
+    ``check``: called before each piece with the share of the paths that is decided; an
+    exception from it ends the proof. ``seconds``: of a processor, for each quantity; those
+    still open then are not proved.
     """
     paths, unit = [_away_from_ends(path) for path in paths], linkage.input_unit
     ends = [(side, unit * end.x, unit * abs(end.x - path.x[path.inward(side)[0]]))
             for path in paths for side, end in path.ends()]
-    why_not = {i: 'constant in a range' for i, parts in enumerate(found)
+    why_not = {i: 'constant in a range' for i, parts in enumerate(extrema)
                if not all(part.sense for part in parts)}
     try:
         enclose = Enclosing(linkage, quantities, rates)
@@ -183,7 +185,7 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
     why_not |= enclose.why_not
     parts = _search(enclose, [piece for path in paths for piece in _pieces(path)], why_not, check,
                     seconds)
-    return [Proof(linkage, parts[i], partial(enclose.one, i), i in enclose.squares,
+    return [Proof(linkage, parts[i], partial(enclose.coefficients, i), i in enclose.squares,
                   is_position(quantity) or not is_published(quantity), ends, why_not.get(i, ''))
             for i, quantity in enumerate(quantities)]
 
@@ -212,8 +214,8 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
     """
     Return the extrema of each quantity on some pieces: enclose and cut until all are decided.
 
-    Depth first, the lower part first. ``why_not``: {quantity given up: reason}, added to; what was
-    found of it is not used. ``seconds``: of a processor, for each quantity.
+    Depth first, the lower part first. ``why_not``: {quantity given up: reason}, added to; its
+    parts are not used. ``seconds``: of a processor, for each quantity.
     """
     asked = [i for i in range(len(enclose.quantities)) if i not in why_not]
     parts: list[list[ProvenPiece]] = [[] for _ in enclose.quantities]
@@ -223,13 +225,13 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
         share = max(share, 1.0 - sum(high - low for low, high, _ in left) / total)
         check(share)
         low, high, rows = left.pop()
-        place = f'at {enclose.name} = {enclose.unit * low:.6g}'
+        where = f'at {enclose.name} = {enclose.unit * low:.6g}'
         if thread_time() - begin > seconds * len(parts):
-            why_not.update({i: f'not decided in {seconds:g} s, {place}' for i in rows
+            why_not.update({i: f'not decided in {seconds:g} s, {where}' for i in rows
                             if i not in why_not})
         middle, of_rows = enclose(low, high, [i for i in rows if i not in why_not])
         is_open = []
-        for i, c in of_rows.items():         # c: coefficients of (T1), None if not enclosed
+        for i, c in of_rows.items():         # c: coefficients of (Z1), None if not enclosed
             sense = _sense(c, low - middle, high - middle) if c else None
             if sense is None:
                 is_open.append(i)
@@ -237,7 +239,7 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
                 parts[i].append(ProvenPiece(low, high, sense))
         if high - low < NARROWEST * max(abs(low), 1.0):
             why_not.update(dict.fromkeys(is_open, 'a kink, or nearly two extrema at one place, '
-                                                  + place))
+                                                  + where))
         elif is_open:
             cut = low + CUT * (high - low)
             left += [(cut, high, is_open), (low, cut, is_open)]
@@ -249,13 +251,13 @@ def _sense(c: list[arb], left: arb, right: arb) -> int | None:
     """
     Return the sense of the only extremum of a quantity between two t, 0 of none, else None.
 
-    ``c``: its series, (T1).
+    ``c``: its series, (Z1).
     """
     slope, radius = slopes(c), abs(left).max(abs(right))
     bend = slopes(slope)
-    if abs(slope[0]) > polynomial([abs(one) for one in slope[1:]], radius) * radius:
+    if abs(slope[0]) > polynomial([abs(k) for k in slope[1:]], radius) * radius:
         return 0
-    if not abs(bend[0]) > polynomial([abs(one) for one in bend[1:]], radius) * radius:
+    if not abs(bend[0]) > polynomial([abs(k) for k in bend[1:]], radius) * radius:
         return None
     before, after = polynomial(slope, left), polynomial(slope, right)
     if before.contains(0) or after.contains(0) or not (before.is_finite() and after.is_finite()):
@@ -267,8 +269,8 @@ class Enclosing:
     """
     Encloses some quantities of a mechanism over pieces of the input, given in its unit.
 
-    ``why_not``: {number of a quantity: why it cannot be}. ``squares``: numbers of roots, such as
-    magnitudes of forces: their squares are enclosed. ImportError without python-flint.
+    ``why_not``: {index of a quantity: why it cannot be enclosed}. ``squares``: indices of roots,
+    such as magnitudes of forces: their squares are enclosed. ImportError without python-flint.
     """
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
@@ -283,28 +285,28 @@ class Enclosing:
             quantity.is_load or not is_published(quantity) for quantity in quantities)
         self._formula, data = formula_of(linkage, with_loads)
         self._trace = trace = Trace(self._make, 1, (rates, data))
-        places = flat(trace.results)
-        operations = [trace.steps[place].operation for place in places]
+        indices = flat(trace.results)
+        operations = [trace.steps[index].operation for index in indices]
         self.squares = {i for i, name in enumerate(operations) if name in ('hypot', 'sqrt')}
         self._is_hypot = [name == 'hypot' for name in operations]
-        self._results = [trace.steps[place].arguments if i in self.squares else (place,)
-                         for i, place in enumerate(places)]
+        self._results = [trace.steps[index].arguments if i in self.squares else (index,)
+                         for i, index in enumerate(indices)]
         self._values: list[Any] = [None] * len(trace.steps)
-        for place, value in {**trace.literals(),
+        for index, value in {**trace.literals(),
                              **dict(enumerate([*rates, *numbers_of(data)], 1))}.items():
-            self._values[place] = arb(value), arb(value)
+            self._values[index] = arb(value), arb(value)
         self._orders: dict[tuple[int, ...], list[int]] = {}
-        self._leasts = {place for place, step in enumerate(trace.steps)
+        self._leasts = {index for index, step in enumerate(trace.steps)
                         if step.operation == 'lt'
                         and all(trace.steps[i].operation == 'fabs' for i in step.arguments)}
         with arb_settings(BITS, ORDER + 2):
-            run(trace, [place for place in self._needed(tuple(range(len(quantities))))
-                        if place not in trace.varies], self._table, self._values)
+            run(trace, [index for index in self._needed(tuple(range(len(quantities))))
+                        if index not in trace.varies], self._table, self._values)
 
-    def _make(self, numbers: NumberType, given: Any) -> Function:
-        """Return the formula of all quantities: position -> values; ``given``: rates and data."""
-        rates, data = given
-        step = self._formula.make(numbers, data)
+    def _make(self, number_type: NumberType, constants: Any) -> Function:
+        """Return the formula of all quantities, position -> values, from rates and data."""
+        rates, data = constants
+        step = self._formula.make(number_type, data)
 
         def values(position: Any) -> list[Any]:
             """Return the quantities; 0 of a function that does other things than arithmetic."""
@@ -312,28 +314,28 @@ class Enclosing:
             motion, loads = fields if self._formula.with_loads else (fields, None)
             state = (self._linkage.MOTION(*motion),
                      self._linkage.LOADS(*loads) if loads else NoLoads())
-            found: list[Any] = []
+            results: list[Any] = []
             for i, quantity in enumerate(self.quantities):
                 try:
-                    found.append(_recorded(quantity.of(*state)))
+                    results.append(_recorded(quantity.of(*state)))
                 except (TypeError, AttributeError) as error:
                     self.why_not[i] = f'the function does not work on enclosures ({error})'
-                    found.append(0.0)
-            return found
+                    results.append(0.0)
+            return results
         return values
 
     def _needed(self, rows: tuple[int, ...]) -> list[int]:
-        """Return the places of the operations that some quantities need, in order."""
+        """Return the indices of the operations that some quantities need, in order."""
         if rows not in self._orders:
             self._orders[rows] = [
-                place for place in self._trace.needed([
-                    place for i in rows for place in self._results[i]])
-                if not self._trace.steps[place].is_given]
+                index for index in self._trace.needed([
+                    index for i in rows for index in self._results[i]])
+                if not self._trace.steps[index].is_given]
         return self._orders[rows]
 
     def __call__(self, low: float, high: float, rows: Sequence[int]
                  ) -> tuple[arb, dict[int, list[arb] | None]]:
-        """Return the middle of a piece, and of quantities the coefficients of (T1), if known."""
+        """Return the middle of a piece, and of quantities the coefficients of (Z1), if known."""
         from flint import arb, arb_series
 
         middle, values = arb(0.5 * (low + high)), list(self._values)
@@ -341,30 +343,30 @@ class Enclosing:
             values[0] = tuple([arb_series([self.unit * x, self.unit], terms) for x, terms in (
                 (middle, ORDER + 1), (arb(low).union(arb(high)), ORDER + 2))])
             try:
-                run(self._trace, [place for place in self._needed(tuple(rows))
-                                  if place in self._trace.varies], self._table, values)
+                run(self._trace, [index for index in self._needed(tuple(rows))
+                                  if index in self._trace.varies], self._table, values)
                 return middle, {i: self._coefficients(i, values) for i in rows}
             except (ValueError, ZeroDivisionError):     # a divisor may vanish
                 return middle, dict.fromkeys(rows)
 
-    def one(self, i: int, low: float, high: float) -> list[arb] | None:
-        """Return the coefficients of (T1) of a quantity on a short piece."""
+    def coefficients(self, i: int, low: float, high: float) -> list[arb] | None:
+        """Return the coefficients of (Z1) of a quantity on a short piece."""
         return self(low, high, [i])[1][i]
 
     def _coefficients(self, i: int, values: Sequence[Any]) -> list[arb] | None:
         """
-        Return c_0 to c_n and C of (T1) of a quantity, from the values of the trace.
+        Return c_0 to c_n and C of (Z1) of a quantity, from the values of the trace.
 
         None where one of several |sines| may become the least: there an angle has a kink.
         """
-        if not all(values[place][1] for place in self._needed((i,)) if place in self._leasts):
+        if not all(values[index][1] for index in self._needed((i,)) if index in self._leasts):
             return None
         from flint import arb_series
 
         zero = arb_series([0], ORDER + 2)       # the sum is a series, also of constants
         about, over = [sum(part, zero) for part in zip(*[
-            self._table['mul'](values[place], values[place]) if self._is_hypot[i]
-            else values[place] for place in self._results[i]])]
+            self._table['mul'](values[index], values[index]) if self._is_hypot[i]
+            else values[index] for index in self._results[i]])]
         return [*[about[k] for k in range(ORDER + 1)], over[ORDER + 1]]
 
 

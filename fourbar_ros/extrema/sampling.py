@@ -74,10 +74,10 @@ def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
     return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
 
 
-def not_real(quantity: Asked, found: str) -> InvalidParameter:
+def not_real(quantity: Asked, result: str) -> InvalidParameter:
     """Return the error for a function that does not give real numbers."""
     return InvalidParameter('quantities', quantity.name, 'a function must give a finite real '
-                            f'number for each input inside the range, not {found}')
+                            f'number for each input inside the range, not {result}')
 
 
 class Sampler:
@@ -160,17 +160,17 @@ class Sampler:
         """
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
-        found: Array = self._with(columns).values(
+        by_lengths: Array = self._with(columns).values(
             np.tile(x + 0.0j, (lengths.size, 1)))[row, ..., np.arange(row.size)].imag / STEP
-        return found
+        return by_lengths
 
     def _with(self, lengths: Sequence[Any]) -> Sampler:
         """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
-        other, other.flats = copy(self), {}
-        other._values = step_of_arrays(
+        sampler, sampler.flats = copy(self), {}
+        sampler._values = step_of_arrays(
             self.linkage, self._has_loads, wanted=self._wanted,
             data=self.linkage.constants_of(lengths, ARRAYS['hypot']))
-        return other
+        return sampler
 
     def fold(self, x: Value) -> Value:
         """Return inputs as they are reported: angles in [0, 2 pi)."""
@@ -206,10 +206,10 @@ class Sampler:
         t = np.array((2.0**-60, 2.0**-80))
         state = self._named(self.flats[side].state(t))
         with np.errstate(all='ignore'):
-            one, other = self._rows(state, t).T
-            growth = np.abs(other / one)
-        return np.where(growth > 2.0**10, np.copysign(np.inf, other),
-                        np.where(growth > 2.0**-10, other, 0.0))
+            farther, nearer = self._rows(state, t).T
+            growth = np.abs(nearer / farther)
+        return np.where(growth > 2.0**10, np.copysign(np.inf, nearer),
+                        np.where(growth > 2.0**-10, nearer, 0.0))
 
     def varies_next_to(self, side: int) -> Array:
         """Return which quantities vary next to the flat position on this side, or may vary."""
@@ -241,14 +241,14 @@ class Sampler:
             loads = self.linkage.LOADS(*map(np.real, loads))
         return values.real, values.imag / STEP, (self.linkage.MOTION(*map(np.real, motion)), loads)
 
-    def at(self, x: Array, row: Array) -> tuple[Array, Array]:
+    def value_and_slope(self, x: Array, row: Array) -> tuple[Array, Array]:
         """Return value and derivative of quantity ``row[i]`` at x[i], or x[:, i], both exact."""
         values = self.values(x + 1j * STEP)[row, ..., np.arange(row.size)]
         return values.real, values.imag / STEP
 
     def slope(self, x: Array, row: Array) -> Array:
         """Return the derivative of quantity ``row[i]`` at x[i]."""
-        return self.at(x, row)[1]
+        return self.value_and_slope(x, row)[1]
 
     def newton(self, x: Array, row: Array, spacing: Array,
                is_squared: Array) -> tuple[Array, ...]:
@@ -259,7 +259,7 @@ class Sampler:
         ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
         """
         turn = self.TURN * spacing
-        both = self.at(np.concatenate((x, x + turn)), np.concatenate((row, row)))
+        both = self.value_and_slope(np.concatenate((x, x + turn)), np.concatenate((row, row)))
         value, slope = (part.reshape(2, -1) for part in both)
         here, there = np.where(is_squared, value * slope, slope)
         with np.errstate(divide='ignore', invalid='ignore'):
@@ -280,12 +280,12 @@ class Sampler:
             for i in set(row.tolist()):
                 if not is_published(self.quantities[i]):
                     continue
-                numbers = in_decimals(recorded.trace, data,
-                                      [results[names.index(self.quantities[i].name)]])
+                values_of = in_decimals(recorded.trace, data,
+                                        [results[names.index(self.quantities[i].name)]])
                 for k in np.flatnonzero(row == i).tolist():
                     with suppress(ArithmeticError, ValueError):
-                        values[k], = numbers(*map(Decimal, (float(self.unit * x[k]),
-                                                            *self.rates)))
+                        values[k], = values_of(*map(Decimal, (float(self.unit * x[k]),
+                                                              *self.rates)))
         return values
 
     def errors(self, state: State) -> tuple[Array, Array]:

@@ -8,10 +8,9 @@ import sys
 
 from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, load_scene, SliderCrank
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.find import find_extrema, Search
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes
 from fourbar_ros.extrema.sampling import Sampler
-from fourbar_ros.extrema.search import Search
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import positions, select
@@ -238,8 +237,8 @@ def mutations(parts, width):
         yield before + after
         yield [*before, part, part, *after]
         yield [*before, part._replace(sense=-part.sense), *after]
-        for place in (part.place + 3.0 * width, part.place - 3.0 * width, part.place + 0.5):
-            yield [*before, part._replace(place=place), *after]
+        for x in (part.x + 3.0 * width, part.x - 3.0 * width, part.x + 0.5):
+            yield [*before, part._replace(x=x), *after]
         if abs(part.value) > 0.05 * size:
             for value in (part.value * (1.0 + 1e-9), part.value * (1.0 - 1e-9), -part.value):
                 yield [*before, part._replace(value=value), *after]
