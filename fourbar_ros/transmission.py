@@ -20,7 +20,7 @@ x is the input, y the output, r = dy/dx their ratio, r' = dr/dx, all exact from 
 
 T is the torque (force) of the drive, M the torque (force) that the output gives to what it moves,
 and T_links what masses, gravity and external loads of the links ask for. The static force map of
-robot controllers is r M alone. A branch lies between two places at which the output turns back (or
+robot controllers is r M alone. A branch lies between two inputs at which the output turns back (or
 the range of the input ends): each of its positions belongs to one input.
 
 Positions mean what they say: an angle counts its turns, and is never taken the short way.
@@ -72,10 +72,10 @@ def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
 
     Where acceleration or effort is None, the answer has none.
     """
-    given = {name: np.atleast_1d(np.asarray(values, float))
-             for name, values in zip(Trajectory._fields, (position, rate, acceleration, effort))
-             if values is not None}
-    arrays = dict(zip(given, np.broadcast_arrays(*given.values())))
+    columns = {name: np.atleast_1d(np.asarray(values, float))
+               for name, values in zip(Trajectory._fields, (position, rate, acceleration, effort))
+               if values is not None}
+    arrays = dict(zip(columns, np.broadcast_arrays(*columns.values())))
     for name, values in arrays.items():
         if not np.isfinite(values).all():
             raise InvalidParameter(name, float(values[~np.isfinite(values)][0]),
@@ -138,10 +138,10 @@ class Transmission:
         in a toggle, or if a number overflows.
         """
         inputs = self._within_branch(driven.position, self._input)
-        given = 0.0 if driven.acceleration is None else driven.acceleration
+        driven_acceleration = 0.0 if driven.acceleration is None else driven.acceleration
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-            position, rate, acceleration = self.mechanism.motion(inputs, driven.rate, given,
-                                                                 fields=self._output)
+            position, rate, acceleration = self.mechanism.motion(
+                inputs, driven.rate, driven_acceleration, fields=self._output)
             ratio = ratio_of(self.mechanism, inputs)
             effort = (None if driven.effort is None else (
                 driven.effort - self._effort_of_links(inputs, driven.rate, driven.acceleration)
@@ -207,12 +207,12 @@ class Transmission:
         """
         assert self.branch.ends
         of_output = coordinate == self._output
-        other = self._input if of_output else self._output
+        second = self._input if of_output else self._output
         end = min(self.branch.ends, key=lambda end: abs(end.of(of_output) - position))
         toggle = 'the toggle ' if of_output else ''
         return (f'sample {sample}: {coordinate.position} = {position:.8g} {coordinate.unit} lies '
                 f'{where} {toggle}{end.of(of_output):.8g} {coordinate.unit}, where {end.why}, at '
-                f'{other.position} = {end.of(not of_output):.8g} {other.unit}')
+                f'{second.position} = {end.of(not of_output):.8g} {second.unit}')
 
     # --- positions ------------------------------------------------------------------------------
 
@@ -245,8 +245,8 @@ class Transmission:
             if (np.abs(new - x) <= 2.0 * EPS * np.maximum(np.abs(x), 1e-300)).all():
                 break
             x = new
-        found: Array = new + tau * turns
-        return found
+        inputs: Array = new + tau * turns
+        return inputs
 
     def _with_turns(self, inputs: Array, outputs: Array) -> Array:
         """Return outputs in [-pi, pi] with the whole turns that the branch has at the inputs."""
@@ -354,8 +354,8 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
 
 def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
     """Return where the ratio changes its sign between inputs: there the output turns back."""
-    def has_sign_of(place: float) -> Callable[[float], bool]:
-        is_negative = ratio_of(mechanism, place) < 0.0
+    def has_sign_of(sample: float) -> Callable[[float], bool]:
+        is_negative = ratio_of(mechanism, sample) < 0.0
         return lambda x: (ratio_of(mechanism, x) < 0.0) == is_negative
 
     ratios = ratio_of(mechanism, inputs)

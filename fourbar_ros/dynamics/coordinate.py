@@ -24,12 +24,7 @@ from functools import cached_property
 from math import inf, remainder, tau
 from typing import Any, TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.equation import (
-    Equation,
-    flat_positions,
-    InBothModes,
-    interval_of,
-)
+from fourbar_ros.dynamics.equation import Equation, flat_positions, InBothModes, interval_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
@@ -188,7 +183,7 @@ class Coordinates:
             self._known[key] = MotionCoordinate(self, equation, mode, start)
         return self._known[key]
 
-    def at(self, state: State) -> tuple[MotionCoordinate, list[float]]:
+    def begin(self, state: State) -> tuple[MotionCoordinate, list[float]]:
         """Return the coordinate in which a run begins at a state of the input, its state there."""
         has_ended = self.first.can_end and self.first.excess(0.0, state) > 0.0
         return self.first.next(state) if has_ended else (self.first, list(state))

@@ -3,12 +3,11 @@
 """
 Springs and dampers between any two points or links of a mechanism; forces over a position.
 
-A force over a position is a function F(s) of one place s of the mechanism: of its input, of the
+A force over a position is a function F(s) of one position s of the mechanism: of the input, of the
 angle of a link, or of the way of a point.
 
-Each states its physics once, for any number type: equations (E5) and (E7) of
-:mod:`fourbar_ros.dynamics.equation`, as seen from the motions of its links, of which the ground is
-one.
+Each element states its physics once, for any number type: equations (E5) and (E7) of
+:mod:`fourbar_ros.dynamics.equation`, from the motions of the links (and the ground) it acts on.
 """
 from __future__ import annotations
 
@@ -34,7 +33,7 @@ LinkMotions = Mapping[str, LinkMotion]      # by name of the link, the ground am
 
 
 class ForceOnLink(NamedTuple):
-    """A force [N] at a place [m] and a couple [N m] on a link, along the ground axes."""
+    """A force [N] at a point [m] and a couple [N m] on a link, along the ground axes."""
 
     link: str
     x: Scalar
@@ -152,9 +151,9 @@ class TorsionSpring:
 
     def forces(self, n: NumberType, links: LinkMotions) -> list[ForceOnLink]:
         """Return the couples on its first and on its second link, which move over time."""
-        moment, one, two = _damped(self, n, links), links[self.first], links[self.second]
-        return [ForceOnLink(self.first, one.x, one.y, 0.0, 0.0, moment),
-                ForceOnLink(self.second, two.x, two.y, 0.0, 0.0, -moment)]
+        moment, first, second = _damped(self, n, links), links[self.first], links[self.second]
+        return [ForceOnLink(self.first, first.x, first.y, 0.0, 0.0, moment),
+                ForceOnLink(self.second, second.x, second.y, 0.0, 0.0, -moment)]
 
 
 @dataclass(frozen=True)
@@ -162,20 +161,20 @@ class TableForce:
     """
     The function s -> F(s) of a table, times a factor, of floats and arrays.
 
-    ``middle``: the place is an angle that counts within half a turn of it.
+    ``middle``: s is an angle that counts within half a turn of it; None: it is no such angle.
     """
 
     table: ForceTable
     factor: float
     middle: float | None
 
-    def __call__(self, place: Any) -> Any:
-        """Return the force [N] or couple [N m] at a place, a float or an array."""
+    def __call__(self, s: Any) -> Any:
+        """Return the force [N] or couple [N m] at s, a float or an array."""
         middle = self.middle
         if middle is not None:
-            place = (middle + remainder(place - middle, tau) if isinstance(place, float)
-                     else place - tau * np.round((place - middle) / tau))
-        return self.factor * self.table(place)
+            s = (middle + remainder(s - middle, tau) if isinstance(s, float)
+                 else s - tau * np.round((s - middle) / tau))
+        return self.factor * self.table(s)
 
     @cached_property
     def largest(self) -> float:
@@ -190,29 +189,29 @@ class TableForce:
 
     @cached_property
     def ends(self) -> list[float]:
-        """Return the places of one period with two more on either side, infinite without one."""
-        places = list(self.table.places)[:-1 if self.table.is_periodic else None]
-        cycles = ceil(2 / len(places))         # so many on either side have two places
-        return [place + turn * self.period if turn else place
-                for turn in range(-cycles, cycles + 1) for place in places]
+        """Return the points s of a period and two more on either side, infinite without it."""
+        points = list(self.table.places)[:-1 if self.table.is_periodic else None]
+        cycles = ceil(2 / len(points))         # so many on either side have two points
+        return [point + turn * self.period if turn else point
+                for turn in range(-cycles, cycles + 1) for point in points]
 
-    def piece(self, place: float) -> tuple[float, float]:
-        """Return the two places next to one given: between them F is one polynomial."""
-        base, first = place, self.table.places[0]
+    def piece(self, s: float) -> tuple[float, float]:
+        """Return the two points of the table next to s: between them F is one polynomial."""
+        base, first = s, self.table.places[0]
         if self.middle is not None:
-            base = self.middle + remainder(place - self.middle, tau)
+            base = self.middle + remainder(s - self.middle, tau)
         elif self.table.is_periodic:
-            base = first + (place - first) % self.table.span
-        i, shift = bisect_right(self.ends, base), place - base
+            base = first + (s - first) % self.table.span
+        i, shift = bisect_right(self.ends, base), s - base
         return self.ends[i - 1] + shift, self.ends[i] + shift
 
 
-INPUT = 'input'        # place of a force: the input of the mechanism, an angle or a slide
+INPUT = 'input'        # s of a force over the input of the mechanism, an angle or a slide
 
 
 @dataclass(frozen=True)
 class LinkAngle:
-    """The angle of a link, from that of another one or of the ground [rad], in (-pi, pi]."""
+    """The angle of a link, from that of a second link or of the ground [rad], in (-pi, pi]."""
 
     link: str
     relative_to: str = GROUND
@@ -254,7 +253,7 @@ class Way:
         return gap.x * x + gap.y * y
 
 
-Place = Union[str, LinkAngle, Way]
+Over = Union[str, LinkAngle, Way]        # INPUT and these: the s of a force
 
 
 @dataclass(frozen=True)
@@ -267,10 +266,10 @@ class PositionForce:
     point : Attachment
         Where it acts; for a couple only its link counts.
     value : ForceTable or callable
-        s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: its places
-        count within half a turn of its middle, or it is periodic.
+        s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: s counts within
+        half a turn of its middle, or it is periodic.
     over : 'input', LinkAngle or Way
-        The place s. The input of a crank counts on over whole turns, so a table of two turns
+        The position s. The input of a crank counts on over whole turns, so a table of two turns
         serves a four-stroke engine; other angles are in (-pi, pi].
     direction : float, optional
         Direction of the force, from that of the link ``axes`` or of the ground [rad]; None: a
@@ -282,7 +281,7 @@ class PositionForce:
 
     point: Attachment
     value: Callable[[float], float]
-    over: Place = INPUT
+    over: Over = INPUT
     direction: float | None = quantity(0.0, instead=None)
     axes: str = GROUND
     factor: float = quantity(1.0)
@@ -300,8 +299,8 @@ class PositionForce:
     @property
     def links(self) -> tuple[str, ...]:
         """Return the names of all links that it depends on, the loaded link first."""
-        of_place = () if isinstance(self.over, str) else self.over.links
-        return self.point.link, self.axes, *of_place
+        links_of_s = () if isinstance(self.over, str) else self.over.links
+        return self.point.link, self.axes, *links_of_s
 
     def position(self, n: NumberType, links: LinkMotions, input_position: Scalar) -> Scalar:
         """Return the position s in a pose at an input."""
@@ -321,15 +320,15 @@ class PositionForce:
         size, x, y = self._push(n, value, links, position)
         if self.direction is None:
             return size * links[self.point.link].omega
-        at = self.point.on(links[self.point.link])
-        return size * (x * at.v_x + y * at.v_y)
+        point = self.point.on(links[self.point.link])
+        return size * (x * point.v_x + y * point.v_y)
 
     def forces(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
                position: Scalar) -> list[ForceOnLink]:
         """Return the force on its link; arguments as of :meth:`generalised`."""
         size, x, y = self._push(n, value, links, position)
-        at = self.point.on(links[self.point.link])
-        return [ForceOnLink(self.point.link, at.x, at.y, size * x, size * y,
+        point = self.point.on(links[self.point.link])
+        return [ForceOnLink(self.point.link, point.x, point.y, size * x, size * y,
                             size if self.direction is None else 0.0)]
 
     @property
@@ -349,11 +348,10 @@ class PositionForce:
         """
         value, factor = self.value, self.factor
         if not isinstance(value, ForceTable):
-            def force(place: float | Array) -> Any:
-                if isinstance(place, float):
-                    return factor * number('value', value(place),
-                                           f'at {place!r} must be a finite number')
-                return np.vectorize(lambda one: factor * value(float(one)), otypes=[float])(place)
+            def force(s: float | Array) -> Any:
+                if isinstance(s, float):
+                    return factor * number('value', value(s), f'at {s!r} must be a finite number')
+                return np.vectorize(lambda x: factor * value(float(x)), otypes=[float])(s)
             return force
         is_angle = (not mechanism.is_driven_by_slide if self.over == INPUT
                     else isinstance(self.over, LinkAngle))
@@ -364,7 +362,7 @@ class PositionForce:
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
     """
-    Refuse a table whose period or range does not fit its place.
+    Refuse a table whose period or range does not fit the position over which it is given.
 
     A table over a length cannot be periodic. Over an angle its period must be a part of a turn.
     Over the input of a crank that turns fully, turns are counted, and it may be several turns.
@@ -404,15 +402,15 @@ def _require_two_links(element: Spring | TorsionSpring) -> None:
 
 
 def _apart(first: Attachment, second: Attachment, links: LinkMotions) -> MovingPoint:
-    """Return the vector from one point to another, with its derivatives."""
+    """Return the vector from the first point to the second, with its derivatives."""
     p, q = first.on(links[first.link]), second.on(links[second.link])
     return MovingPoint(*[b - a for a, b in zip(p, q)])
 
 
-def _turned(one: LinkMotion, two: LinkMotion) -> tuple[Scalar, Scalar]:
-    """Return cosine and sine of the angle of a link from another."""
-    return (one.cosine * two.cosine + one.sine * two.sine,
-            one.cosine * two.sine - one.sine * two.cosine)
+def _turned(first: LinkMotion, second: LinkMotion) -> tuple[Scalar, Scalar]:
+    """Return cosine and sine of the angle of the second link from the first."""
+    return (first.cosine * second.cosine + first.sine * second.sine,
+            first.cosine * second.sine - first.sine * second.cosine)
 
 
 def _along(unit: tuple[float, float], axes: LinkMotion) -> tuple[Scalar, Scalar]:

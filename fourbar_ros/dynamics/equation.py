@@ -47,33 +47,15 @@ from functools import cached_property, partial
 from math import floor, lcm, remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.elements import (
-    Element,
-    LinkAngle,
-    links_of,
-    PositionForce,
-    TableForce,
-)
+from fourbar_ros.dynamics.elements import Element, LinkAngle, links_of, PositionForce, TableForce
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.mechanics.bodies import (
-    Applied,
-    Base,
-    Body,
-    field_of,
-    NOT_APPLIED,
-    unchecked,
-)
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.given import number
-from fourbar_ros.numerics.number_types import (
-    ARRAY,
-    Function,
-    NumberType,
-    Scalar,
-)
+from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import rounding_bound, slope_of
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import straight_line
@@ -84,9 +66,9 @@ COMPLEX_STEP = 1e-200
 REACH = 0.5            # of a coordinate in its unit, within which a table does not come round
 
 
-def _with_slope(function: Callable[[Any], Any], place: Any) -> Any:
+def _with_slope(function: Callable[[Any], Any], x: Any) -> Any:
     """Return a function that is no formula, as a table, of a complex array, with its slope."""
-    return function(place.real) + 1j * slope_of(function, place.real) * place.imag
+    return function(x.real) + 1j * slope_of(function, x.real) * x.imag
 
 
 WITH_SLOPES = replace(ARRAY, call=_with_slope)
@@ -111,15 +93,15 @@ def flat_positions(links: DrivenLinks) -> tuple[float, ...]:
 
 def interval_of(flats: Sequence[float], is_slide: bool, position: Any) -> Any:
     """
-    Return the number of the interval between flat positions that an input, or each of many, is in.
+    Return the index of the interval between flat positions that an input, or each of many, is in.
 
     An angle counts on over whole turns: with one flat position at 2 rad, 1 rad is in interval -1,
     3 rad in interval 0 and 3 + 2 pi in interval 1. A flat position counts to the interval above.
     """
     if is_slide:
-        return sum(position >= place for place in flats)
+        return sum(position >= flat_position for flat_position in flats)
     whole = floor if isinstance(position, float) else np.floor
-    return sum(whole((position - place) / tau) for place in flats)
+    return sum(whole((position - flat_position) / tau) for flat_position in flats)
 
 
 class Terms(NamedTuple):
@@ -132,15 +114,15 @@ class Terms(NamedTuple):
 
 
 class FullTerms(NamedTuple):
-    """All terms of (E1) in a coordinate q, which need not be the input; numbers of a formula."""
+    """All terms of (E1) in a coordinate q, which need not be the input; of any number type."""
 
-    inertia: Scalar
-    half_slope: Scalar
-    force: Scalar
-    damping: Scalar
-    couples: Scalar           # the part of Q without a potential
-    ratio: Scalar             # r = d input / dq: a torque on the input counts r times
-    ratio_slope: Scalar       # dr/dq
+    inertia: Any
+    half_slope: Any
+    force: Any
+    damping: Any
+    couples: Any           # the part of Q without a potential
+    ratio: Any             # r = d input / dq: a torque on the input counts r times
+    ratio_slope: Any       # dr/dq
 
 
 class Outside(NamedTuple):
@@ -155,9 +137,9 @@ class InBothModes:
     A formula of the coordinate q, evaluated in the assembly mode that holds at each q.
 
     A linkage that goes smoothly through the flat position of a change point is in its other mode
-    beyond it; ``is_alternate``, q -> bool, says where. Elsewhere there is one mode, and it is
-    None. ``make_formula``: (mechanism in a mode, number type) -> function of q that returns
-    several numbers.
+    beyond it; ``is_alternate``, q -> bool, says where; without a change point it is None.
+    ``make_formula``: (mechanism in a mode, number type) -> function of q that returns several
+    numbers.
     """
 
     def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
@@ -168,8 +150,8 @@ class InBothModes:
 
     def of_one(self, position: float) -> tuple[Scalar, ...]:
         """Return the results at one q; raise as ``motion`` does where the links cannot close."""
-        alternate = self._is_alternate
-        line = self._lines[0 if alternate is None else alternate(position)]
+        is_beyond = self._is_alternate is not None and self._is_alternate(position)
+        line = self._lines[1 if is_beyond else 0]
         try:
             results: tuple[Scalar, ...] = line(position)
             return results
@@ -181,10 +163,10 @@ class InBothModes:
         """Return the results as arrays of the shape of the positions, NaN where there are none."""
         positions = np.asarray(positions, float)
         with np.errstate(all='ignore'):
-            results, *others = [formula(positions) for formula in self._formulas]
+            results, *beyond = [formula(positions) for formula in self._formulas]
         if self._is_alternate is not None:
             is_alternate = self._is_alternate(positions)
-            results = [np.where(is_alternate, b, a) for a, b in zip(results, *others)]
+            results = [np.where(is_alternate, b, a) for a, b in zip(results, *beyond)]
         return [np.broadcast_to(row, positions.shape) for row in results]
 
     def __call__(self, position: Scalar | Array) -> Sequence[Any]:
@@ -258,9 +240,9 @@ class Equation:
     extra_inertia : float
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
     start : float, optional
-        An input at which the mechanism is in its own mode. From there it goes smoothly through the
-        flat positions of a change point (:func:`flat_positions`); without it, the
-        mechanism is in its own mode everywhere.
+        An input at which the mechanism is in its mode. From there it goes smoothly through the
+        flat positions of a change point (:func:`flat_positions`); not given: the mechanism is in
+        its mode everywhere.
     coordinate : optional
         One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The
         extra inertia stays on the input of the mechanism. ``start`` is one of its values.
@@ -294,7 +276,7 @@ class Equation:
         self._is_turned = bool(self._base.rate or self._base.acceleration)
         self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
         self._springs = [e for e in self.elements if not isinstance(e, PositionForce)]
-        # forces with a table, and their F(s)
+        # forces with a table, each with its F(s)
         self.tables = [(e, value) for e in self.forces
                        if isinstance(value := e.make_value(mechanism), TableForce)]
         self.has_couples = bool(self.forces) or self._is_turned or any(
@@ -317,14 +299,14 @@ class Equation:
 
     @property
     def _links_by_mode(self) -> list[DrivenLinks]:
-        """Return the links in their own mode and, if they go on in it, in the other one."""
-        return [self.links_in(is_other) for is_other in ((False, True) if self._flats
-                                                         else (False,))]
+        """Return the links in their mode and, if there are flat positions, in that beyond."""
+        return [self.links_in(is_beyond=False),
+                *([self.links_in(is_beyond=True)] if self._flats else [])]
 
-    def links_in(self, is_other: bool) -> DrivenLinks:
-        """Return the links driven by q in their own mode, or in that beyond flat positions."""
+    def links_in(self, is_beyond: bool) -> DrivenLinks:
+        """Return the links driven by q in their mode, or in that beyond flat positions."""
         links = self.coordinate
-        return links.in_mode(links.mode_beyond(self._flats[0])) if is_other else links
+        return links.in_mode(links.mode_beyond(self._flats[0])) if is_beyond else links
 
     @property
     def is_input(self) -> bool:
@@ -469,14 +451,14 @@ class Equation:
     def acceleration(self, position: Value, rate: Value, drive: float = 0.0) -> Value:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
-        found: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
-        return found
+        change: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
+        return change
 
     def torque(self, position: Value, rate: Value, acceleration: Value) -> Value:
         """Return the torque (force) of the drive that this motion needs, by (E1)."""
         inertia, half_slope, force, damping = self.terms(position)
-        found: Value = inertia * acceleration + (half_slope * rate + damping) * rate - force
-        return found
+        torque: Value = inertia * acceleration + (half_slope * rate + damping) * rate - force
+        return torque
 
     def stiffness(self, position: Value) -> Value:
         """
@@ -488,8 +470,8 @@ class Equation:
         with np.errstate(all='ignore'):
             force = [self.make_terms(links, WITH_SLOPES)(positions + 1j * COMPLEX_STEP).force
                      for links in self._links_by_mode]
-            found = self._in_mode_at(positions, [-np.imag(f) / COMPLEX_STEP for f in force])
-        result: Any = found if positions.shape else float(found)
+            slopes = self._in_mode_at(positions, [-np.imag(f) / COMPLEX_STEP for f in force])
+        result: Any = slopes if positions.shape else float(slopes)
         return result       # type: ignore[no-any-return]  # of the type of the position
 
     @cached_property
@@ -513,20 +495,21 @@ class Equation:
 
     def _in_mode_at(self, positions: Array, values: Sequence[Array]) -> Array:
         """Return, of values in each mode, those in the mode that holds at each q."""
-        own = np.broadcast_to(values[0], positions.shape)
-        return np.where(self.is_alternate(positions), values[1], own) if self._flats else own
+        first = np.broadcast_to(values[0], positions.shape)
+        return np.where(self.is_alternate(positions), values[1], first) if self._flats else first
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential, as of couples."""
-        found: Value = self._terms(position)[4]
-        return found
+        couples: Value = FullTerms(*self._terms(position)).couples
+        return couples
 
     def potential(self, position: Value) -> Value:
         """Return V [J] of gravity, constant forces and springs; -V' is Q without its couples."""
-        found: Value = self.potential_and_size(position)[0]
-        return found
+        potential: Value = self.potential_and_size(position)[0]
+        return potential
 
     def energy(self, position: Value, rate: Value) -> Value:
         """Return kinetic plus potential energy [J]."""
-        found: Value = 0.5 * self.terms(position).inertia * rate * rate + self.potential(position)
-        return found
+        energy: Value = (0.5 * self.terms(position).inertia * rate * rate
+                         + self.potential(position))
+        return energy

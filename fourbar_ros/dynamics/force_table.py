@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A force over a place, from the points of a table.
+A force over a position, from the points of a table.
 
 Between two points it is a cubic polynomial with the slopes of Fritsch and Butland (SIAM J. Sci.
 Stat. Comput. 5, 1984), which scipy calls PCHIP: it has a continuous derivative, as an integrator
@@ -64,17 +64,17 @@ class ForceTable:
     def __post_init__(self) -> None:
         """Convert both columns to floats, and refuse a table that is no function."""
         for name in ('places', 'values'):
-            given = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
+            column = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
-                number(f'{name}[{i}]', value) for i, value in enumerate(given, 1)]))
+                number(f'{name}[{i}]', value) for i, value in enumerate(column, 1)]))
         places, values, count = self.places, self.values, len(self.places)
         if not 2 <= count <= MOST_POINTS:
             raise InvalidParameter('places', count, f'must be 2 to {MOST_POINTS} points')
         if len(values) != count:
             raise InvalidParameter('values', len(values), f'must be as many as places, {count}')
-        for i, (before, place) in enumerate(zip(places, places[1:]), 2):
-            if not place > before:
-                raise InvalidParameter(f'places[{i}]', place, 'must be larger than the one '
+        for i, (before, after) in enumerate(zip(places, places[1:]), 2):
+            if not after > before:
+                raise InvalidParameter(f'places[{i}]', after, 'must be larger than the one '
                                                               f'before, {before!r}')
         if self.is_periodic:
             if abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
@@ -96,24 +96,23 @@ class ForceTable:
 
     @property
     def middle(self) -> float:
-        """Return the middle of its places."""
         return 0.5 * (self.places[0] + self.places[-1])
 
-    def __call__(self, place: Any) -> Any:
-        """Return the value at a place, a float or an array."""
+    def __call__(self, x: Any) -> Any:
+        """Return the value at x, a float or an array."""
         first, last = self.places[0], self.places[-1]
-        is_one = isinstance(place, float)
+        is_float = isinstance(x, float)
         if self.is_periodic:
-            place = first + (place - first) % self.span
+            x = first + (x - first) % self.span
         else:
-            place = min(max(place, first), last) if is_one else np.clip(place, first, last)
-        if is_one:
-            piece = bisect_right(self.places, place, 1, len(self.places) - 1) - 1
+            x = min(max(x, first), last) if is_float else np.clip(x, first, last)
+        if is_float:
+            piece = bisect_right(self.places, x, 1, len(self.places) - 1) - 1
             a, b, c, d, start = self.pieces[piece]
         else:
-            pieces = np.searchsorted(self.places[1:-1], place, side='right')
+            pieces = np.searchsorted(self.places[1:-1], x, side='right')
             a, b, c, d, start = self._columns[:, pieces]
-        t = place - start
+        t = x - start
         return ((a * t + b) * t + c) * t + d
 
     @cached_property

@@ -31,10 +31,10 @@ def make_external(n: NumberType, linkage: Mechanism, elements: Sequence[Element]
     """
     Return the function (motion, input, constant forces) -> forces on all links, with elements.
 
-    Those of a link with elements act at the place of its constant force; what acts on the ground
-    is left out. A link without elements keeps its constant force. Not checked to be finite;
-    arguments and result are of the number type ``n``, and so are ``lengths``, if other ones are
-    given than those of the linkage.
+    Those of a link with elements act at the point of its constant force; forces on the ground are
+    left out. A link without elements keeps its constant force. Not checked to be finite;
+    arguments and result are of the number type ``n``, and so are ``lengths``, if they take the
+    place of those of the linkage.
     """
     moving = linkage if lengths is None else with_any_lengths(linkage, lengths)
     named = links_of(elements, linkage)
@@ -79,8 +79,8 @@ def make_loaded(linkage: Mechanism, elements: Sequence[Element]) -> Loaded:
             forces = external(motion, position, linkage.external)
         except (ArithmeticError, InvalidParameter):      # ends of a spring meet, no finite value
             return None
-        is_finite = all(isfinite(number) for force in forces
-                        for number in (force.force_x, force.force_y, force.couple))
+        is_finite = all(isfinite(component) for force in forces
+                        for component in (force.force_x, force.force_y, force.couple))
         return linkage.with_external(forces) if is_finite else None
     return loaded
 
@@ -96,10 +96,10 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
     """
     if linkage.bodies is None:
         raise MissingBodies
-    given = np.broadcast_arrays(*(np.asarray(value, float) for value in
-                                  (position, rate, acceleration)))
-    shape = given[0].shape
-    positions, rates, accelerations = (np.ravel(value) for value in given)
+    motions = np.broadcast_arrays(*(np.asarray(value, float) for value in
+                                    (position, rate, acceleration)))
+    shape = motions[0].shape
+    positions, rates, accelerations = (np.ravel(value) for value in motions)
     with np.errstate(all='ignore'):
         motion = linkage.motion(positions, rates, accelerations)
         external = make_external(ARRAY, linkage, elements)(motion, positions, linkage.external)
@@ -111,16 +111,16 @@ def loads_with(linkage: Mechanism, elements: Sequence[Element], position: ArrayL
 
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[ForceOnLink]) -> Applied:
     """
-    Return one external force that does the same as a constant one and others on its link.
+    Return the external force that does the same as a constant force and more forces on its link.
 
-    It acts at the point of the constant one, which is fixed to the link, so the moments of the
+    It acts at the point of the constant force, which is fixed to the link: the moments of the
     others about that point are added.
     """
-    at = point_of(link, constant.along, constant.across)
+    point = point_of(link, constant.along, constant.across)
     couple, force_x, force_y = 0.0, 0.0, 0.0
-    for force in acting:                  # one by one: sum() rounds otherwise from Python 3.12 on
-        couple = couple + (force.couple + (force.x - at.x) * force.force_y
-                           - (force.y - at.y) * force.force_x)
+    for force in acting:                  # in a loop: sum() rounds otherwise from Python 3.12 on
+        couple = couple + (force.couple + (force.x - point.x) * force.force_y
+                           - (force.y - point.y) * force.force_x)
         force_x, force_y = force_x + force.force_x, force_y + force.force_y
     return unchecked(Applied, constant.force_x + force_x, constant.force_y + force_y,
                      constant.along, constant.across, constant.couple + couple)

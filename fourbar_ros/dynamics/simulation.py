@@ -5,7 +5,7 @@ Motion over time by scipy's solve_ivp, with the result checked: no wrong answer 
 
 A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
 and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
-over near a toggle, or at a place of a force table. DOP853 integrates, or LSODA where a shaft or a
+over near a toggle, or at a point of a force table. DOP853 integrates, or LSODA where a shaft or a
 drive makes the system stiff.
 
 A run is compared with one at a tenth of its tolerance, all along it, and the energy less the work
@@ -94,11 +94,11 @@ class Leg(NamedTuple):
 
     def at(self, times: Array) -> Array:
         """Return the states at times within the leg, at steps those of the integrator."""
-        found = self.between(times)
+        states = self.between(times)
         steps = np.clip(np.searchsorted(self.time, times), 0, self.time.size - 1)
         is_step = self.time[steps] == times
-        found[:, is_step] = self.states[:, steps[is_step]]
-        return found
+        states[:, is_step] = self.states[:, steps[is_step]]
+        return states
 
 
 @dataclass
@@ -191,17 +191,17 @@ class Run:
     def _on_legs(self, times: Array) -> Iterator[tuple[Leg, NDArray[np.bool_], Array]]:
         """Yield each leg with the mask of the times on it, and the states in its coordinate."""
         starts = np.array([leg.time[0] for leg in self.legs])
-        numbers = np.maximum(np.searchsorted(starts, times, 'left') - 1, 0)
-        for i in np.unique(numbers):
-            there = numbers == i
+        indices = np.maximum(np.searchsorted(starts, times, 'left') - 1, 0)
+        for i in np.unique(indices):
+            there = indices == i
             yield self.legs[i], there, self.legs[i].at(times[there])
 
     def _states(self, times: Array) -> Array:
         """Return the states of the input at times, (n,), of the run."""
-        found: Array = np.empty((len(self.system.names), times.size))
+        rows: Array = np.empty((len(self.system.names), times.size))
         for leg, there, states in self._on_legs(times):
-            found[:, there] = leg.coordinate.states_of_input(states)
-        return found
+            rows[:, there] = leg.coordinate.states_of_input(states)
+        return rows
 
     @cached_property
     def _rows(self) -> Array:
@@ -253,11 +253,11 @@ class Run:
     @property
     def acceleration(self) -> Array:
         """Return the acceleration of the input over time [rad/s^2] or [m/s^2]."""
-        found: Array = np.empty(self.time.size)
+        values: Array = np.empty(self.time.size)
         for leg, there, states in self._on_legs(self.time):
-            found[there] = [leg.coordinate.acceleration(t, y) for t, y in
-                            zip(self.time[there].tolist(), states.T.tolist())]
-        return found
+            values[there] = [leg.coordinate.acceleration(t, y) for t, y in
+                             zip(self.time[there].tolist(), states.T.tolist())]
+        return values
 
     # --- between its times, and derived results -------------------------------------------------
 
@@ -268,10 +268,10 @@ class Run:
         Fields have the shape of the times. Interpolated between the steps of the integrator; the
         error is that of the run.
         """
-        given = array('time', time)
-        if not given.size or not (np.min(given) >= 0.0 and np.max(given) <= self._end):
+        times = array('time', time)
+        if not times.size or not (np.min(times) >= 0.0 and np.max(times) <= self._end):
             raise InvalidParameter('time', time, f'must lie between 0 and {self._end:.17g} s')
-        return self._record(self._states(np.ravel(given)).reshape(-1, *given.shape))
+        return self._record(self._states(np.ravel(times)).reshape(-1, *times.shape))
 
     @cached_property
     def loads(self) -> NamedFields:
@@ -288,10 +288,10 @@ class Run:
 
     def loads_at(self, time: ArrayLike) -> NamedFields:
         """Return the loads at increasing times [s], fields of their shape."""
-        given = array('time', time)
-        loads = replace(self, asked=_checked_times(np.ravel(given), self._end)).loads
+        times = array('time', time)
+        loads = replace(self, asked=_checked_times(np.ravel(times), self._end)).loads
         record: NamedFields = loads._make(
-            [field.reshape(given.shape) if given.shape else float(field[0]) for field in loads])
+            [field.reshape(times.shape) if times.shape else float(field[0]) for field in loads])
         return record
 
     def plot(self) -> Figure:
@@ -398,12 +398,12 @@ def _first_run(work: Work, method: str, tolerance: float) -> Run:
         return _run(work, 'LSODA', tolerance)
     # many short legs are no sign of a stiff system: half is left for the finer run
     share = 0.5 if work.system.equation.tables else FIRST_TRY
-    found = _run(work, 'DOP853', tolerance, share=share)
-    if found.status != STOPPED:
-        return found
+    run = _run(work, 'DOP853', tolerance, share=share)
+    if run.status != STOPPED:
+        return run
     work.reason = ''
-    other = _run(work, 'LSODA', tolerance)
-    return found if other.status == STOPPED and found._end > other._end else other
+    stiff_run = _run(work, 'LSODA', tolerance)
+    return run if stiff_run.status == STOPPED and run._end > stiff_run._end else stiff_run
 
 
 def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, share: float = 1.0
@@ -411,9 +411,9 @@ def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, shar
     """Return one run, not compared yet; it may use a ``share`` of the evaluations."""
     work.most = share * work.evaluations
     legs = tuple(_integrate(work, method, tolerance, is_finer))
-    found = Run(work.system, legs, work.asked, legs[-1].end, inf, nan, method, tolerance,
-                work.used, work.reason)
-    return replace(found, drift=energy_drift(found))
+    run = Run(work.system, legs, work.asked, legs[-1].end, error=inf, drift=nan, method=method,
+              tolerance=tolerance, evaluations=work.used, reason=work.reason)
+    return replace(run, drift=energy_drift(run))
 
 
 def _most(name: str, value: float) -> float:
@@ -453,7 +453,7 @@ def _is_stiff(system: System, until: float) -> bool:
     So it is where the fastest mode at the start is far faster than the run: an eigenvalue of the
     Jacobian, by central differences.
     """
-    coordinate, state = system.coordinates.at(system.start)
+    coordinate, state = system.coordinates.begin(system.start)
     columns = []
     try:
         for i, value in enumerate(state):
@@ -464,7 +464,7 @@ def _is_stiff(system: System, until: float) -> bool:
     except (FourBarError, ArithmeticError):
         return False
     jacobian = np.array(columns)             # transposed: its eigenvalues are the same
-    # at each place of a table LSODA starts anew from its lowest order
+    # at each point of a table LSODA starts anew from its lowest order
     allowed = 100.0 * STIFF if system.equation.tables else STIFF
     return bool(np.all(np.isfinite(jacobian))
                 and until * np.max(np.abs(np.linalg.eigvals(jacobian))) > allowed)
@@ -481,8 +481,8 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     """
     system, stop_when = work.system, work.stop_when
     breaks = _restarts(system, work.until, is_finer)
-    (coordinate, state), first = system.coordinates.at(system.start), 0.0
-    stop_value = nan         # of stop_when; nothing stops at the start: a zero there is none
+    (coordinate, state), first = system.coordinates.begin(system.start), 0.0
+    stop_value = nan         # last value of stop_when that is not zero: no run stops at its start
     end, step = REACHED, None
     while first < work.until:
         if end == HANDED_OVER:
@@ -495,8 +495,8 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         if stop_when is not None:
             stop = _of_input(coordinate, stop_when)
             if first == 0.0:
-                stop_value = stop(first, np.array(state)) or nan
-            events.append(Event(stop, EVENT, 0.0, stop_value))
+                stop_value = _unless_zero(stop(first, np.array(state)), nan)
+            events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
         leg = _leg(coordinate, (first, last), state, method, tolerance, work, events, step)
@@ -512,7 +512,11 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
         if stop_when is not None:
-            stop_value = stop(first, leg.states[:, -1]) or stop_value
+            stop_value = _unless_zero(stop(first, leg.states[:, -1]), stop_value)
+
+
+def _unless_zero(value: float, instead: float) -> float:
+    return instead if value == 0.0 else value
 
 
 def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
@@ -520,25 +524,25 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
     """Return the leg from a state on, to the end of its span or an event; ``step``: its first."""
     start = np.array(state)
     rates = work.counted(coordinate.derivative, span[1])
-    found = _solved(rates, span, start, method, tolerance, dense_output=True,
-                    events=[_remembered(event, span[0]) for event in events],
-                    first_step=min(step, span[1] - span[0]) if step else None)
-    if found is None or found.t.size < 2 or not np.all(np.abs(found.y) < HUGE):
+    result = _solved(rates, span, start, method, tolerance, dense_output=True,
+                     events=[_remembered(event, span[0]) for event in events],
+                     first_step=None if step is None else min(step, span[1] - span[0]))
+    if result is None or result.t.size < 2 or not np.all(np.abs(result.y) < HUGE):
         work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
         return Leg(coordinate, np.array(span[:1]), start[:, None],
                    lambda times: np.repeat(start[:, None], times.size, 1), STOPPED)
     end = REACHED
-    if found.status == 1:
-        end = next(event.end for event, at in zip(events, found.t_events) if at.size)
-    elif found.status == -1:
-        end, work.reason = STOPPED, f'no step of {method} is short enough at {found.t[-1]:.6g} s'
-    length = found.t[-1] - found.t[-2]
+    if result.status == 1:
+        end = next(event.end for event, times in zip(events, result.t_events) if times.size)
+    elif result.status == -1:
+        end, work.reason = STOPPED, f'no step of {method} is short enough at {result.t[-1]:.6g} s'
+    length = result.t[-1] - result.t[-2]
     if end in (HANDED_OVER, AT_KINK) and length > 0.0:
         # where the run goes on a step is more exact than the interpolant
-        last = _solved(rates, found.t[-2:], found.y[:, -2], method, tolerance, first_step=length)
+        last = _solved(rates, result.t[-2:], result.y[:, -2], method, tolerance, first_step=length)
         if last is not None and last.status == 0:
-            found.y[:, -1] = last.y[:, -1]
-    return Leg(coordinate, found.t, found.y, found.sol, end)
+            result.y[:, -1] = last.y[:, -1]
+    return Leg(coordinate, result.t, result.y, result.sol, end)
 
 
 def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, method: str,
@@ -621,7 +625,7 @@ def _watch(work: Work, first: float) -> Event:
 
 
 def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
-    """Return the event where the force of a table bends: at the next place of one."""
+    """Return the event where the force of a table bends: at its next point."""
     excess = coordinate.equation.make_excess(state[0])
     return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
 

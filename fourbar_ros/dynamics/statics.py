@@ -62,7 +62,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     Return all static equilibria in this assembly mode, in order of the input.
 
     ``drive``: constant torque (force) T of the drive. Equilibria are sign changes of Q + T on 2048
-    samples of each range of the input and at the places of force tables, and pairs of them between
+    samples of each range of the input and at the points of force tables, and pairs of them between
     samples where |Q + T| dips. Where |Q + T| is within its rounding error over a piece of the
     range, or all of it, as of a balanced mechanism, the piece is one equilibrium with its ``end``;
     of a crank it may go on beyond a whole turn. A jump of Q over zero, as at the wrap of a torsion
@@ -71,7 +71,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
     drive, mechanism = number('drive', drive), equation.mechanism
-    found = list[Equilibrium]()
+    results = list[Equilibrium]()
 
     def push(q: Value) -> Value:
         total: Value = equation.terms(q).force + drive
@@ -85,19 +85,19 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     for (low, high), samples in zip(ranges, _samples(mechanism, equation.turns)):
         samples = np.union1d(samples, _inputs_of_tables(equation, samples))
         pieces, parts = _without_force(push, error, samples, SHORTEST * mechanism.input_unit)
-        places = [place for part in parts for place in roots_of(push, part, error)]
+        roots = [root for part in parts for root in roots_of(push, part, error)]
         ends = samples[0], samples[-1]
         if mechanism.turns_fully:      # samples go a little beyond the turns from -pi on
-            places = [place - cycle if place > high else place if abs(place) > 1e-60 else 0.0
-                      for place in places]
+            roots = [root - cycle if root > high else root if abs(root) > 1e-60 else 0.0
+                     for root in roots]
             if len(pieces) > 1 and (pieces[0][0], pieces[-1][1]) == ends:        # over the seam
                 (start, _), (_, stop) = pieces.pop(), pieces.pop(0)
                 pieces.append((start, stop + cycle))
-        found += [_equilibrium(equation, place) for place in places
-                  if not _jumps(equation, place, drive)]
-        found += [Equilibrium(low if start == ends[0] else start, False, 0.0, nan, nan,
-                              high if stop == ends[1] else stop) for start, stop in pieces]
-    return tuple(sorted(found))
+        results += [_equilibrium(equation, root) for root in roots
+                    if not _jumps(equation, root, drive)]
+        results += [Equilibrium(low if start == ends[0] else start, False, 0.0, nan, nan,
+                                high if stop == ends[1] else stop) for start, stop in pieces]
+    return tuple(sorted(results))
 
 
 def _without_force(push: Function, error: Function, samples: Array, shortest: float
@@ -127,11 +127,11 @@ def _without_force(push: Function, error: Function, samples: Array, shortest: fl
     return pieces, [*parts, samples[rest:]]
 
 
-def _jumps(equation: Equation, place: float, drive: float) -> bool:
-    """Return whether Q + T is larger 1e-9 beside a place than its slope there says: it jumps."""
+def _jumps(equation: Equation, position: float, drive: float) -> bool:
+    """Return whether Q + T jumps: it is larger 1e-9 beside an input than its slope there says."""
     aside = 1e-9 * equation.mechanism.input_unit
-    below, here, above = equation.terms(place + aside * np.arange(-1.0, 2.0)).force + drive
-    bend = abs(float(equation.stiffness(place))) * aside
+    below, here, above = equation.terms(position + aside * np.arange(-1.0, 2.0)).force + drive
+    bend = abs(float(equation.stiffness(position))) * aside
     return bool(min(abs(below), abs(above)) > 1e3 * bend + 1e-6 * abs(above - below))
 
 
@@ -146,38 +146,38 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
 
 
 def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
-    """Return the inputs between samples at which a force table comes to one of its places."""
-    found: list[Array] = [np.empty(0)]
+    """Return the inputs between samples at which a force table comes to a point of its own."""
+    inputs_of_tables: list[Array] = [np.empty(0)]
     for i, (_, table) in enumerate(equation.tables):
-        def ways_beyond(inputs: Array, places: Array, i: int = i,
+        def ways_beyond(inputs: Array, points: Array, i: int = i,
                         period: float = table.period) -> Array:
-            """Return how far the table is beyond places, the short way round its period."""
-            ways = equation.table_positions.of_many(inputs)[i] - places
+            """Return how far s is beyond points, the short way round the period of the table."""
+            ways = equation.table_positions.of_many(inputs)[i] - points
             return ways if period == inf else ways - period * np.round(ways / period)
-        places = np.array(table.table.places)
-        ways = ways_beyond(samples, places[:, None])
+        points = np.array(table.table.places)
+        ways = ways_beyond(samples, points[:, None])
         is_beyond = ways >= 0.0
         # where a way changes by half a period it has only come round
         comes_there = ((is_beyond[:, 1:] != is_beyond[:, :-1])
                        & (np.abs(np.diff(ways)) < 0.5 * table.period))
-        place, sample = np.nonzero(comes_there)
+        point, sample = np.nonzero(comes_there)
         before, after = samples[sample], samples[sample + 1]
-        was_beyond = is_beyond[place, sample]
+        was_beyond = is_beyond[point, sample]
         for _ in range(HALVINGS):
             middle = 0.5 * (before + after)
-            is_before = (ways_beyond(middle, places[place]) >= 0.0) == was_beyond
+            is_before = (ways_beyond(middle, points[point]) >= 0.0) == was_beyond
             before, after = np.where(is_before, middle, before), np.where(is_before, after, middle)
-        found.append(after)
-    return np.concatenate(found)
+        inputs_of_tables.append(after)
+    return np.concatenate(inputs_of_tables)
 
 
 def roots_of(function: Function, samples: Array, error: Function | None = None) -> list[float]:
     """
-    Return the places where a function of floats and arrays changes its sign, to the last bits.
+    Return the arguments where a function of floats and arrays changes its sign, to the last bits.
 
-    Brackets are the sign changes between samples. Where |f| dips at a sample without one, the dip
-    is searched for its lowest point: beyond zero it gives two more. ``error``: bounds of the
-    rounding errors of values; one within its error has no sign.
+    Brackets are the sign changes between samples. Where |f| dips at a sample without a sign
+    change, the dip is searched for its lowest point: beyond zero it gives two brackets more.
+    ``error``: bounds of the rounding errors of values; a value within its error has no sign.
     """
     try:
         from scipy.optimize import brentq, minimize_scalar
@@ -195,11 +195,11 @@ def roots_of(function: Function, samples: Array, error: Function | None = None) 
                               & (sides[:-2] == sides[1:-1]) & (sides[1:-1] == sides[2:]))
     for i in dips:
         side = 1.0 if sides[i] else -1.0
-        found = minimize_scalar(lambda x, side=side: side * function(float(x)), method='bounded',
-                                bounds=sorted((samples[i - 1], samples[i + 1])),
-                                options={'xatol': 1e-12})
-        if found.fun < (0.0 if error is None else -error(found.x)):
-            brackets += [(samples[i - 1], found.x), (found.x, samples[i + 1])]
+        lowest = minimize_scalar(lambda x, side=side: side * function(float(x)), method='bounded',
+                                 bounds=sorted((samples[i - 1], samples[i + 1])),
+                                 options={'xatol': 1e-12})
+        if lowest.fun < (0.0 if error is None else -error(lowest.x)):
+            brackets += [(samples[i - 1], lowest.x), (lowest.x, samples[i + 1])]
     return [float(brentq(function, float(a), float(b), xtol=1e-300,
                          rtol=4.0 * np.finfo(float).eps))
             for a, b in brackets]
@@ -278,27 +278,27 @@ def _turning_points(system: System, energy: float) -> tuple[float, float] | None
     Raises InvalidParameter for an equilibrium, and for a motion that reaches a limit.
     """
     start, rate = system.start[:2]
-    one: float | None
+    low: float | None
     if rate == 0.0:          # the start is a turning point: the force says which
         push = system.equation.terms(start).force
         if abs(push) <= system.equation.force_error(start):
             raise InvalidParameter('system', None, 'must not rest in an equilibrium')
-        one, other = start, _turning_point(system, energy, 1.0 if push > 0.0 else -1.0)
+        low, high = start, _turning_point(system, energy, 1.0 if push > 0.0 else -1.0)
     else:
-        one, other = (_turning_point(system, energy, side) for side in (-1.0, 1.0))
-        if one is None and other is None and system.mechanism.turns_fully:
+        low, high = (_turning_point(system, energy, side) for side in (-1.0, 1.0))
+        if low is None and high is None and system.mechanism.turns_fully:
             return None
-    if one is None or other is None:
+    if low is None or high is None:
         raise InvalidParameter('system', None, 'must not reach a limit of its input')
-    return min(one, other), max(one, other)
+    return min(low, high), max(low, high)
 
 
 def _turning_point(system: System, energy: float, side: float) -> float | None:
     """
     Return the nearest input on one side (+-1) of the start where all energy is potential.
 
-    Searched on samples, dense next to the start: from rest the start itself, the other turning
-    point, is left out. None if there is none within a turn, or the range.
+    Searched on samples, dense next to the start: from rest the start itself, a turning point too,
+    is left out. None if there is none within a turn, or the range.
     """
     mechanism, (start, rate), reach = system.mechanism, system.start[:2], tau
     if not mechanism.turns_fully:
@@ -310,7 +310,7 @@ def _turning_point(system: System, energy: float, side: float) -> float | None:
     near = np.geomspace(1e-9, 1e-3, 25)[:-1]
     far = 1e-3 + (1.0 - 1e-3) * np.sin(np.linspace(0.0, 0.5 * pi, 2048))
     # not quite to the end, where a toggle may be
-    parts = np.concatenate([[0.0] if rate else [], near, far * (1.0 - 1e-9)])
-    places = roots_of(lambda q: energy - system.equation.potential(q),
-                      start + side * reach * parts)
-    return min(places, key=lambda place: abs(place - start), default=None)
+    shares = np.concatenate([[] if rate == 0.0 else [0.0], near, far * (1.0 - 1e-9)])
+    roots = roots_of(lambda q: energy - system.equation.potential(q),
+                     start + side * reach * shares)
+    return min(roots, key=lambda root: abs(root - start), default=None)

@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import atan2, pi
 from typing import Any, NoReturn
 
-from fourbar_ros.dynamics.elements import Attachment, INPUT, LinkAngle, Place, PositionForce, Way
+from fourbar_ros.dynamics.elements import Attachment, INPUT, LinkAngle, Over, PositionForce, Way
 from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
@@ -61,7 +61,7 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
     return force
 
 
-def _columns(values: ParameterValues, name: str, over: Place, mechanism: Mechanism
+def _columns(values: ParameterValues, name: str, over: Over, mechanism: Mechanism
              ) -> tuple[list[float], list[float]]:
     """
     Return both columns of the table of a force in SI units; refuse units that do not fit.
@@ -95,14 +95,14 @@ def _columns(values: ParameterValues, name: str, over: Place, mechanism: Mechani
             [force_in_si * force for force in values[f'{name}.values']])
 
 
-def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Place:
+def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Over:
     """
     Return the coordinate that forces.NAME.over names: the force is a function of it.
 
     It is the input, an angle or slide of the mechanism, or a coordinate of a point, ``P.x``.
     """
     over, driven = values[f'{name}.over'], mechanism.input_coordinate.position
-    inputs: dict[str, Place] = {INPUT: INPUT, driven: INPUT}
+    inputs: dict[str, Over] = {INPUT: INPUT, driven: INPUT}
     known = {**inputs, **_coordinates(mechanism), **inputs}
     for point in names_in('points', values):
         attachment = Attachment(*point_in(f'points.{point}', values))
@@ -113,11 +113,11 @@ def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Place:
     return known[over]
 
 
-def _coordinates(mechanism: Mechanism) -> dict[str, Place]:
+def _coordinates(mechanism: Mechanism) -> dict[str, Over]:
     """Return {name: coordinate} of the angles and slides of a mechanism: theta4, theta_LINK."""
     names = [coordinate.position for coordinate in mechanism.PARTS]
     links = {link.name for link in mechanism.LINKS}
-    coordinates: dict[str, Place] = {}
+    coordinates: dict[str, Over] = {}
     for name in names:
         link = name.removeprefix('theta_')
         if name in ANGLES:
