@@ -14,11 +14,12 @@ from math import pi, tau
 from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies import parametric
 from fourbar_lab.studies.measures import Extent, Measure, Measures, Searched
-from fourbar_lab.studies.study import Study
+from fourbar_lab.studies.study import first_scene, Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.batches import step_of_arrays
+from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import is_position, is_published
@@ -28,6 +29,7 @@ from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
+TRIED = 100         # designs, for one that can be built
 # Designs that are computed together: their samples stay in the cache of the processor.
 TOGETHER = 128
 # Samples of a turn: more of them for designs that few do not resolve.
@@ -39,91 +41,88 @@ NEAR = 1e-9
 AGREE = 1e-6
 
 
-class DesignBlock:
+def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:
     """
-    Measures of n designs of one study, computed together.
+    Fill columns with the measures of designs computed together; return which are right, (n,).
 
-    Results are written into ``columns``, {measure: values, shape (n,)}, and are right where
-    ``is_done``, shape (n,). ``scene`` is one design that can be built; ``drawn`` is {parameter:
-    values, shape (n,)}.
+    ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
+    Not computed so: drives at rest, driven slides, machines (each is put together at run time),
+    and designs where lengths, samples or search leave a doubt.
     """
-
-    def __init__(self, study: Study, scene: Scene, drawn: dict[str, Array],
-                 columns: dict[str, Array]):
-        self.study, self.scene, self.drawn, self.columns = study, scene, drawn, columns
-        self._measures = Measures(scene)
-        self._designs = Designs(scene, study.values, drawn)
-        self.is_done = self._designs.are_allowed()
-
-    def compute_cheap(self) -> None:
-        """Compute type and distance from a change point: they follow from the lengths alone."""
-        margins = self._designs.margins()
-        if margins is None:
-            self.is_done &= self.columns.keys().isdisjoint((kinds.CLASS, kinds.CHANGE_POINT))
-            return
-        self.is_done &= (np.abs(margins) > NEAR).all(axis=0)
-        if kinds.CHANGE_POINT in self.columns:
-            self.columns[kinds.CHANGE_POINT][:] = np.abs(margins).min(axis=0)
-        if kinds.CLASS not in self.columns:
-            return
+    none = np.zeros(len(next(iter(drawn.values()))), bool)
+    try:
+        scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
+    except InvalidParameter:
+        return none
+    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.kind not in FACTS:
+        return none
+    measures, designs = Measures(scene), Designs(scene, study.values, drawn)
+    is_done, margins = designs.are_allowed(), designs.margins()
+    # type and distance from a change point follow from the lengths alone
+    if margins is None:
+        is_done &= columns.keys().isdisjoint((kinds.CLASS, kinds.CHANGE_POINT))
+    else:
+        is_done &= (np.abs(margins) > NEAR).all(axis=0)
+    if kinds.CHANGE_POINT in columns and margins is not None:
+        columns[kinds.CHANGE_POINT][:] = np.abs(margins).min(axis=0)
+    if kinds.CLASS in columns and margins is not None:
         # designs whose margins have equal signs are of one type: a design of each group is asked
         keys = (1 << np.arange(len(margins))) @ (margins > 0.0)     # the signs as bits
-        for key in np.unique(keys[self.is_done]).tolist():
-            alike = np.nonzero((keys == key) & self.is_done)[0]
-            values = {name: column[alike[0]].item() for name, column in self.drawn.items()}
+        for key in np.unique(keys[is_done]).tolist():
+            alike = np.nonzero((keys == key) & is_done)[0]
+            values = {name: column[alike[0]].item() for name, column in drawn.items()}
             try:
-                scene = from_values({**self.study.values, **values})
-                self.columns[kinds.CLASS][alike] = scene.linkage.classification
+                columns[kinds.CLASS][alike] = from_values(
+                    {**study.values, **values}).linkage.classification
             except InvalidParameter:
-                self.is_done[alike] = False
+                is_done[alike] = False
+    wanted = is_done.copy()
+    for bound in study.bounds:
+        if bound.measure.part in (kinds.CLASS, kinds.CHANGE_POINT) and not study.keeps_all:
+            wanted &= bound.allows_each(columns)
+    needed = list(dict.fromkeys(filter(None, map(measures.source, study.measures))))
+    needed = needed or [kinds.ANGLE]        # that alone tells which designs turn fully
 
-    def compute(self, rows: Array) -> None:
-        """Compute all other measures of some designs, by index; ``is_done`` marks the finished."""
-        sources = {measure: self._measures.source(measure) for measure in self.study.measures}
-        # without any, the transmission angle alone tells which designs turn fully
-        needed = list(dict.fromkeys(filter(None, sources.values()))) or ['transmission_angle']
+    def work(rows: Array, samples: int) -> Array:
+        group = Designs(scene, study.values, {name: column[rows]
+                                              for name, column in drawn.items()})
+        known = measures.quantities | parametric.point_quantities_of(scene, group.values,
+                                                                     group.many)
+        turns = search(group, [known[name] for name in needed], study.acceleration, samples)
+        is_right = ~turns.is_doubtful
+        for measure in study.measures:
+            if measure.part == kinds.INPUT_RANGE:
+                columns[measure.name][rows[is_right]] = tau
+            elif measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
+                values, are_right = _measured(measure, turns,
+                                              needed.index(measures.source(measure)))
+                is_right &= are_right
+                columns[measure.name][rows[is_right]] = values[is_right]
+        return is_right
 
-        def work(rows: Array, samples: int) -> Array:
-            drawn = {name: column[rows] for name, column in self.drawn.items()}
-            designs = Designs(self.scene, self.study.values, drawn)
-            known = self._measures.quantities | parametric.point_quantities_of(
-                self.scene, designs.values, designs.many)
-            turns = search(designs, [known[name] for name in needed], self.study.acceleration,
-                           samples)
-            is_done = ~turns.is_doubtful
-            for measure in self.study.measures:
-                if measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
-                    values, is_right = self._measure(measure, turns, needed)
-                    is_done &= is_right
-                    self.columns[measure.name][rows[is_done]] = values[is_done]
-            return is_done
+    is_done[in_groups(np.nonzero(wanted)[0], work)] = False
+    return is_done
 
-        self.is_done[in_groups(rows, work)] = False
 
-    def _measure(self, measure: Measure, turns: Turns, needed: list[str]) -> tuple[Array, Array]:
-        """Return a measure, and which are right, (n,), from the turns of ``needed``."""
-        all_right = np.ones(turns.is_doubtful.size, bool)
-        if measure.part == kinds.INPUT_RANGE:
-            return np.full(all_right.size, tau), all_right
-        row = needed.index(self._measures.source(measure))
-        if measure.part == 'rms':
-            squares = turns.samples[row] * turns.samples[row]
-            mean, of_half = squares.mean(axis=1), squares[:, ::2].mean(axis=1)
-            return np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
-        inputs, values = turns.places[row], turns.values[row]       # NaN beyond the last extremum
-        if not values.shape[-1]:
-            inputs = values = np.full((len(values), 1), np.nan)
-        designs, is_none = np.arange(len(values)), np.isnan(values)
-        most = np.argmax(np.where(is_none, -np.inf, values), axis=1)
-        least = np.argmin(np.where(is_none, np.inf, values), axis=1)
-        extent = Extent(values[designs, most], inputs[designs, most], values[designs, least],
-                        inputs[designs, least], turns.counts[row])
-        if measure.part in (kinds.SWING, kinds.STROKE):
-            samples = turns.samples[row]        # of angles continuous
-            is_turn = ((measure.part == kinds.SWING)
-                       & (np.abs(samples[:, -1] - samples[:, 0]) > pi))     # less a step
-            return np.where(is_turn, tau, extent.max - extent.min), is_turn | (extent.extrema > 0)
-        return np.asarray(extent.of(measure.part)), all_right
+def _measured(measure: Measure, turns: Turns, row: int) -> tuple[Array, Array]:
+    """Return a measure of the quantity in a row of turns, and for which designs it is right."""
+    samples, inputs, values = turns.samples[row], turns.places[row], turns.values[row]
+    if measure.part == 'rms':
+        squares = samples * samples
+        mean, of_half = squares.mean(axis=1), squares[:, ::2].mean(axis=1)
+        return np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
+    if not values.shape[-1]:
+        inputs = values = np.full((len(values), 1), np.nan)
+    designs, is_none = np.arange(len(values)), np.isnan(values)     # beyond the last extremum
+    most = np.argmax(np.where(is_none, -np.inf, values), axis=1)
+    least = np.argmin(np.where(is_none, np.inf, values), axis=1)
+    extent = Extent(values[designs, most], inputs[designs, most], values[designs, least],
+                    inputs[designs, least], turns.counts[row])
+    if measure.part not in (kinds.SWING, kinds.STROKE):
+        return np.asarray(extent.of(measure.part)), np.ones(len(values), bool)
+    is_turn = ((measure.part == kinds.SWING)    # samples of angles are continuous, less a step
+               & (np.abs(samples[:, -1] - samples[:, 0]) > pi))
+    return np.where(is_turn, tau, extent.max - extent.min), is_turn | (extent.extrema > 0)
 
 
 def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = TOGETHER

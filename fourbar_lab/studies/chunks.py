@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any, NamedTuple
 
-from fourbar_lab.studies.block import DesignBlock
+from fourbar_lab.studies.block import compute_together
 from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.measures import CHANGE_POINT, CHEAP, CLASS, INPUT_RANGE
-from fourbar_lab.studies.study import Bound, first_scene, Study
+from fourbar_lab.studies.measures import CHEAP, CLASS, INPUT_RANGE
+from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.kinds import FACTS
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
@@ -23,8 +22,6 @@ import numpy as np
 # Why a design is not among the results; other reasons are constraints by name.
 NOT_BUILT, FAILED = 'cannot be built', 'failed'
 FEASIBLE = 'feasible'
-# Designs that are tried for one that can be built.
-TRIED = 100
 
 
 class Chunk(NamedTuple):
@@ -55,7 +52,7 @@ def measured(study: Study, drawn: dict[str, Array]
     columns: dict[str, Array] = {
         measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
         else np.full(size, np.nan) for measure in study.measures}
-    is_done = _together(study, drawn, columns)
+    is_done = compute_together(study, drawn, columns)
     reasons = np.full(size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
     for i in np.nonzero(~is_done)[0].tolist():
@@ -74,7 +71,7 @@ def measured(study: Study, drawn: dict[str, Array]
         for name in results.keys() & columns.keys():
             columns[name][i] = results[name]
     for bound in _cheap_first(study):
-        reasons[(reasons == FEASIBLE) & ~_allows(bound, columns)] = bound.measure.name
+        reasons[(reasons == FEASIBLE) & ~bound.allows_each(columns)] = bound.measure.name
     return columns, reasons.tolist(), failures
 
 
@@ -93,36 +90,6 @@ def compute(study: Study, chunk: int) -> Chunk:
     columns |= {measure.name: measures[measure.name][kept].astype(types.get(measure.part, float))
                 for measure in study.measures}
     return Chunk(columns, dict(Counter(reasons)), [(rows[i], text) for i, text in failures])
-
-
-def _together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:
-    """
-    Fill columns with the results of designs computed together; return which are right, (n,).
-
-    Not computed so: drives at rest, driven slides, machines (each is put together at run time),
-    and designs that :class:`DesignBlock` is not sure of.
-    """
-    none = np.zeros(len(next(iter(drawn.values()))), bool)
-    try:
-        scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
-    except InvalidParameter:
-        return none
-    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide
-            or scene.kind not in FACTS):
-        return none
-    block = DesignBlock(study, scene, drawn, columns)
-    block.compute_cheap()
-    wanted = block.is_done.copy()
-    for bound in study.bounds:
-        if bound.measure.part in (CLASS, CHANGE_POINT) and not study.keeps_all:
-            wanted &= _allows(bound, columns)
-    block.compute(np.nonzero(wanted)[0])
-    return block.is_done
-
-
-def _allows(bound: Bound, columns: dict[str, Array]) -> Array:
-    """Return which designs fulfil a constraint, shape (n,)."""
-    return np.array([bound.allows(value) for value in columns[bound.measure.name].tolist()])
 
 
 def _cheap_first(study: Study) -> list[Bound]:

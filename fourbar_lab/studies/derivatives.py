@@ -182,14 +182,7 @@ def sensitivities(derivatives: Derivatives, measures: Sequence[Measure]) -> list
     design = Design(derivatives.scene, derivatives.acceleration)
     design.search([*measures, *(replace(measure, part='peak') for measure in measures
                                 if measure.part == 'rms')])
-    results = []
-    for measure in measures:
-        work = _OfMeasure(derivatives, design, measure)
-        slopes = work.slopes()
-        results.append(Sensitivity(
-            measure, work.value, dict(zip(derivatives.names, slopes.tolist())),
-            work.why_unknown if np.isnan(slopes).any() else ''))
-    return results
+    return [_OfMeasure(derivatives, design, measure).sensitivity() for measure in measures]
 
 
 class _OfMeasure:
@@ -200,39 +193,40 @@ class _OfMeasure:
     """
 
     def __init__(self, derivatives: Derivatives, design: Design, measure: Measure) -> None:
-        self._derivatives, self._design, self._part = derivatives, design, measure.part
-        self._source, self.value = design.measures.source(measure), design.of(measure)
-        self._linkage, self._names, self.why_unknown = design.linkage, derivatives.names, ''
+        self._derivatives, self._design, self._measure = derivatives, design, measure
+        self._source, self._value = design.measures.source(measure), design.of(measure)
+        self._linkage, self._names, self._why_unknown = design.linkage, derivatives.names, ''
         # whether it follows from the inputs where extrema are, not from their values
-        self._is_of_inputs = self._part in ('max_at', 'min_at', kinds.TIME_RATIO)
+        self._is_of_inputs = measure.part in ('max_at', 'min_at', kinds.TIME_RATIO)
         sizes = np.abs([derivatives.scene.values[name] for name in self._names])
         self._sizes = np.where(sizes > 0.0, sizes, 1.0)
         self._zero = np.zeros(len(self._names))
 
-    def slopes(self) -> Array:
-        """Return the derivatives of the measure, NaN by parameters where there is none."""
+    def sensitivity(self) -> Sensitivity:
+        """Return the derivatives, NaN by parameters where there is none."""
         slopes = self._where_links_close()
         are_lengths = [name.startswith(LENGTHS) for name in self._names]
-        if (self._linkage.change_point_margin > TIE or self._part == kinds.CHANGE_POINT
-                or not any(are_lengths)):
-            return slopes
-        return np.where(are_lengths, self._unknown('at a change point any change of a length adds '
-                                                   'or takes poses'), slopes)
+        if (self._linkage.change_point_margin <= TIE and any(are_lengths)
+                and self._measure.part != kinds.CHANGE_POINT):
+            why = 'at a change point any change of a length adds or takes poses'
+            slopes = np.where(are_lengths, self._unknown(why), slopes)
+        return Sensitivity(self._measure, self._value, dict(zip(self._names, slopes.tolist())),
+                           self._why_unknown if np.isnan(slopes).any() else '')
 
     def _unknown(self, why: str) -> Array:
         """Return NaN for every parameter, and keep the reason if it is the first."""
-        self.why_unknown = self.why_unknown or why
+        self._why_unknown = self._why_unknown or why
         return np.full(len(self._names), nan)
 
     def _where_links_close(self) -> Array:
         """Return the derivatives of the measure, as if the links closed at the same inputs."""
-        part, linkage = self._part, self._linkage
+        part, linkage = self._measure.part, self._linkage
         # a full turn or a stroke depends on no parameter
         input_is_fixed = linkage.turns_fully or linkage.input_ranges == (linkage.stroke,)
-        if isinstance(self.value, str) or part == 'extrema':
+        if isinstance(self._value, str) or part == 'extrema':
             return self._unknown('it is no number on a scale')
-        if not isfinite(self.value):
-            return self._unknown('it has no value' if isnan(self.value) else 'it is infinite')
+        if not isfinite(self._value):
+            return self._unknown('it has no value' if isnan(self._value) else 'it is infinite')
         if part == kinds.CHANGE_POINT:
             return self._of_margin()
         if part in (kinds.INPUT_RANGE, 'rms') and not input_is_fixed:
@@ -258,8 +252,15 @@ class _OfMeasure:
         if part in ('min', 'min_at'):
             return self._of_end(extrema, -1.0)
         of_way = self._of_end(extrema, 1.0) - self._of_end(extrema, -1.0)
-        # else it is the way itself: a swing, a stroke, a span
-        return self._of_time_ratio(of_way) if part == kinds.TIME_RATIO else of_way
+        if part != kinds.TIME_RATIO:        # a swing, a stroke, a span
+            return of_way
+        most, least = (self._design.extreme(self._source, end) for end in ('max', 'min'))
+        assert most and least
+        forward = (most.input - least.input) % tau
+        slopes = -tau / min(forward, tau - forward)**2 * of_way      # of (tau - short) / short
+        if abs(forward - pi) <= TIE:            # either stroke may become the slower one
+            return self._agreed([slopes, -slopes], 'it has a kink: both strokes take as long')
+        return slopes if forward < pi else -slopes
 
     def _of_end(self, extrema: Sequence[Extremum], sign: float) -> Array:
         """Return the slopes of the largest (sign 1) or least (-1) extremum, or of its input."""
@@ -296,7 +297,7 @@ class _OfMeasure:
         ``scale``: of what they are derivatives; by default the size of the measure.
         """
         effects = np.asarray(sides) * self._sizes
-        scale = abs(float(self.value)) if scale is None else scale
+        scale = abs(float(self._value)) if scale is None else scale
         is_same = np.ptp(effects, axis=0) <= SAME * np.max(np.abs(effects), initial=scale)
         return sides[0] if is_same.all() else np.where(is_same, sides[0], self._unknown(why))
 
@@ -306,11 +307,11 @@ class _OfMeasure:
         why = f'it has a kink: {" and ".join(dyad.quantity for dyad in dyads)} tie'
         if np.ptp([dyad.value for dyad in dyads]) > TIE:
             return self._unknown(why)       # mu and pi - mu: it jumps
-        return self._agreed([self._of_single(dyad) for dyad in dyads], why,
+        return self._agreed([self._of_dyad(dyad) for dyad in dyads], why,
                             self._linkage.input_unit if self._is_of_inputs else None)
 
-    def _of_single(self, extremum: Extremum) -> Array:
-        """Return the slopes of an extremum, or of its input, of one dyad or another quantity."""
+    def _of_dyad(self, extremum: Extremum) -> Array:
+        """Return the slopes of an extremum, or of its input, whatever ties with it."""
         name, x = extremum.quantity, extremum.input
         if extremum.kind == CONSTANT:
             _, slopes = self._derivatives.of(name, nodes(self._linkage, SAMPLES)[0])
@@ -329,15 +330,11 @@ class _OfMeasure:
                              if extremum.place == ONE_SIDED else TOGGLE)
 
     def _angles(self, x: Array) -> tuple[tuple[str, ...], Array, Array]:
-        """
-        Return (names, values, which count) of the transmission angles of all dyads at inputs x.
-
-        Shapes (dyads, n). Those of the dyads nearest to their toggle count, all that tie.
-        """
+        """Return the transmission angles of all dyads at inputs x, (dyads, n), and which count."""
         names = tuple([name for name in self._linkage.MOTION._fields
                        if name.startswith(f'{ANGLE}_')]) or (ANGLE,)    # of a kind with one dyad
         angles = np.array(self._linkage.motion(x, fields=names))
-        sines = np.abs(np.sin(angles))
+        sines = np.abs(np.sin(angles))          # least next to a toggle: all that tie count
         return names, angles, sines - sines.min(axis=0) <= TIE
 
     def _dyads(self, extremum: Extremum) -> list[Extremum]:
@@ -348,16 +345,6 @@ class _OfMeasure:
         return [extremum._replace(quantity=name, value=float(angle))
                 for name, (angle,), (does_count,) in zip(names, angles, counts)
                 if does_count] or [extremum]        # at a toggle it has no motion
-
-    def _of_time_ratio(self, of_way: Array) -> Array:
-        """Return the slopes of (2 pi - short) / short, from those of the way between ends."""
-        most, least = (self._design.extreme(self._source, end) for end in ('max', 'min'))
-        assert most and least
-        forward = (most.input - least.input) % tau
-        slopes = -tau / min(forward, tau - forward)**2 * of_way
-        if abs(forward - pi) <= TIE:            # either stroke may become the slower one
-            return self._agreed([slopes, -slopes], 'it has a kink: both strokes take as long')
-        return slopes if forward < pi else -slopes
 
     def _of_rms(self) -> Array:
         """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""

@@ -23,6 +23,7 @@ from fourbar_ros.scene.files import document_of, find, PlainYaml
 from fourbar_ros.scene.parameters import as_number
 from fourbar_ros.scene.scene import from_values, load, Scene
 from fourbar_ros.scene.settings import ParameterValues
+import numpy as np
 
 KEYS = ('scene', 'vary', 'method', 'rows', 'seed', 'acceleration', 'quantities', 'constraints',
         'objectives', 'keep', 'chunk')
@@ -52,6 +53,10 @@ class Bound:
         if isinstance(value, str):
             return any(text in value for text in self.texts)
         return isfinite(value) and self.least <= value <= self.most
+
+    def allows_each(self, columns: dict[str, Array]) -> Array:
+        """Return which of n designs fulfil it, shape (n,), from {measure: values, shape (n,)}."""
+        return np.array([self.allows(value) for value in columns[self.measure.name].tolist()])
 
 
 @dataclass(frozen=True)

@@ -188,7 +188,7 @@ def together_and_alone(study, monkeypatch, atol=1e-9):
     alone = []
     monkeypatch.setattr(chunks, '_row', lambda *given: alone.append(given) or one_by_one(*given))
     together, count = compute(study, 0), len(alone)
-    monkeypatch.setattr(chunks, '_together', lambda *_: np.zeros(study.rows, bool))
+    monkeypatch.setattr(chunks, 'compute_together', lambda *_: np.zeros(study.rows, bool))
     expected = compute(study, 0)
     assert together.counts == expected.counts
     for name, true in expected.columns.items():
