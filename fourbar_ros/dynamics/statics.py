@@ -303,10 +303,8 @@ def _turning_point(system: System, energy: float, side: float) -> float | None:
     mechanism, (start, rate), reach = system.mechanism, system.start[:2], tau
     if not mechanism.turns_fully:
         start = float(system.coordinates.continuous(float(start)))
-        inside = [(low, high) for low, high in mechanism.input_ranges if low <= start <= high]
-        if not inside:
-            raise InvalidParameter('system', None, 'must start in the range of its input')
-        reach = inside[0][1] - start if side > 0.0 else start - inside[0][0]
+        low, high = mechanism.range_around(start)
+        reach = high - start if side > 0.0 else start - low
     near = np.geomspace(1e-9, 1e-3, 25)[:-1]
     far = 1e-3 + (1.0 - 1e-3) * np.sin(np.linspace(0.0, 0.5 * pi, 2048))
     # not quite to the end, where a toggle may be
