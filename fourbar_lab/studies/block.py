@@ -4,7 +4,7 @@
 The measures of many designs at once: one mechanism whose lengths are columns of shape (n, 1).
 
 :mod:`fourbar_ros.extrema.full_turns` searches those whose cranks turn fully, and says which
-results are in doubt; these and all others are left to :mod:`fourbar_lab.studies.design`.
+results are in doubt; these and all others are left to :class:`.Design`.
 """
 from __future__ import annotations
 

@@ -11,8 +11,7 @@ from collections import Counter
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies.block import compute_together
-from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.measures import CHEAP, CLASS, INPUT_RANGE
+from fourbar_lab.studies.measures import CHEAP, CLASS, Design, INPUT_RANGE
 from fourbar_lab.studies.study import Bound, Study
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array

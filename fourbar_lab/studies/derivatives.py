@@ -23,9 +23,8 @@ from typing import Any, NamedTuple
 
 from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies import parametric
-from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
-from fourbar_lab.studies.measures import ANGLE, Measure, Measures
+from fourbar_lab.studies.measures import ANGLE, Design, Measure, Measures
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, ONE_SIDED
 from fourbar_ros.extrema.sampling import State
@@ -38,6 +37,7 @@ from fourbar_ros.numerics.tables import run
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.settings import MACHINE
 import numpy as np
 
 INPUT = 'input'         # the input of the mechanism, as one more parameter
@@ -61,7 +61,7 @@ def usable(scene: Scene) -> tuple[str, ...]:
     """Return the parameters by which there are derivatives: numbers that a scene gives."""
     linkage = scene.linkage
     dimensions = [f'linkage.{name}' for name in linkage.length_names]
-    if parametric.is_machine(scene):
+    if scene.kind == MACHINE:
         dimensions = ['dyads.', *['cylinder.'] * (linkage.input == 'cylinder')]
     beginnings = (*dimensions, 'bodies.rods.', *[f'bodies.{link.name}.' for link in linkage.LINKS],
                   'gravity.', *[f'external.{link}.' for link in linkage.EXTERNAL._fields],
@@ -79,7 +79,6 @@ class Derivatives:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
-        """Record the formulas of the scene with its parameters as data."""
         known = usable(scene)
         for name in names:
             if name not in known:
@@ -100,9 +99,8 @@ class Derivatives:
             self.scene, values, with_any_lengths(linkage, constants.lengths))
 
         def results(x: Scalar) -> tuple[Any, ...]:
-            """Return all results; without masses there are no loads."""
             fields = move(x, values['drive.speed'], self.acceleration)
-            loads = load(fields) if load else ()
+            loads = load(fields) if load else ()        # none without masses
             motion_and_loads = (linkage.MOTION(*fields),
                                 linkage.LOADS(*loads) if loads else NoLoads())
             return tuple(fields), tuple(loads), [

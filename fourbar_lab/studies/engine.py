@@ -80,15 +80,15 @@ def run(study: Study, folder: str | Path,
     Compute the parts of a study that its folder does not hold yet; return how many designs.
 
     ``pool`` gives the executor: :func:`processes` or :func:`cluster`, with their arguments bound.
-    ``report`` is told how many designs are there, first and as each part gets done.
-    StudyError if the folder holds a study and is not to be resumed, or another study; if a worker
-    fails or dies; if a part cannot be written.
+    ``report`` is told how many designs are there, first and as each part gets done. StudyError if
+    the folder holds a study that is another or not to be resumed; if a worker fails or dies; if a
+    part cannot be written.
     """
     folder = Path(folder)
     _begin(study, folder, resume)
     there = parts(folder).keys()
-    before, done = sum(len(study.rows_of(chunk)) for chunk in there), 0
-    report(before)
+    before = done = sum(len(study.rows_of(chunk)) for chunk in there)
+    report(done)
     try:
         with pool() as executor:
             work = [executor.submit(compute_part, study, chunk, made_with())
@@ -97,10 +97,10 @@ def run(study: Study, folder: str | Path,
                 chunk, content = future.result()
                 _write(folder / PART.format(chunk), content)
                 done += len(study.rows_of(chunk))
-                report(before + done)
+                report(done)
     except (futures.BrokenExecutor, futures.CancelledError):    # chunks under way are lost
         raise StudyError(f'the workers are gone; {KEPT}') from None
-    return done
+    return done - before
 
 
 def compute_part(study: Study, chunk: int, versions: dict[str, str]) -> tuple[int, bytes]:

@@ -38,7 +38,7 @@ class Extrema(NamedTuple):
 
     Where a quantity is constant over a range (a parallelogram), the beginning of the range is
     listed, as a maximum if no value is larger, else as a minimum. A linkage without extrema has
-    one row, of NaN, and the reason.
+    a row of NaN, and the reason.
 
     Parameters
     ----------
@@ -69,8 +69,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     Return all extrema of omega4 and alpha4 of many four-bars at constant input rate.
 
     Those whose cranks turn fully take some hundredths of a millisecond, as in a study, others
-    milliseconds each. (The search of its own that this function had before version 2 took less
-    than half of that.) Each linkage answers for itself: one without extrema ends no others.
+    milliseconds each (in version 1 less than half). A linkage without extrema ends no others.
 
     Parameters
     ----------
@@ -105,7 +104,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         designs = Designs(scene, scene.values,
                           {name: column[which] for name, column in zip(names, columns)})
         turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, samples)
-        compared = [_compared(*both) for both in zip(turns.values, turns.counts)]
+        compared = [*map(_compared, turns.values, turns.counts)]
         done = designs.are_allowed() & ~turns.is_doubtful
         for *_, has_ties in compared:
             done &= ~has_ties
@@ -125,25 +124,20 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         except FourBarError as error:
             reason = str(error)
         for name in RATES:
-            blocks[name].append(_columns(
-                index, [extremum for extremum in extrema if extremum.quantity == name], reason))
+            mine = [extremum for extremum in extrema if extremum.quantity == name]
+            largest = max([extremum.value for extremum in mine], default=0.0)
+            rows = [(index, e.theta1, e.value,
+                     e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest,
+                     e.is_global, e.side, '')
+                    for e in mine] or [(index, np.nan, np.nan, False, False, 0, reason)]
+            types = int, float, float, bool, bool, int, object
+            blocks[name].append(Extrema(*map(np.array, zip(*rows), types)))
     results = {}
     for name in RATES:
         whole = Extrema(*map(np.concatenate, zip(*blocks[name])))
         order = np.lexsort((whole.theta1, whole.index))
         results[name] = Extrema(*(column[order] for column in whole))
     return results
-
-
-def _columns(index: int, extrema: list[Extremum], reason: str) -> Extrema:
-    """Return the extrema of one quantity of one linkage as arrays, or the reason for none."""
-    largest = max([extremum.value for extremum in extrema], default=0.0)
-    rows = [(index, e.theta1, e.value,
-             e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest,
-             e.is_global, e.side, '') for e in extrema]
-    rows = rows or [(index, np.nan, np.nan, False, False, 0, reason)]
-    types = int, float, float, bool, bool, int, object
-    return Extrema(*(np.array(column, kind) for column, kind in zip(zip(*rows), types)))
 
 
 def _compared(values: Array, counts: Array) -> tuple[Array, Array, Array]:

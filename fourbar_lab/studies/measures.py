@@ -1,18 +1,22 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The measures that a study can compute of each design, by name.
+The measures that a study can compute, by name, and their values for a design of any kind.
 
 A quantity that can be searched for extrema has parts behind a dot: ``shaking_force.max``.
 The mechanism as a whole has measures without a dot: ``swing``.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import nan, pi, tau
 from typing import NamedTuple, Union
 
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import InvalidParameter, nearest, OutOfRange
+from fourbar_ros.extrema.find import Extremum, find_extrema
+from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Function, known_quantities, positions
 from fourbar_ros.numerics.arrays import Values
@@ -114,9 +118,8 @@ class Measures:
             **{quantity.name: quantity for quantity in scene.point_quantities}}
         self.output = str(linkage.outputs[0].coordinate.position)       # as theta4
         self._why_no_loads = scene.why_no_loads         # '' if there are loads
-        self._input_unit = linkage.input_coordinate.unit
+        self._kind, self._input_unit = linkage.TITLE, linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
-        self._kind = linkage.TITLE
 
     def source(self, measure: Measure) -> str:
         """Return the quantity from whose values a measure follows; '' if no motion is needed."""
@@ -137,15 +140,19 @@ class Measures:
                                                     f'{self._output_unit}: ask for '
                                                     f'{STROKE if name == SWING else SWING}')
             return [Measure(name, self._input_unit if unit == INPUT else unit, '', name)]
-        quantity, _, part = name.rpartition('.')
-        if name in self.quantities:
-            return [self._of_quantity(entry, name, part) for part in USUAL]
-        if quantity not in self.quantities:
+        source, _, part = name.rpartition('.')
+        source, parts = (name, USUAL) if name in self.quantities else (source, (part,))
+        if source not in self.quantities:
             names = [*OF_MECHANISM, *self.quantities]
-            raise InvalidParameter(entry, name, f'unknown{nearest(quantity or name, names)}')
-        if part not in PARTS:
+            raise InvalidParameter(entry, name, f'unknown{nearest(source or name, names)}')
+        if parts != USUAL and part not in PARTS:
             raise InvalidParameter(entry, name, f'unknown part{nearest(part, PARTS)}')
-        return [self._of_quantity(entry, quantity, part)]
+        quantity = self.quantities[source]
+        if quantity.is_load and self._why_no_loads:
+            raise InvalidParameter(entry, source, f'is a load, and {self._why_no_loads}')
+        units = {QUANTITY: quantity.unit, INPUT: self._input_unit, '': ''}
+        return [Measure(f'{source}.{part}', units[PARTS[part][1]], source, part)
+                for part in parts]
 
     def single(self, entry: str, name: str) -> Measure:
         """Return the measure of this name; InvalidParameter if it stands for several or none."""
@@ -155,10 +162,76 @@ class Measures:
                                                 f'{", ".join(PARTS)}')
         return measures[0]
 
-    def _of_quantity(self, entry: str, name: str, part: str) -> Measure:
-        """Return a part of a quantity; InvalidParameter for loads of a scene without masses."""
-        quantity, (_, unit) = self.quantities[name], PARTS[part]
-        if quantity.is_load and self._why_no_loads:
-            raise InvalidParameter(entry, name, f'is a load, and {self._why_no_loads}')
-        unit = {QUANTITY: quantity.unit, INPUT: self._input_unit}.get(unit, unit)
-        return Measure(f'{name}.{part}', unit, name, part)
+
+class Design:
+    """One design, a scene: its measures, at the rate of its drive and an input acceleration."""
+
+    def __init__(self, scene: Scene, acceleration: float = 0.0):
+        self.scene, self.linkage = scene, scene.linkage
+        self.rates = scene.drive.speed, acceleration        # of the input
+        self.measures = Measures(scene)
+        self.extrema: dict[str, list[Extremum]] = {}       # of each quantity searched so far
+
+    def search(self, measures: Sequence[Measure]) -> None:
+        """Find the extrema that some measures need, all in one search."""
+        # the mean square over a full turn is an integral of something smooth; in a range, infinite
+        # extrema at toggles tell that it diverges
+        names = [self.measures.source(measure) for measure in measures
+                 if measure.part != 'rms' or not self.linkage.turns_fully]
+        new = [name for name in dict.fromkeys(names) if name and name not in self.extrema]
+        if new:
+            self.extrema |= {name: [] for name in new}
+            for extremum in find_extrema(
+                    self.linkage, [self.measures.quantities[name] for name in new], *self.rates,
+                    conditions=False):
+                self.extrema[extremum.quantity].append(extremum)
+
+    def of(self, measure: Measure) -> float | str:
+        """
+        Return the value of a measure, NaN where the design has none; a class is text.
+
+        :meth:`search` must have found its extrema.
+        """
+        linkage, name = self.linkage, self.measures.source(measure)
+        if measure.part == CLASS:
+            return linkage.classification
+        if measure.part == CHANGE_POINT:
+            return linkage.change_point_margin
+        if measure.part == INPUT_RANGE:
+            low, high = self.input_range
+            return high - low
+        if measure.part in (SWING, STROKE):
+            return self.output_range.width
+        if measure.part == 'rms':
+            return OverInput(linkage, self.measures.quantities[name], *self.rates,
+                             extrema=self.extrema.get(name)).rms
+        if measure.part == TIME_RATIO and not linkage.turns_fully:
+            return nan
+        most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
+        extent = (Extent(most.value, most.input, least.value, least.input,
+                         len(self.extrema[name])) if most and least
+                  else Extent(nan, nan, nan, nan, 0))
+        return float(extent.of(measure.part))
+
+    def extreme(self, name: str, part: str) -> Extremum | None:
+        """Return the largest or least (max, min) extremum of a quantity that was searched."""
+        choose = max if part == 'max' else min
+        return choose(self.extrema[name], key=lambda extremum: extremum.value, default=None)
+
+    @property
+    def input_range(self) -> tuple[float, float]:
+        """Return the range of the input [rad or m] with ``drive.start``, or else the widest."""
+        linkage = self.linkage
+        try:
+            start, _ = linkage.range_around(self.scene.drive.start)
+        except OutOfRange:
+            return max(linkage.input_ranges, key=lambda bounds: bounds[1] - bounds[0])
+        return min(linkage.input_ranges,
+                   key=lambda bounds: abs(linkage.distance(bounds[0], start)))
+
+    @cached_property
+    def output_range(self) -> OutputRange:
+        """Return what the output sweeps over :attr:`input_range`."""
+        known = self.extrema.get(self.measures.output)
+        return next(swept for swept in output_ranges(self.linkage, extrema=known)
+                    if swept.inputs == self.input_range)

@@ -36,11 +36,6 @@ class _UncheckedBodies(BodiesOfLinks):
         return unchecked(Body, *fields(length, density, *section))
 
 
-def is_machine(scene: Scene) -> bool:
-    """Return whether the mechanism of a scene is a machine, put together of dyads."""
-    return scene.kind == MACHINE
-
-
 def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
     """
     Return lengths, bodies, gravity and outer loads for the formulas of a scene's mechanism.
@@ -52,36 +47,28 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
     external = external_of(values, linkage, partial(unchecked, Applied))
     constants: Constants = linkage.constants._replace(
         gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))
-    if is_machine(scene):
-        # scenes of other kinds need no machines
-        from fourbar_ros.machine import Machine
-        from fourbar_ros.scene import machines
-
-        lengths = {link.length: values[f'dyads.{link.length}']
-                   for link in linkage.LINKS if link.length}
+    if scene.kind != MACHINE:
+        lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
         bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
-        assert isinstance(linkage, Machine)
         return constants._replace(
-            lengths=machines.lengths_of(linkage, values, n),
-            bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
-    lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
-    bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
+            lengths=tuple(lengths.values()),
+            bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
+    from fourbar_ros.machine import Machine
+    from fourbar_ros.scene import machines
+    assert isinstance(linkage, Machine)
+    bodies = _UncheckedBodies(values, linkage.LINKS, {
+        link.length: values[f'dyads.{link.length}'] for link in linkage.LINKS if link.length})
     return constants._replace(
-        lengths=tuple(lengths.values()),
-        bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
+        lengths=machines.lengths_of(linkage, values, n),
+        bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
 
 
 def margin_signs(linkage: Mechanism) -> Array | None:
-    """
-    Return the signs of |lengths| in each of the margins of a linkage, shape (margins, lengths).
-
-    None of a kind whose margins are no such sums.
-    """
+    """Return the signs of |lengths| in the margins, (margins, lengths); None if no such sums."""
     signs, sizes = np.array(linkage.MARGIN_SIGNS, float), np.abs(linkage.lengths)
-    if not signs.size or not np.allclose(signs @ sizes, linkage.margins, 0.0,
-                                         NEARLY * sizes.sum()):
-        return None
-    return signs
+    are_sums = signs.size and np.allclose(signs @ sizes, linkage.margins, 0.0,
+                                          NEARLY * sizes.sum())
+    return signs if are_sums else None
 
 
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism

@@ -61,7 +61,7 @@ class Bound:
 
 @dataclass(frozen=True)
 class Study:
-    """A checked study."""
+    """A study whose entries were checked."""
 
     values: ParameterValues             # every parameter of the scene
     vary: tuple[Variation, ...]
@@ -107,7 +107,12 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     ``folder``: from where a scene's file is looked for. InvalidParameter if an entry is wrong.
     """
     document = mapping_of('study', document, KEYS)
-    scene = _scene(document.get('scene'), folder)
+    name = document.get('scene')
+    if not isinstance(name, str):
+        raise InvalidParameter('scene', name, 'must be a scene: a file or the name of one, as '
+                                              'paper')
+    beside = folder / name          # a file beside the study goes before a shipped scene
+    scene = load(beside if beside.is_file() else find(name))
     vary = tuple([variation.variation(name, entry, scene.values)
                   for name, entry in mapping_of('vary', document.get('vary')).items()])
     if not vary:
@@ -153,23 +158,13 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
 
 def first_scene(study: Study, drawn: dict[str, Array]) -> Scene:
     """Return the scene of the first design that can be built; raise why the first one cannot."""
-    first_error = None
+    errors = []
     for row in zip(*(column.tolist() for column in drawn.values())):
         try:
             return from_values({**study.values, **dict(zip(drawn, row))})
         except InvalidParameter as error:
-            first_error = first_error or error
-    assert first_error, 'there is a design'
-    raise first_error
-
-
-def _scene(value: Yaml, folder: Path) -> Scene:
-    """Return the scene of a file, looked for beside the study first, then among the shipped."""
-    if not isinstance(value, str):
-        raise InvalidParameter('scene', value, 'must be a scene: a file or the name of one, as '
-                                               'paper')
-    beside = folder / value
-    return load(beside if beside.is_file() else find(value))
+            errors.append(error)
+    raise errors[0]
 
 
 def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
@@ -195,11 +190,10 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
                                                  '[crank-rocker]')
         return Bound(measure, -inf, inf, tuple(map(str, texts)))
     limits = mapping_of(entry, value, ('least', 'most'))
-    limits = {f'{entry}.{side}': as_number(f'{entry}.{side}', limit, measure.unit)
-              for side, limit in limits.items()}
-    least, most = (number(name, limits[name]) if name in limits else unbounded
-                   for name, unbounded in ((f'{entry}.least', -inf), (f'{entry}.most', inf)))
-    if least > most or not limits:
+    sides = {side: number(f'{entry}.{side}', as_number(f'{entry}.{side}', limit, measure.unit))
+             for side, limit in limits.items()}
+    least, most = sides.get('least', -inf), sides.get('most', inf)
+    if least > most or not sides:
         raise InvalidParameter(entry, value, 'must be {least: VALUE, most: VALUE} or one of them, '
                                              'least not more than most')
     return Bound(measure, least, most)

@@ -4,7 +4,7 @@
 How bad tolerances make a design: by the first order, and in the corners of their box.
 
 The box is centre +- size of every parameter that varies with ``uniform``, three deviations of
-``normal``, all of a ``range``. What a study draws from it stands beside: Monte Carlo.
+``normal``, all of a ``range``. The command draws designs from it besides: Monte Carlo.
 """
 from __future__ import annotations
 
@@ -25,9 +25,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 
 DEVIATIONS = 3.0
-# Up to so many parameters all corners are computed; beyond, only the two where the first order is
-# worst.
-ALL_CORNERS = 8
+ALL_CORNERS = 8         # parameters; of more, only the corners where the first order is worst
 
 
 class Toleranced(NamedTuple):
@@ -54,10 +52,10 @@ def box_of(study: Study) -> dict[str, tuple[float, float]]:
 
 def tolerances(study: Study) -> tuple[list[Toleranced], dict[str, int]]:
     """
-    Return a :class:`Toleranced` for each number that a study measures, and a count of the corners.
+    Return a :class:`Toleranced` for each measure of a study but text, and {reason: corners}.
 
-    The count is {reason: corners}, of :mod:`.chunks`: feasible, cannot be built, failed.
-    InvalidParameter if the study has no box, or the design in its middle cannot be built.
+    Reasons of :mod:`.chunks`: feasible, cannot be built, failed. InvalidParameter if the study has
+    no box, or the design in its middle cannot be built.
     """
     box = box_of(study)
     scene = from_values({**study.values, **{name: centre for name, (centre, _) in box.items()}})
@@ -79,8 +77,8 @@ def _corners(box: dict[str, tuple[float, float]], at_middle: Sequence[Sensitivit
     Return {parameter: its values in corners of the box, shape (corners,)}.
 
     With many parameters (see :data:`ALL_CORNERS`) each measure with a first order has two corners:
-    every parameter moves as its derivative rises, or the opposite way. If none has, it is the two
-    where all parameters are largest and least.
+    every parameter moves as its derivative rises, or the opposite way. If no measure has, the
+    corners are those where all parameters are largest and least.
     """
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))

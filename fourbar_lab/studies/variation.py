@@ -62,16 +62,12 @@ Yaml = Any              # a value as YAML reads it
 
 @dataclass(frozen=True)
 class Variation:
-    """
-    How one parameter of a scene varies: its values as a function of p in [0, 1].
-
-    ``values`` are low and high, centre and size, or all of a list, by kind.
-    """
+    """How a parameter of a scene varies: its values as a function of p in [0, 1]."""
 
     name: str
     unit: str
     kind: str                       # one of KINDS
-    values: tuple[float, ...]
+    values: tuple[float, ...]       # low and high, centre and size, or all of a list
     levels: int                     # how many values a grid takes
 
     def quantiles(self, p: Array) -> Array:
@@ -104,8 +100,8 @@ def variation(name: str, entries: Yaml, values: ParameterValues) -> Variation:
     """
     entry, parameter = f'vary.{name}', find_parameter(name)
     if parameter is None:
-        known = list(PARAMETERS)
-        raise InvalidParameter(entry, None, f'no parameter of a scene{nearest(name, known)}')
+        raise InvalidParameter(entry, None,
+                               f'no parameter of a scene{nearest(name, list(PARAMETERS))}')
     if (not name.startswith(ACTING) or not (parameter.type == 'double' or name == MODE)
             or name.startswith('cylinder.') and values['linkage.input'] != 'cylinder'):
         raise InvalidParameter(entry, None, 'cannot vary in this study: numbers of '

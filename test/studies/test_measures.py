@@ -6,8 +6,7 @@ from math import acos, inf, isnan, pi, remainder, tau
 
 from fourbar_lab.studies import chunks
 from fourbar_lab.studies.chunks import compute
-from fourbar_lab.studies.design import Design
-from fourbar_lab.studies.measures import Measures
+from fourbar_lab.studies.measures import Design, Measures
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.scene.scene import from_values
 import numpy as np

@@ -5,8 +5,8 @@ import json
 import re
 
 from fourbar_lab.studies import StudyError
-from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.engine import encode, KEY, PART
+from fourbar_lab.studies.measures import Design
 from fourbar_lab.studies.results import Results
 from fourbar_lab.studies.study import from_document
 from fourbar_ros.cli.main import main

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 
 from flint import ctx
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
-from fourbar_lab.studies.design import Design
 from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
+from fourbar_lab.studies.measures import Design
 from fourbar_lab.studies.study import from_document
 from fourbar_ros import load_scene
 from fourbar_ros.errors import InvalidParameter
