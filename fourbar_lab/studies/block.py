@@ -153,13 +153,9 @@ def search(designs: Designs, quantities: Sequence[Searched], acceleration: float
     state = designs.step(acceleration, with_loads, names)
 
     def evaluate(x: Array, which: Array) -> Array:
-        """
-        Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs.
-
-        The mechanism has columns of all designs: those not asked for get the input 1.
-        """
+        """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs."""
         of_all = x
-        if which.size < designs.size:
+        if which.size < designs.size:       # columns of designs that are not asked for get 1
             of_all = np.ones((designs.size, x.shape[1]), x.dtype)
             of_all[which] = x
         values = np.empty((len(quantities), *of_all.shape), x.dtype)
@@ -206,11 +202,7 @@ class Designs:
 
     def step(self, acceleration: float, with_loads: bool, names: tuple[str, ...] | None = None
              ) -> Callable[[Array], State]:
-        """
-        Return the function of inputs, shape (n, any), real or complex, to (motion, loads).
-
-        ``names``: of the fields, by default all; others are NaN.
-        """
+        """Return a function of inputs, (n, any), to (motion, loads); NaN but fields of names."""
         linkage, speed = self.scene.linkage, self.values['drive.speed']
         with_loads, count = with_loads and linkage.bodies is not None, len(linkage.MOTION._fields)
         known = linkage.MOTION._fields + linkage.LOADS._fields
@@ -226,11 +218,7 @@ class Designs:
         return state
 
     def margins(self) -> Array | None:
-        """
-        Return :attr:`.Mechanism.margins` over the sum of lengths, shape (margins, n).
-
-        None if this kind's margins are no sums of its lengths with signs.
-        """
+        """Return the margins over the sum of lengths, (margins, n); None if no such sums."""
         signs = parametric.margin_signs(self.scene.linkage)
         sizes = np.abs(np.concatenate(self.lengths, axis=1))
         return None if signs is None else np.asarray((signs @ sizes.T) / sizes.sum(axis=1))

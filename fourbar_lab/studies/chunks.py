@@ -47,10 +47,9 @@ def measured(study: Study, drawn: dict[str, Array]
     together, those in doubt one by one.
     """
     size = len(next(iter(drawn.values())))
-    # counts are floats here too: NaN says that one is unknown
     columns: dict[str, Array] = {
-        measure.name: np.full(size, '', dtype=object) if measure.part == CLASS
-        else np.full(size, np.nan) for measure in study.measures}
+        measure.name: np.full(size, '', object) if measure.part == CLASS else np.full(size, np.nan)
+        for measure in study.measures}      # counts are floats here too: NaN if unknown
     is_done = compute_together(study, drawn, columns)
     reasons = np.full(size, FEASIBLE, dtype=object)
     failures: list[tuple[int, str]] = []
@@ -98,11 +97,7 @@ def _cheap_first(study: Study) -> list[Bound]:
 
 
 def _row(study: Study, design: Design) -> dict[str, Any]:
-    """
-    Return {measure: its value} of one design.
-
-    A failed constraint ends the work, unless rows that fail are kept.
-    """
+    """Return {measure: value} of a design; of one that is not kept only some are computed."""
     results: dict[str, Any] = {}
     for bound in _cheap_first(study):
         design.search([bound.measure])

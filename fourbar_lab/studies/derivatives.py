@@ -144,10 +144,9 @@ class Derivatives:
 
     def at_extremum(self, name: str, x: float) -> tuple[Array, Array]:
         """
-        Return how value and input of an extremum inside the input range change, (S1) and (S2).
+        Return d Q/dp and d x*/dp of an extremum inside the range, (S1) and (S2), by ``names``.
 
-        Shape (parameters,) each, in the order of ``names``. NaN where the quantity has a kink or a
-        jump; the input has NaN if the quantity is constant.
+        NaN where the quantity has a kink or a jump; d x*/dp also if the quantity is constant.
         """
         stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
         with np.errstate(all='ignore'):

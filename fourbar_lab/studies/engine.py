@@ -127,8 +127,8 @@ def encode(study: Study, chunk: int) -> bytes:
     fields = [pyarrow.field(name, array.type,
                             metadata={'unit': units[name]} if units.get(name) else None)
               for name, array in zip(results.columns, arrays)]
-    schema = pyarrow.schema(fields, {KEY: _about(study, counts=results.counts,
-                                                 failures=results.failures)})
+    text = _about(study, counts=results.counts, failures=results.failures)
+    schema = pyarrow.schema(fields, {KEY: text})
     file = BytesIO()
     parquet.write_table(pyarrow.table(arrays, schema=schema), file, compression='zstd')
     return file.getvalue()
@@ -163,7 +163,7 @@ def about(part: Path) -> dict[str, Any]:
         if not isinstance(record.get('study', {}).get('objectives'), dict):
             raise ValueError('it was computed by another version')
         return record
-    except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is one
+    except (OSError, KeyError, TypeError, ValueError) as error:     # ArrowInvalid is a ValueError
         raise StudyError(f'{part}: no part of a study: {" ".join(str(error).split())}') from None
 
 

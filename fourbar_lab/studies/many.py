@@ -126,10 +126,10 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         for name in RATES:
             mine = [extremum for extremum in extrema if extremum.quantity == name]
             largest = max([extremum.value for extremum in mine], default=0.0)
-            rows = [(index, e.theta1, e.value,
-                     e.kind == MAXIMUM or e.kind == CONSTANT and e.value == largest,
-                     e.is_global, e.side, '')
-                    for e in mine] or [(index, np.nan, np.nan, False, False, 0, reason)]
+            rows = [(index, extremum.theta1, extremum.value, extremum.kind == MAXIMUM
+                     or extremum.kind == CONSTANT and extremum.value == largest,
+                     extremum.is_global, extremum.side, '') for extremum in mine]
+            rows = rows or [(index, np.nan, np.nan, False, False, 0, reason)]
             types = int, float, float, bool, bool, int, object
             blocks[name].append(Extrema(*map(np.array, zip(*rows), types)))
     results = {}
@@ -141,11 +141,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
 
 
 def _compared(values: Array, counts: Array) -> tuple[Array, Array, Array]:
-    """
-    Return which extrema, in rows, are maxima, which are global, and which rows have ties.
-
-    A tie is a value so near to the best one that conditions must tell whether it is global.
-    """
+    """Return which extrema, in rows, are maxima, which global, and which rows have near ties."""
     # maxima and minima alternate: a maximum is not below the next one
     after = (np.arange(values.shape[1]) + 1) % np.maximum(counts, 1)[:, None]
     is_maximum = values >= np.take_along_axis(values, after, axis=1)

@@ -61,17 +61,12 @@ CHEAP = (CLASS, CHANGE_POINT, INPUT_RANGE)
 
 @dataclass(frozen=True)
 class Measure:
-    """
-    A number or text of each design, a column of the results: ``shaking_force.max`` or ``swing``.
-
-    ``part`` of a ``quantity`` is in :data:`PARTS`; of a measure of the mechanism the quantity is
-    empty, and the part in :data:`OF_MECHANISM`.
-    """
+    """A value or text of each design, a column of results: ``shaking_force.max``, ``swing``."""
 
     name: str
     unit: str
-    quantity: str
-    part: str
+    quantity: str       # '' of a measure of the mechanism
+    part: str           # in PARTS, or of the mechanism in OF_MECHANISM
 
 
 class Extent(NamedTuple):
@@ -128,11 +123,7 @@ class Measures:
         return ANGLE if measure.part == LEAST_ANGLE else measure.quantity or self.output
 
     def named(self, entry: str, name: str) -> list[Measure]:
-        """
-        Return the measures of a name in an entry of a study, several for a quantity alone.
-
-        InvalidParameter names the entry and the nearest names that exist.
-        """
+        """Return the measures of a name in an entry of a study, several for a quantity alone."""
         if name in OF_MECHANISM:
             _, unit = OF_MECHANISM[name]
             if name in (SWING, STROKE) and unit != self._output_unit:
@@ -151,15 +142,14 @@ class Measures:
         if quantity.is_load and self._why_no_loads:
             raise InvalidParameter(entry, source, f'is a load, and {self._why_no_loads}')
         units = {QUANTITY: quantity.unit, INPUT: self._input_unit, '': ''}
-        return [Measure(f'{source}.{part}', units[PARTS[part][1]], source, part)
-                for part in parts]
+        return [Measure(f'{source}.{p}', units[PARTS[p][1]], source, p) for p in parts]
 
     def single(self, entry: str, name: str) -> Measure:
         """Return the measure of this name; InvalidParameter if it stands for several or none."""
         measures = self.named(entry, name)
         if len(measures) > 1:
-            raise InvalidParameter(entry, name, f'say which part of it: {name}.max or another of '
-                                                f'{", ".join(PARTS)}')
+            raise InvalidParameter(
+                entry, name, f'say which part of it: {name}.max or another of {", ".join(PARTS)}')
         return measures[0]
 
 
@@ -187,11 +177,7 @@ class Design:
                 self.extrema[extremum.quantity].append(extremum)
 
     def of(self, measure: Measure) -> float | str:
-        """
-        Return the value of a measure, NaN where the design has none; a class is text.
-
-        :meth:`search` must have found its extrema.
-        """
+        """Return a measure whose extrema were searched, NaN if there is none; a class is text."""
         linkage, name = self.linkage, self.measures.source(measure)
         if measure.part == CLASS:
             return linkage.classification
@@ -208,9 +194,10 @@ class Design:
         if measure.part == TIME_RATIO and not linkage.turns_fully:
             return nan
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
-        extent = (Extent(most.value, most.input, least.value, least.input,
-                         len(self.extrema[name])) if most and least
-                  else Extent(nan, nan, nan, nan, 0))
+        extent = Extent(nan, nan, nan, nan, 0)
+        if most and least:
+            extent = Extent(most.value, most.input, least.value, least.input,
+                            len(self.extrema[name]))
         return float(extent.of(measure.part))
 
     def extreme(self, name: str, part: str) -> Extremum | None:

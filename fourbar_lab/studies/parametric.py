@@ -73,11 +73,7 @@ def margin_signs(linkage: Mechanism) -> Array | None:
 
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
                         ) -> dict[str, Searched]:
-    """
-    Return {name: speed or acceleration of a point} for coordinates and lengths of any arithmetic.
-
-    ``parametric``: of :func:`.with_any_lengths`. Names and units are those of the scene's points.
-    """
+    """Return {name: speed or acceleration of a point} of a mechanism :func:`.with_any_lengths`."""
     quantities: dict[str, Searched] = {}
     for name, point in scene.points.items():
         coordinates = values[f'points.{name}.along'], values[f'points.{name}.across']

@@ -101,11 +101,7 @@ def read(path: str | Path) -> Study:
 
 
 def from_document(document: Yaml, folder: Path = Path()) -> Study:
-    """
-    Return the :class:`Study` of a mapping as YAML gives it.
-
-    ``folder``: from where a scene's file is looked for. InvalidParameter if an entry is wrong.
-    """
+    """Return the :class:`Study` of a mapping from YAML; ``folder`` is where its scene may be."""
     document = mapping_of('study', document, KEYS)
     name = document.get('scene')
     if not isinstance(name, str):
@@ -137,13 +133,21 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     if not columns:
         raise InvalidParameter('quantities', None, 'must be given (or constraints or objectives): '
                                                    'what is to be computed?')
+    rows, levels = document.get('rows'), prod(varied.levels for varied in vary)
+    if method != 'grid':
+        rows = integer_of('rows', rows, 1, MOST_ROWS[method])
+    elif any(varied.kind in TOLERANCES for varied in vary):
+        raise InvalidParameter('method', method, 'takes ranges and lists only')
+    elif rows not in (None, levels) or levels > MOST_ROWS[method]:
+        raise InvalidParameter('rows', rows, f'a grid has the product of its levels, {levels}, '
+                                             f'at most {MOST_ROWS[method]}')
+    unit = scene.linkage.input_coordinate.units[2]
     study = Study(
         values=dict(scene.values), vary=vary, method=method,
-        rows=_rows(document.get('rows'), method, vary),
+        rows=levels if method == 'grid' else rows,
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
         acceleration=number('acceleration', as_number(
-            'acceleration', document.get('acceleration', 0.0),
-            scene.linkage.input_coordinate.units[2])),
+            'acceleration', document.get('acceleration', 0.0), unit)),
         measures=columns, bounds=bounds, objectives=objectives,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
@@ -157,7 +161,7 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
 
 
 def first_scene(study: Study, drawn: dict[str, Array]) -> Scene:
-    """Return the scene of the first design that can be built; raise why the first one cannot."""
+    """Return the scene of the first design that can be built, or raise why the first cannot."""
     errors = []
     for row in zip(*(column.tolist() for column in drawn.values())):
         try:
@@ -165,19 +169,6 @@ def first_scene(study: Study, drawn: dict[str, Array]) -> Scene:
         except InvalidParameter as error:
             errors.append(error)
     raise errors[0]
-
-
-def _rows(value: Yaml, method: str, vary: tuple[Variation, ...]) -> int:
-    """Return how many rows there are: the product of the levels of a grid, else the entry."""
-    if method == 'grid':
-        if any(varied.kind in TOLERANCES for varied in vary):
-            raise InvalidParameter('method', method, 'takes ranges and lists only')
-        count = prod(varied.levels for varied in vary)
-        if value not in (None, count) or count > MOST_ROWS[method]:
-            raise InvalidParameter('rows', value, f'a grid has the product of its levels, {count},'
-                                                  f' at most {MOST_ROWS[method]}')
-        return count
-    return integer_of('rows', value, 1, MOST_ROWS[method])
 
 
 def _bound(measure: Measure, value: Yaml) -> Bound:

@@ -9,7 +9,6 @@ The box is centre +- size of every parameter that varies with ``uniform``, three
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
@@ -20,7 +19,6 @@ from fourbar_lab.studies.measures import CLASS
 from fourbar_lab.studies.results import Summary, summary
 from fourbar_lab.studies.study import Study
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 
@@ -54,37 +52,26 @@ def tolerances(study: Study) -> tuple[list[Toleranced], dict[str, int]]:
     """
     Return a :class:`Toleranced` for each measure of a study but text, and {reason: corners}.
 
-    Reasons of :mod:`.chunks`: feasible, cannot be built, failed. InvalidParameter if the study has
-    no box, or the design in its middle cannot be built.
+    Reasons of :mod:`.chunks`: feasible, cannot be built, failed. With many parameters (see
+    :data:`ALL_CORNERS`) each measure with a first order has two corners: every parameter moves as
+    its derivative rises, or the opposite way; if no measure has, all are largest, or least.
+    InvalidParameter if the study has no box, or the design in its middle cannot be built.
     """
     box = box_of(study)
     scene = from_values({**study.values, **{name: centre for name, (centre, _) in box.items()}})
-    derivatives = Derivatives(scene, list(box), study.acceleration)
-    at_middle = sensitivities(derivatives, [measure for measure in study.measures
-                                            if measure.part != CLASS])
-    columns, reasons, _ = measured(replace(study, bounds=(), keeps_all=True),
-                                   _corners(box, at_middle))
-    is_known = np.array(reasons) == FEASIBLE
-    return [Toleranced(
-        middle, sum(abs(middle.by[name]) * size for name, (_, size) in box.items()),
-        summary(middle.measure.name, middle.measure.unit, columns[middle.measure.name][is_known]))
-        for middle in at_middle], dict(Counter(reasons))
-
-
-def _corners(box: dict[str, tuple[float, float]], at_middle: Sequence[Sensitivity]
-             ) -> dict[str, Array]:
-    """
-    Return {parameter: its values in corners of the box, shape (corners,)}.
-
-    With many parameters (see :data:`ALL_CORNERS`) each measure with a first order has two corners:
-    every parameter moves as its derivative rises, or the opposite way. If no measure has, the
-    corners are those where all parameters are largest and least.
-    """
+    at_middle = sensitivities(Derivatives(scene, list(box), study.acceleration),
+                              [measure for measure in study.measures if measure.part != CLASS])
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
     else:
         worst = [tuple([1.0 if middle.by[name] >= 0.0 else -1.0 for name in box])
                  for middle in at_middle if not middle.why_unknown] or [(1.0,) * len(box)]
         signs = {*worst, *(tuple([-sign for sign in corner]) for corner in worst)}
-    return {name: centre + size * sign
-            for (name, (centre, size)), sign in zip(box.items(), np.array(sorted(signs)).T)}
+    corners = {name: centre + size * sign for (name, (centre, size)), sign
+               in zip(box.items(), np.array(sorted(signs)).T)}
+    columns, reasons, _ = measured(replace(study, bounds=(), keeps_all=True), corners)
+    is_known = np.array(reasons) == FEASIBLE
+    return [Toleranced(
+        middle, sum(abs(middle.by[name]) * size for name, (_, size) in box.items()),
+        summary(middle.measure.name, middle.measure.unit, columns[middle.measure.name][is_known]))
+        for middle in at_middle], dict(Counter(reasons))

@@ -93,11 +93,7 @@ class Variation:
 
 
 def variation(name: str, entries: Yaml, values: ParameterValues) -> Variation:
-    """
-    Return the :class:`Variation` of a parameter from {KIND: VALUES} in a study.
-
-    ``values``: of the scene. InvalidParameter names the entry of the study and what is allowed.
-    """
+    """Return the :class:`Variation` of {KIND: VALUES} in a study, for ``values`` of the scene."""
     entry, parameter = f'vary.{name}', find_parameter(name)
     if parameter is None:
         raise InvalidParameter(entry, None,
@@ -141,25 +137,22 @@ def _checked(entry: str, kind: str, sizes: Yaml, centre: Yaml) -> tuple[float, .
         if not values or not are_finite or len(set(values)) < len(values):
             raise InvalidParameter(entry, sizes, 'must be a list of different finite numbers')
         return tuple(values)
-    if kind in TOLERANCES:
-        allowed = ('must be a size above 0, or [centre, size]; without a centre the scene must '
-                   'give the parameter')
-        is_right = are_finite and len(values) == 2 and values[1] > 0.0
-    else:
-        allowed = ('must be [low, high], two finite numbers, low less than high; for log_range '
-                   'positive')
-        is_right = (are_finite and len(values) == 2 and values[0] < values[1]
-                    and (kind == 'range' or values[0] > 0.0))
-    if not is_right:
-        raise InvalidParameter(entry, sizes, allowed)
+    is_pair = are_finite and len(values) == 2
+    if kind in TOLERANCES and not (is_pair and values[1] > 0.0):
+        raise InvalidParameter(entry, sizes, 'must be a size above 0, or [centre, size]; without '
+                                             'a centre the scene must give the parameter')
+    if kind in RANGES and not (is_pair and values[0] < values[1]
+                               and (kind == 'range' or values[0] > 0.0)):
+        raise InvalidParameter(entry, sizes, 'must be [low, high], two finite numbers, low less '
+                                             'than high; for log_range positive')
     return float(values[0]), float(values[1])
 
 
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...]) -> Array:
     """
-    Return rows (first, after last) of a design as points in [0, 1], shape (rows, parameters).
+    Return rows (first, after last) of a study as points in [0, 1], shape (rows, parameters).
 
-    ``levels``: of each parameter, its values of p on a grid.
+    ``levels`` on a grid: the p of each parameter.
     """
     start, stop = rows
     if method == 'grid':

@@ -88,12 +88,9 @@ class OverInput:
         return float(mean)
 
     def _diverges_at(self, extremum: Extremum) -> bool:
-        """
-        Return whether the integral diverges at an end where the quantity grows without bound.
-
-        There it is a power of the root of the distance d. Only one over that root is integrable:
-        it doubles as d falls to a quarter, where the next power, 1/d, grows fourfold.
-        """
+        """Return whether the integral diverges at an end where the quantity is infinite."""
+        # there it is a power of the root of the distance d: only one over that root is integrable,
+        # it doubles as d falls to a quarter, where the next power, 1/d, grows fourfold
         width = min(high - low for low, high in self._linkage.input_ranges)
         d = width * NEAR_END * np.array((1.0, 0.25))
         far, near = np.abs(self._values(extremum.input + extremum.side * d))[0]
@@ -180,12 +177,10 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
         return middle + (away if linkage.is_driven_by_slide else remainder(away, tau))
 
     def is_outside_by(bounds: tuple[float, float], extremum: Extremum) -> float:
-        """Return how far an extremum lies outside a range, less than zero inside."""
         x = input_in(bounds, extremum)
-        return max(bounds[0] - x, x - bounds[1])
+        return max(bounds[0] - x, x - bounds[1])        # less than zero inside
 
     def whole_turns(angle: float) -> float:
-        """Return the whole turns [rad] nearest to an angle; none of a slide."""
         return tau * round(angle / tau) if is_angle else 0.0
 
     by_range: dict[tuple[float, float], list[Extremum]] = {bounds: [] for bounds in ranges}
@@ -200,10 +195,10 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
                 turns = whole_turns(values[-1] - extremum.value)
             values.append(extremum.value + turns)
         turns = whole_turns(0.5 * (min(values) + max(values)))
-        swept.append(OutputRange(
-            bounds, min(values) - turns, max(values) - turns, False,
-            tuple([extremum._replace(value=value - turns)
-                   for extremum, value in zip(inside, values)])))
+        shifted = [extremum._replace(value=value - turns)
+                   for extremum, value in zip(inside, values)]
+        swept.append(OutputRange(bounds, min(values) - turns, max(values) - turns, False,
+                                 tuple(shifted)))
     return swept
 
 
