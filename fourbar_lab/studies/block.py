@@ -194,10 +194,9 @@ class Designs:
         for name, column in self.values.items():
             parameter = find_parameter(name)
             if isinstance(column, np.ndarray) and parameter is not None:
-                value = column[:, 0]
-                is_allowed &= (np.isfinite(value) & (value >= parameter.low)
-                               & (value <= parameter.high)
-                               & ((value > 0.0) | (not parameter.positive)))
+                value, may_be_negative = column[:, 0], not parameter.positive
+                is_allowed &= np.isfinite(value) & (value >= parameter.low)
+                is_allowed &= (value <= parameter.high) & ((value > 0.0) | may_be_negative)
         return is_allowed
 
     def step(self, acceleration: float, with_loads: bool, names: tuple[str, ...] | None = None

@@ -18,9 +18,8 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 
-# Why a design is not among the results; other reasons are constraints by name.
-NOT_BUILT, FAILED = 'cannot be built', 'failed'
-FEASIBLE = 'feasible'
+# Why a design is among the results or not; other reasons are constraints by name.
+NOT_BUILT, FAILED, FEASIBLE = 'cannot be built', 'failed', 'feasible'
 
 
 class Chunk(NamedTuple):

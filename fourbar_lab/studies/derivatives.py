@@ -197,7 +197,6 @@ class _OfMeasure:
         self._is_of_inputs = measure.part in ('max_at', 'min_at', kinds.TIME_RATIO)
         sizes = np.abs([derivatives.scene.values[name] for name in self._names])
         self._sizes = np.where(sizes > 0.0, sizes, 1.0)
-        self._zero = np.zeros(len(self._names))
 
     def sensitivity(self) -> Sensitivity:
         """Return the derivatives, NaN by parameters where there is none."""
@@ -211,7 +210,7 @@ class _OfMeasure:
                            self._why_unknown if np.isnan(slopes).any() else '')
 
     def _unknown(self, why: str) -> Array:
-        """Return NaN for every parameter, and keep the reason if it is the first."""
+        """Return NaN for every parameter, and keep the first reason."""
         self._why_unknown = self._why_unknown or why
         return np.full(len(self._names), nan)
 
@@ -236,7 +235,7 @@ class _OfMeasure:
         elif part != kinds.INPUT_RANGE:
             extrema = self._design.extrema[self._source]
         if not extrema:     # the range of a fixed input, the swing of an output that turns fully
-            return self._zero
+            return np.zeros_like(self._sizes)
         if part == 'peak':
             return self._of_largest([(sign * extremum.value, sign, extremum)
                                      for extremum in extrema for sign in (1.0, -1.0)])
@@ -244,10 +243,8 @@ class _OfMeasure:
             return -self._of_largest([
                 (score, sign, of_dyad) for extremum in extrema for of_dyad in self._dyads(extremum)
                 for score, sign in ((-of_dyad.value, -1.0), (of_dyad.value - pi, 1.0))])
-        if part in ('max', 'max_at'):
-            return self._of_end(extrema, 1.0)
-        if part in ('min', 'min_at'):
-            return self._of_end(extrema, -1.0)
+        if part.startswith(('max', 'min')):
+            return self._of_end(extrema, 1.0 if part.startswith('max') else -1.0)
         of_way = self._of_end(extrema, 1.0) - self._of_end(extrema, -1.0)
         if part != kinds.TIME_RATIO:        # a swing, a stroke, a span
             return of_way
@@ -322,7 +319,7 @@ class _OfMeasure:
             return of_input if self._is_of_inputs else of_value
         if x in (self._linkage.stroke or ()):               # an end that stays where it is
             _, slopes = self._derivatives.of(name, np.array([x]))
-            return self._zero if self._is_of_inputs else slopes[:, 0]
+            return np.zeros_like(self._sizes) if self._is_of_inputs else slopes[:, 0]
         return self._unknown('its extremum is at a flat position, where it jumps'
                              if extremum.place == ONE_SIDED else TOGGLE)
 
@@ -338,10 +335,9 @@ class _OfMeasure:
         """Return an extremum; of the transmission angle, those of the dyads that count there."""
         if extremum.quantity != ANGLE:
             return [extremum]
-        names, angles, counts = self._angles(np.array([extremum.input]))
-        return [extremum._replace(quantity=name, value=float(angle))
-                for name, (angle,), (does_count,) in zip(names, angles, counts)
-                if does_count] or [extremum]        # at a toggle it has no motion
+        tied = [extremum._replace(quantity=name, value=float(angle)) for name, (angle,), (counts,)
+                in zip(*self._angles(np.array([extremum.input]))) if counts]
+        return tied or [extremum]           # at a toggle there is no motion
 
     def _of_rms(self) -> Array:
         """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""

@@ -58,9 +58,9 @@ class Results:
         self.varied = [entry['name'] for entry in self.study['vary']]
         self.measures = [measure['name'] for measure in self.study['measures']
                          if measure['part'] != 'class']
-        self.designs = sum(counts.values())             # that were computed
         self._data = dataset.dataset([str(path) for path in files.values()])
-        self.kept = self._data.count_rows()             # of them, how many are rows of the parts
+        # how many designs were computed, and how many of them are rows of the parts
+        self.designs, self.kept = sum(counts.values()), self._data.count_rows()
         self.units = {field.name: field.metadata[b'unit'].decode()
                       for field in self._data.schema if field.metadata}
 

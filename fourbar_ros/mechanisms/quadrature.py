@@ -21,8 +21,8 @@ import numpy as np
 MOST_OF_RANGE = 1024        # points of a range: they are eigenvalues, more would take seconds
 # Points of a mean: doubled from, at most to, until two means agree to this part of the mean size.
 POINTS, MOST, AGREE = 128, 512, 1e-12
-# A mean that has not settled by then is made of parts, each of so many points, that are halved
-# until both halves together agree with the whole. Halvings at most; parts at most at once.
+# A mean that has not settled by then is made of parts of so many points, which are halved until
+# both halves together agree with the whole: at most so many times, so many parts at once.
 POINTS_OF_PART, HALVINGS, PARTS = 16, 60, 4096
 
 
