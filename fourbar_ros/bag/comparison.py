@@ -3,7 +3,7 @@
 """
 Compare two bags message by message: the same stamp on the same topic is the same message.
 
-Of joint states with one stamp, as a robot and a relay send them, those of the same joints are.
+Joint states of equal stamp, as a robot and a relay send them, are the same if their joints are.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-Place = tuple[int, int]     # of a message: number of its columns, row there
+Position = tuple[int, int]      # of a message: index of the Columns, row
 
 
 class TopicDiff(NamedTuple):
@@ -29,8 +29,8 @@ class TopicDiff(NamedTuple):
     One topic in both bags.
 
     ``messages`` are in both; ``largest`` is {field: largest difference}, infinite for texts and
-    for fields that only one of two messages has. If scenes differ, their parameters stand in place
-    of the field.
+    for fields that one message alone has. Of scenes that differ, ``largest`` has the parameters
+    instead of the field.
     """
 
     topic: str
@@ -50,57 +50,58 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     """
     Return a :class:`TopicDiff` for every topic in either bag, or only for ``topics``.
 
-    Messages are matched by the stamp of their header, those of equal stamp by their joints, if
-    they have any, and then in their order.
-    Messages without a stamp, or with stamp 0, are matched by their place in the topic.
-    ``progress`` is called with the bytes read of the first bag, once more for every topic.
+    Messages are matched by the stamp of the header; messages of equal stamp by the names of their
+    joints, if they have any, then in order. Messages without a stamp, or with stamp 0, are matched
+    in the order of the topic.
+    ``progress`` is called with the count of bytes read of the first bag, from 0 for every topic.
     """
     bags = Bag(first, progress), Bag(second)
     names = sorted({topic for bag in bags for topic in bag.types})
     for topic in topics or ():
         if topic not in names:
             raise BagError(f'{topic}: in neither bag; they have {", ".join(names)}')
-    found = []
+    diffs = []
     for topic in topics or names:
-        parts = [list(bag.columns([topic])) for bag in bags]
+        columns = [list(bag.columns([topic])) for bag in bags]
         for bag in bags:
             bag.refuse_damage()
-        found.append(_of_topic(topic, *parts))
-    return found
+        diffs.append(_of_topic(topic, *columns))
+    return diffs
 
 
 def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
-    of_first, of_second = _places(first), _places(second)
+    of_first, of_second = _positions(first), _positions(second)
     pairs = [(of_first.pop(key), of_second.pop(key)) for key in of_first.keys() & of_second.keys()]
-    waiting: defaultdict[int, deque[Place]] = defaultdict(deque)
-    for (stamp, _, _), place in of_second.items():      # joints have other names in the first bag
-        waiting[stamp].append(place)
-    pairs += [(place, waiting[stamp].popleft()) for (stamp, _, _), place in of_first.items()
+    waiting: defaultdict[int, deque[Position]] = defaultdict(deque)
+    for (stamp, _, _), position in of_second.items():   # the first bag names joints differently
+        waiting[stamp].append(position)
+    pairs += [(position, waiting[stamp].popleft()) for (stamp, _, _), position in of_first.items()
               if waiting[stamp]]
     # numpy compares all rows that are in the same columns on both sides at once
     rows: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-    for (i, row), (j, other) in pairs:
-        rows[i, j].append((row, other))
+    for (i, first_row), (j, second_row) in pairs:
+        rows[i, j].append((first_row, second_row))
     largest: dict[str, float] = {}
     for (i, j), rows_of_both in rows.items():
-        one, two = np.array(rows_of_both).T
-        for field, apart in _differences(first[i].records[one], second[j].records[two]).items():
+        first_rows, second_rows = np.array(rows_of_both).T
+        for field, apart in _differences(first[i].records[first_rows],
+                                         second[j].records[second_rows]).items():
             largest[field] = max(largest.get(field, 0.0), apart)
-    only_first, only_second = (sum(len(part.times) for part in parts) - len(pairs)
-                               for parts in (first, second))
+    only_first, only_second = (sum(len(columns.times) for columns in bag) - len(pairs)
+                               for bag in (first, second))
     return TopicDiff(topic, len(pairs), only_first, only_second, largest)
 
 
-def _places(parts: Sequence[Columns]) -> dict[tuple[int, bytes, int], Place]:
+def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Position]:
     """
-    Return {which message: where it is}.
+    Return the position of each message by its key, which is equal for equal messages of two bags.
 
-    Messages of two bags are the same if they have one stamp [ns], or none (0), the same names of
-    joints, if any, and as many before them had both.
+    The key is the stamp [ns] (0 without a stamp), the names of the joints (b'' without joints),
+    and how many messages before had both.
     """
-    places: dict[tuple[int, bytes, int], Place] = {}
+    positions: dict[tuple[int, bytes, int], Position] = {}
     times_met: Counter[tuple[int, bytes]] = Counter()
-    for number, columns in enumerate(parts):
+    for index, columns in enumerate(topic):
         stamps = columns.stamps
         if stamps is None:
             stamps = np.zeros(len(columns.times), np.int64)
@@ -109,33 +110,34 @@ def _places(parts: Sequence[Columns]) -> dict[tuple[int, bytes, int], Place]:
         if fields:
             names = [b'\0'.join(row) for row in columns.records[fields].tolist()]
         for row, (stamp, name) in enumerate(zip(stamps.tolist(), names)):
-            places[stamp, name, times_met[stamp, name]] = number, row
+            positions[stamp, name, times_met[stamp, name]] = index, row
             times_met[stamp, name] += 1
-    return places
+    return positions
 
 
-def _differences(one: Array, two: Array) -> dict[str, float]:
+def _differences(first: Array, second: Array) -> dict[str, float]:
     """Return the largest difference of each field of matched messages, row by row."""
-    fields, others = one.dtype.names or (), two.dtype.names or ()
+    of_first, of_second = first.dtype.names or (), second.dtype.names or ()
     largest: dict[str, float] = {}
-    for field in dict.fromkeys((*fields, *others)):
-        if field not in fields or field not in others:
+    for field in dict.fromkeys((*of_first, *of_second)):
+        if field not in of_first or field not in of_second:
             largest[field] = inf
             continue
-        apart = largest_difference(one[field], two[field])
-        largest |= (_parameters_apart(one[field], two[field]) if apart else {}) or {field: apart}
+        apart = largest_difference(first[field], second[field])
+        parameters = _parameters_apart(first[field], second[field]) if apart else {}
+        largest |= parameters or {field: apart}
     return largest
 
 
-def _parameters_apart(one: Array, two: Array) -> dict[str, float]:
-    """Return {parameter: largest difference} of scenes, which are JSON; {} of other texts."""
+def _parameters_apart(first: Array, second: Array) -> dict[str, float]:
+    """Return {parameter: largest difference} of scenes, which are JSON; {} if they are not."""
     largest: dict[str, float] = {}
     try:
-        for first, second in zip(one.tolist(), two.tolist()):
-            a, b = json.loads(first), json.loads(second)
+        for texts in zip(first.tolist(), second.tolist()):
+            a, b = map(json.loads, texts)
             for name in sorted(a.keys() | b.keys()):
                 x, y = a.get(name), b.get(name)
-                if x != y and not (x != x and y != y):      # NaN: not given
+                if x != y and not (x != x and y != y):      # NaN: not set
                     are_numbers = isinstance(x, (int, float)) and isinstance(y, (int, float))
                     largest[name] = max(largest.get(name, 0.0), abs(x - y) if are_numbers else inf)
     except (ValueError, TypeError, AttributeError):

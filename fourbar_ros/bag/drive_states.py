@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Step a drive again from each of its recorded states to the next, as the node's mover does."""
+"""Step a drive again from each recorded state to the next, as the mover of the node does."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -18,11 +18,13 @@ class DriveStates:
 
     If another version of the integrator made the bag, accelerations and torques alone are computed
     again, from the states. Next to a toggle, input and rate do not determine the state; a mover
-    that came there by its own steps knows it. Without such, as where a bag begins there, states
-    are not compared up to the first one past the toggle. ``about``: custom_data of the bag.
+    that stepped there knows the rest of the state. Without such a mover, as where a bag begins
+    next to a toggle, states are not compared up to the first state past the toggle.
+    ``about``: custom_data of the bag.
 
-    It counts states that were ``stepped`` again from the one before; that had none, at a start,
-    after a gap, or from another integrator, so were compared ``alone``; and ``unknown`` ones.
+    ``stepped`` counts states that were stepped to again from the state before; ``alone`` states
+    that had no state before (at a start, after a gap, from another integrator); ``unknown``
+    states that could not be compared.
     """
 
     def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
@@ -30,7 +32,7 @@ class DriveStates:
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}         # {field: largest difference}
         self.stepped = self.alone = self.unknown = 0
-        self._before: DriveValues | None = None     # None: there is none to step from
+        self._before: DriveValues | None = None     # None: no state to step from
         self._mode = self._stamp = 0                # of the state before; stamp in ns
         self._torque: float | None = None           # of the newest message; None: not known
         self._acting: dict[str, Sequence[float]] = {}
@@ -50,15 +52,15 @@ class DriveStates:
         """Return the mover in a mode, with all that acts."""
         if mode not in self._movers:
             self._movers[mode] = self._scene.mover_in(mode)
-            for name, numbers in self._acting.items():
-                self._movers[mode].act(name, numbers)
+            for name, acting in self._acting.items():
+                self._movers[mode].act(name, acting)
         return self._movers[mode]
 
-    def act(self, name: str, numbers: Sequence[float]) -> None:
+    def act(self, name: str, acting: Sequence[float]) -> None:
         """Take a wrench on a link, or a motion of the base, that acts from here on."""
-        self._acting[name] = numbers
+        self._acting[name] = acting
         for mover in self._movers.values():
-            mover.act(name, numbers)
+            mover.act(name, acting)
 
     def command(self, message: Any) -> None:
         """Take a message of the torque topic, cut to the torque limit as the node does."""
@@ -69,7 +71,7 @@ class DriveStates:
             self._torque = min(max(torque, -limit), limit)
 
     def take(self, stamp: int, message: Any) -> None:
-        """Compare a state, with its stamp [ns], with a step from the one before or by itself."""
+        """Compare a state of a stamp [ns] with a step from the state before, or alone."""
         values = DriveValues(*(getattr(message, name) for name in DriveValues._fields))
         status, mode, mover = message.status, message.mode, self._mover()
         self._note('command', self._command_difference(status, values.command))
@@ -83,7 +85,7 @@ class DriveStates:
             self._note('mode', 0.0 if mover.mode == mode else inf)
             self.stepped += 1
             if self._note_values(values, expected) == 0.0:
-                known = expected     # the mover also keeps what a message next to a toggle lacks
+                known = expected     # next to a toggle the mover knows more than the message
         elif values.step and not mover.tells_all(mover.state_of(values, mode)):
             self.unknown += 1
             known = None

@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Where the fields of serialised messages are, so that numpy reads many at once.
+Offsets of the fields of serialised messages, so that numpy reads many messages at once.
 
-``rosbags`` decodes one message at a time; an array of messages of equal layout takes a tenth of
-that for each.
+``rosbags`` decodes one message at a time; in an array of equal layout a message takes a tenth of
+that time.
 """
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys.store import Typestore
 
 HEADER = 4          # [bytes] before the data of a message
-_OTHER_NAMES = {'bool': '?', 'byte': 'u1', 'octet': 'u1', 'char': 'u1'}
+_FORMATS = {'bool': '?', 'byte': 'u1', 'octet': 'u1', 'char': 'u1'}
 
 
 class MessageLayout:
     """
-    The fields of one serialised message and of all that have texts and sequences of its lengths.
+    The fields of all messages whose texts and sequences are as long as those of one message.
 
     ``dtype`` has a field for each number, text or array of numbers, named by its path:
     ``header.stamp.sec``, ``position``, ``name[0]``.
@@ -31,7 +31,7 @@ class MessageLayout:
 
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
         """Walk through a message by its definition; raises BagError if they do not fit."""
-        self._store, self._data, self._at = store, data, HEADER
+        self._store, self._data, self._offset = store, data, HEADER
         if len(data) < HEADER or data[0] or data[1] > 1:
             raise BagError(f'{type_name}: not a CDR message')
         self._order: Literal['<', '>'] = '<' if data[1] else '>'
@@ -40,7 +40,7 @@ class MessageLayout:
         self._fields: dict[str, tuple[Any, int]] = {}       # {path: (format, offset)}
         try:
             self._walk(type_name, '')
-            if self._at > len(data):
+            if self._offset > len(data):
                 raise IndexError
         except (IndexError, KeyError, ValueError):
             raise BagError(f'{type_name}: a message does not fit its definition') from None
@@ -52,57 +52,57 @@ class MessageLayout:
         """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
         good = np.ones(len(block), bool)
         for begin, end in self._shared:
-            own = np.frombuffer(self._data, np.uint8, end - begin, begin)
-            good &= (block[:, begin:end] == own).all(axis=1)
+            shared = np.frombuffer(self._data, np.uint8, end - begin, begin)
+            good &= (block[:, begin:end] == shared).all(axis=1)
         return good
 
     def _walk(self, type_name: str, path: str) -> None:
         """Read a message at the current byte."""
-        for name, (kind, what) in self._store.fielddefs[type_name][1]:
-            self._field(kind, what, path + name)
+        for name, (kind, definition) in self._store.fielddefs[type_name][1]:
+            self._field(kind, definition, path + name)
 
-    def _field(self, kind: Nodetype, what: Any, path: str) -> None:
-        """Read one field; ``kind`` and ``what`` as in the field definitions of rosbags."""
+    def _field(self, kind: Nodetype, definition: Any, path: str) -> None:
+        """Read one field; ``kind`` and ``definition`` as in the fielddefs of rosbags."""
         if kind == Nodetype.NAME:
-            self._walk(what, f'{path}.')
+            self._walk(definition, f'{path}.')
         elif kind == Nodetype.BASE:
-            self._base(what[0], path, None)
+            self._base(definition[0], path, None)
         else:
-            (kind_of_one, one), count = what
+            (item_kind, item), count = definition
             if kind == Nodetype.SEQUENCE:
                 count = self._length()
-            if kind_of_one == Nodetype.BASE and 'string' not in one[0]:
-                self._base(one[0], path, count)
+            if item_kind == Nodetype.BASE and 'string' not in item[0]:
+                self._base(item[0], path, count)
             else:
-                for place in range(count):
-                    self._field(kind_of_one, one, f'{path}[{place}]')
+                for index in range(count):
+                    self._field(item_kind, item, f'{path}[{index}]')
 
     def _base(self, kind: str, path: str, count: int | None) -> None:
         """Read a number, an array of ``count`` numbers, or a text."""
         if kind == 'string':
             length = self._length()
-            self._fields[path] = f'S{max(length - 1, 0)}', self._at     # without its final zero
-            self._at += length
+            self._fields[path] = f'S{max(length - 1, 0)}', self._offset     # no final zero
+            self._offset += length
             return
-        dtype = np.dtype(_OTHER_NAMES.get(kind, kind)).newbyteorder(self._order)
+        dtype = np.dtype(_FORMATS.get(kind, kind)).newbyteorder(self._order)
         if count != 0:
             self._align(dtype.itemsize)
-        self._fields[path] = dtype if count is None else (dtype, (count,)), self._at
-        self._at += dtype.itemsize * (1 if count is None else count)
+        self._fields[path] = dtype if count is None else (dtype, (count,)), self._offset
+        self._offset += dtype.itemsize * (1 if count is None else count)
 
     def _length(self) -> int:
         """Read the length of a text or sequence: other lengths are another layout."""
         self._align(4)
-        begin, self._at = self._at, self._at + 4
-        self._shared.append((begin, self._at))
-        length = int.from_bytes(self._data[begin:self._at],
+        begin, self._offset = self._offset, self._offset + 4
+        self._shared.append((begin, self._offset))
+        length = int.from_bytes(self._data[begin:self._offset],
                                 'little' if self._order == '<' else 'big')
         if length > len(self._data):
             raise IndexError
         return length
 
     def _align(self, size: int) -> None:
-        self._at += -(self._at - HEADER) % size
+        self._offset += -(self._offset - HEADER) % size
 
 
 def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
@@ -110,8 +110,8 @@ def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
     """
     Yield (rows, records) of serialised messages of a type, layout by layout.
 
-    ``rows`` are their places in the list, ascending; ``records`` is a structured array. ``known``:
-    the layouts of this type that were met so far; new ones are added.
+    ``rows`` are indices in the list of messages, ascending; ``records`` is a structured array.
+    ``known``: the layouts of this type that were met so far; new layouts are added.
     """
     sizes = np.fromiter(map(len, messages), np.int64, len(messages))
     for size in np.unique(sizes).tolist():

@@ -1,10 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Bags as rosbag2 of Jazzy lays them out: a folder, its files, metadata of version 9.
+Bags as rosbag2 of Jazzy lays them out: a folder of files, metadata of version 9.
 
-The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml, whose content each file
-also holds for itself. (``rosbags`` writes the same only when a bag is closed.)
+The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml; each file also holds such
+metadata of that file. (``rosbags`` writes the same only when a bag is closed.)
 """
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Channel(NamedTuple):
 
 
 class TopicCount(NamedTuple):
-    """A topic in a file: name, type, encoding, metadata of its channel, number of messages."""
+    """A topic in a file: name, type, encoding, metadata of the channel, count of messages."""
 
     topic: str
     type: str
@@ -77,9 +77,9 @@ def loaded(text: str) -> Any:
 
 class FileContent(NamedTuple):
     """
-    A file of a bag: its name, topics and custom_data.
+    A file of a bag: name, topics and custom_data.
 
-    ``span``: log times of its first and last message [ns], None without messages.
+    ``span``: log times of the first and last message [ns], None without messages.
     """
 
     name: str
@@ -89,7 +89,7 @@ class FileContent(NamedTuple):
 
 
 def of_files(files: Sequence[FileContent]) -> Metadata:
-    """Return the metadata of one file, or of all files of a split bag in order, as rosbag2's."""
+    """Return the metadata, as of rosbag2, of a file or of all files of a split bag in order."""
     topics: dict[str, TopicCount] = {}
     for topic in (topic for file in files for topic in file.topics):
         before = topics[topic.topic].messages if topic.topic in topics else 0
@@ -123,7 +123,7 @@ def _times(span: tuple[int, int] | None) -> Metadata:
 
 
 def write(folder: Path, metadata: Metadata) -> None:
-    """Write metadata.yaml by a rename: whenever it is read, it is the old or the new one."""
+    """Write metadata.yaml by a rename: a reader always gets the old or the new text."""
     part = folder / 'metadata.yaml.part'
     part.write_text(dumped({'rosbag2_bagfile_information': metadata}), encoding='utf-8')
     part.replace(folder / 'metadata.yaml')
@@ -147,18 +147,18 @@ def fresh_name() -> str:
 
 
 def free_name(directory: Path, name: str) -> str:
-    """Return ``name`` or, if a bag has it, NAME_2, NAME_3, ...; empty: one from the clock."""
+    """Return ``name`` or, if a bag has it, NAME_2, NAME_3, ...; for '', a name from the clock."""
     free = name = checked_name(name) or fresh_name()
-    number = 1
+    count = 1
     while os.path.lexists(directory / free):
-        number += 1
-        free = f'{name}_{number}'
+        count += 1
+        free = f'{name}_{count}'
     return free
 
 
 @contextmanager
 def folder_beside(out: Path) -> Iterator[Path]:
-    """Give a folder to fill and to rename to ``out``: a whole one or none. Raises BagError."""
+    """Yield a folder to fill and then rename to ``out``, which so is whole. Raises BagError."""
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         with TemporaryDirectory(prefix=f'.{out.name}.', dir=out.parent,
@@ -173,7 +173,7 @@ def files_of(path: Path) -> list[Path]:
     """
     Return the .mcap files of a bag in order: one file, or NAME_0.mcap, NAME_1.mcap, ... .
 
-    The folder decides, not metadata.yaml: after a crash that may lack the newest file.
+    The files in the folder count, not metadata.yaml: after a crash that may lack the newest file.
     """
     if path.is_file():
         return [path]
@@ -189,12 +189,12 @@ def files_of(path: Path) -> list[Path]:
 
 def number_of(file: Path) -> int:
     """Return N of a file NAME_N.mcap; 0 for any other name."""
-    number = file.stem.rpartition('_')[2]
-    return int(number) if number.isdecimal() else 0
+    suffix = file.stem.rpartition('_')[2]
+    return int(suffix) if suffix.isdecimal() else 0
 
 
 def _how_to_convert(path: Path) -> str:
-    """Return advice on how to convert a bag of another kind, empty if there is none."""
+    """Return advice on how to convert a bag of another format; empty for an unknown format."""
     if packed := sorted(path.glob('*.mcap.*')):
         return f': {packed[0].name} is compressed as a whole; unpack it first'
     if list(path.glob('*.db3*')):

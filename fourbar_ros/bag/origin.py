@@ -3,7 +3,7 @@
 """
 Which scene a bag was made with, and which topic is which output.
 
-Bags of our recorder name it in their metadata; in bags of rosbag2 the topics are searched.
+Bags of our recorder have the scene in the metadata; in bags of rosbag2 the topics are searched.
 """
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 
 GONE = ('recording.keep',)      # parameters of version 1 on which no value depends
-MOST_TEXT = 2**24       # characters of a scene in a bag: 40 tables of forces of 10 000 places
-MOST_NAMES = 1000       # of points, springs, forces, dyads, links in one; 100 dyads have 800
+MOST_TEXT = 2**24       # characters of a scene in a bag: 40 tables of forces of 10 000 inputs
+MOST_NAMES = 1000       # of points, springs, forces, dyads, links in a scene; 100 dyads have 800
 
 
 class Origin(NamedTuple):
@@ -29,8 +29,8 @@ class Origin(NamedTuple):
     The scene that was run at the start of a bag, and the full name of its node.
 
     ``topics``: {short name of an input or output: topic in the bag}. ``in_order``: messages stand
-    in the order in which things happened, as our recorder keeps it; others note messages as they
-    come in. ``is_later``: it is a later file of a split bag, alone.
+    in the order in which things happened, as our recorder keeps it; rosbag2 records messages as
+    they come in. ``is_later``: the bag is a later file of a split bag, alone.
     """
 
     scene: Scene
@@ -42,10 +42,10 @@ class Origin(NamedTuple):
 
 def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
     """
-    Return the Origin of a bag: from its metadata, or, of a bag of ``ros2 bag``, from its topics.
+    Return the Origin of a bag, from the metadata or, of a bag of ``ros2 bag``, from the topics.
 
-    ``node``: which one, if the bag has several. Raises BagError if it holds no
-    readable scene, not this node, or several to choose from.
+    ``node``: its name, if the bag has several nodes. Raises BagError if the bag has no
+    readable scene, not this node, or several nodes and ``node`` is None.
     """
     bag = path if isinstance(path, Bag) else Bag(path)
     about = bag.about
@@ -95,7 +95,8 @@ def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, st
     Return {short name: topic in the bag} of a node's inputs and outputs, by the rules of ROS.
 
     ``~/state`` of ``/left/boom`` is ``/left/boom/state``, ``joint_states`` is
-    ``/left/joint_states``. joint_states that was remapped is found if no other topic has its type.
+    ``/left/joint_states``. A remapped joint_states is recognised if it is the only topic of that
+    type.
     """
     namespace = node.rpartition('/')[0]
     topics = {}
@@ -115,7 +116,8 @@ def bounded(text: str) -> dict[str, Any]:
     """
     Return the parameters of a scene as JSON; raises BagError for more than a bag may have.
 
-    A bag may be anybody's: its scene must not fill the memory. The recorder records no larger one.
+    Anybody may have made the bag: the scene must not fill the memory. The recorder refuses larger
+    scenes.
     """
     if len(text) > MOST_TEXT:
         raise BagError(f'a scene of {len(text)} characters: a bag may have {MOST_TEXT}')
@@ -130,7 +132,7 @@ def bounded(text: str) -> dict[str, Any]:
 
 
 def scene_of(bag: Bag, text: str) -> Scene:
-    """Return the Scene of a JSON text in a bag; BagError if it has none of ours."""
+    """Return the Scene of a JSON text in a bag; raises BagError if the text is not a scene."""
     try:
         values = bounded(text)
         for name in GONE:

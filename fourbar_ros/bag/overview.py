@@ -14,7 +14,7 @@ from fourbar_ros.scene.files import as_text
 
 
 class TopicInfo(NamedTuple):
-    """A topic: messages in the bag; those missing by sequence numbers, None if nobody looked."""
+    """A topic: messages in the bag; messages missing by sequence numbers, None if not counted."""
 
     topic: str
     type: str
@@ -26,13 +26,13 @@ class Info(NamedTuple):
     """A bag in short."""
 
     path: Path
-    is_finished: bool           # it has its end: no crash, and nobody is writing it
+    is_finished: bool           # every file has an end: no crash, and no recorder at work
     size: int                   # of all files [bytes]
     files: int
     start: int | None           # log times of the first and the last message [ns]
     end: int | None
     topics: list[TopicInfo]
-    about: dict[str, str]       # what the recorder noted: scene, software, units, ...
+    about: dict[str, str]       # notes of the recorder: scene, software, units, ...
     damage: str                 # the first fault and how many there are; '' if none was read
 
     @property
@@ -42,7 +42,7 @@ class Info(NamedTuple):
 
     @property
     def dropped(self) -> int:
-        """Return how many messages the recorder had to drop, by its own notes."""
+        """Return how many messages the recorder had to drop, as it noted."""
         noted = self.about.get('dropped', '0')
         return int(noted) if noted.isdecimal() else 0
 
@@ -67,18 +67,18 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     """
     Return the :class:`Info` of a bag.
 
-    A finished bag is only asked for the numbers at its end; with ``check``, or if they or
-    metadata.yaml disagree or are missing, every message is read. ``check`` compares checksums too.
-    ``progress`` is called with the number of bytes read.
+    Of a finished bag only the statistics at the end of each file are read; with ``check``, or if
+    these or metadata.yaml disagree or are missing, every message is read. ``check`` compares
+    checksums too. ``progress`` is called with the count of bytes read.
     """
     bag = Bag(path, progress)
     if check or not bag.is_consistent:
         topics, times = _by_reading(bag)
-        for place in range(len(bag.files)) if check else ():
-            bag.check(place)
+        for index in range(len(bag.files)) if check else ():
+            bag.check(index)
     else:
         topics, times = _by_summaries(bag)
-    about = bag.about       # it may add to the damage
+    about = bag.about       # reading this may add to the damage
     return Info(bag.path, bag.is_finished, bag.size, len(bag.files), min(times, default=None),
                 max(times, default=None), topics, about, bag.damage_in_short)
 
@@ -90,8 +90,8 @@ def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
     for summary in bag.summaries:
         statistics = summary.statistics if summary else None
         if summary and statistics:
-            for number, channel in summary.channels.items():
-                counts[channel.topic] += statistics.channel_message_counts.get(number, 0)
+            for channel_id, channel in summary.channels.items():
+                counts[channel.topic] += statistics.channel_message_counts.get(channel_id, 0)
             if statistics.message_count:
                 times += statistics.message_start_time, statistics.message_end_time
     unread = None        # how many are missing is only seen by reading
@@ -100,17 +100,17 @@ def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
 
 
 def _by_reading(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
-    """Return topics and log times by reading every message; count gaps in the numbers."""
+    """Return topics and log times by reading every message; count gaps in the sequence numbers."""
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
-    following: dict[str, int] = {}      # the number that is due
-    # our recorder numbers from 0, others begin anywhere
+    following: dict[str, int] = {}      # {topic: sequence number that is due}
+    # our recorder counts from 0, other recorders begin anywhere
     is_from_zero = 'topics' in bag.about and number_of(bag.files[0]) == 0
     start = end = None
     for raw in bag.raw():
         due = following.get(raw.topic, 0 if is_from_zero else raw.sequence)
         gap = (raw.sequence - due) & 0xFFFFFFFF
-        if gap < 1 << 31:           # numbers of 32 bits go round: else it is a step back
+        if gap < 1 << 31:           # sequence numbers of 32 bits wrap; a larger gap is a step back
             missing[raw.topic] += gap
         counts[raw.topic] += 1
         following[raw.topic] = raw.sequence + 1

@@ -4,9 +4,9 @@
 Read a bag without ROS: finished, cut by a crash, still being written, or damaged.
 
 A file is walked from record to record, so messages outside chunks and chunks without an index are
-read too; where damage hides the next record, the index at the end leads on. The mcap library reads
-each record; a chunk that is damaged costs its own messages alone. What statistics and
-metadata.yaml count is compared with what was read.
+read too; where damage hides the next record, the index at the end of the file leads on. The mcap
+library reads each record; a damaged chunk costs the messages in that chunk alone. The counts in
+statistics and metadata.yaml are compared with the count of messages read.
 
 >>> for record in records('bags/run', ['/fourbar/state']):
 ...     print(record.time, record.message.theta4)
@@ -50,10 +50,10 @@ LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
 LINE = 160                  # longest reason [characters] that is quoted of a library
 HEAD = Struct('<BQ')        # of a record: opcode, length
 MESSAGE = Struct('<HIQQ')   # channel, sequence number, log time, publish time
-# the records that are read; others are indexes and statistics
+# the records that are read; the rest are indexes and statistics
 KINDS: dict[int, Any] = {Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.MESSAGE: Message,
                          Opcode.CHUNK: Chunk, Opcode.METADATA: Metadata}
-Progress = Callable[[int], object]      # called with the number of bytes read
+Progress = Callable[[int], object]      # called with the count of bytes read
 
 
 class Raw(NamedTuple):
@@ -108,16 +108,16 @@ class Bag:
     path : str or Path
         Folder of a bag, split or not, or an .mcap file.
     progress : callable, optional
-        Called with the number of bytes read so far.
+        Called with the count of bytes read so far.
 
     Attributes
     ----------
     files : list of Path
-        The .mcap files; one for each part of a split bag.
+        The .mcap files: several in a split bag.
     is_finished : bool
-        Whether every file has its end: no crash, and no recorder at work.
+        Whether every file has an end: no crash, and no recorder at work.
     damage : list of str
-        What the last reading could not read, where and why; what is counted and was not there.
+        What the last reading could not read, with file, byte and reason; counts that disagree.
 
     """
 
@@ -127,9 +127,9 @@ class Bag:
         if not any(map(_may_be_mcap, self.files)):
             raise BagError(f'{self.files[0]}: is no MCAP file')
         self.damage: list[str] = []
-        self._messages: dict[int, int] = {}     # {number of a file: messages}, of those read whole
-        self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of each
-        # met so far, by type and definition
+        self._messages: dict[int, int] = {}     # {index of a file read whole: messages}
+        self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of a topic
+        # {(type, definition): layouts met so far}
         self._layouts: dict[tuple[str, bytes], list[MessageLayout]] = {}
 
     @property
@@ -139,17 +139,17 @@ class Bag:
 
     @property
     def is_finished(self) -> bool:
-        """Return whether every file has its end."""
+        """Return whether every file has an end."""
         return None not in self.summaries
 
     @cached_property
     def summaries(self) -> list[Summary | None]:
-        """Return the Summary of each file; None without an end, or with a damaged one."""
+        """Return the Summary of each file; None if the end is missing or damaged."""
         return [_summary(file) for file in self.files]
 
     @cached_property
     def is_consistent(self) -> bool:
-        """Return whether statistics, indexes and metadata.yaml agree: else only reading tells."""
+        """Return whether statistics, indexes and metadata.yaml agree; else the bag is read."""
         return all(map(_is_consistent, self.summaries)) and self._stated <= sum(
             summary.statistics.message_count for summary in self.summaries
             if summary and summary.statistics)
@@ -157,33 +157,33 @@ class Bag:
     @cached_property
     def about(self) -> dict[str, str]:
         """
-        Return the custom_data of the bag: scene, node, versions; empty if it has none.
+        Return the custom_data of the bag: scene, node, versions; {} without custom_data.
 
-        Of a split bag they are those of the first file; the last one says why recording ended.
+        A split bag has the custom_data of the first file; the last file says why recording ended.
         """
         first = self.about_of(0)
         last = self.about_of(-1) if len(self.files) > 1 else first
         of_the_end = 'ended', 'dropped', metadata.LOST
         return {**last, **{key: text for key, text in first.items() if key not in of_the_end}}
 
-    def about_of(self, place: int) -> dict[str, str]:
-        """Return the custom_data in a file's last metadata, in its first ones if it was cut."""
-        summary = self.summaries[place]
-        with open(self.files[place], 'rb') as stream:
-            places = (each for each in _places(stream, summary) if each[1] == Opcode.METADATA)
-            for each in reversed([*places]) if summary else places:
+    def about_of(self, index: int) -> dict[str, str]:
+        """Return the custom_data in the last metadata of a file, in the first of a cut file."""
+        summary = self.summaries[index]
+        with open(self.files[index], 'rb') as stream:
+            spans = (span for span in _record_spans(stream, summary) if span[1] == Opcode.METADATA)
+            for begin, opcode, size in reversed([*spans]) if summary else spans:
                 try:
-                    record: Any = _record_at(stream, *each)
+                    record: Any = _record_at(stream, begin, opcode, size)
                     if record.name == metadata.RECORD:
                         custom = metadata.loaded(record.metadata[metadata.KEY]).get('custom_data')
                         return {str(key): str(text) for key, text in (custom or {}).items()}
                 except Exception as error:      # of any kind, for wrong bytes
-                    self._note(place, f', at byte {each[0]}: {_reason(error)}')
+                    self._note(index, f', at byte {begin}: {_reason(error)}')
         return {}
 
     @cached_property
     def types(self) -> dict[str, str]:
-        """Return {topic: type} of all topics; '' for one without a schema."""
+        """Return {topic: type} of all topics; '' for a topic without a schema."""
         if self.is_consistent:
             return {channel.topic: summary.schemas[channel.schema_id].name
                     if channel.schema_id else ''
@@ -203,14 +203,14 @@ class Bag:
         ``topics``: only these; ``start``: only from this log time [ns] on.
         """
         self.damage, self._messages = [], {}
-        for place, file in enumerate(self.files):
-            repeated = _repeated(self.about_of(place)) if place else {}
+        for index, file in enumerate(self.files):
+            repeated = _repeated(self.about_of(index)) if index else {}
             schemas: dict[int, Schema] = {}
             channels: dict[int, tuple[Channel, Schema]] = {}
-            for record in chain.from_iterable(self.contents(place)):
+            for record in chain.from_iterable(self.contents(index)):
                 if isinstance(record, Message):         # most are
                     if record.channel_id not in channels:
-                        self.note_unknown(place, record.channel_id)
+                        self.note_unknown(index, record.channel_id)
                         continue
                     channel, schema = channels[record.channel_id]
                     topic = channel.topic
@@ -235,9 +235,9 @@ class Bag:
 
     def columns(self, topics: Collection[str] | None = None) -> Iterator[Columns]:
         """
-        Yield :class:`Columns`: the messages of each topic, many at once.
+        Yield :class:`Columns`: the messages of each topic, many messages in each.
 
-        Messages with texts or sequences of other lengths come in Columns of their own.
+        Messages whose texts or sequences differ in length come in different Columns.
         """
         waiting: dict[str, list[Raw]] = {}
         for raw in self.raw(topics):
@@ -285,7 +285,7 @@ class Bag:
                            'in ros2msg are decoded')
         try:
             return _types(schema.name, schema.data)
-        except Exception as error:      # the library has no class of its own for bad texts
+        except Exception as error:      # the library has no class for errors in texts
             raise BagError(f'{self.path}: {topic}: the definition of {schema.name} cannot be '
                            f'read: {_reason(error)}') from None
 
@@ -299,22 +299,22 @@ class Bag:
             next(self.raw([topic]), None)
         return self._topics[topic][0].metadata if topic in self._topics else {}
 
-    def check(self, place: int) -> None:
-        """Compare all bytes of a finished file with its checksum; add to ``damage``."""
-        if self.summaries[place] is None:
+    def check(self, index: int) -> None:
+        """Compare all bytes of a finished file with the checksum; add to ``damage``."""
+        if self.summaries[index] is None:
             return
-        with open(self.files[place], 'rb') as stream:
+        with open(self.files[index], 'rb') as stream:
             try:
                 for _ in StreamReader(stream, emit_chunks=True, validate_crcs=True).records:
                     pass
             except Exception as error:      # of any kind, for wrong bytes
-                self._note(place, f': {_reason(error)}')
+                self._note(index, f': {_reason(error)}')
 
     # --- a file ---------------------------------------------------------------------------------
 
     @cached_property
     def _described(self) -> Mapping[str, Any]:
-        """Return what metadata.yaml beside the files says; {} without a readable one."""
+        """Return the content of metadata.yaml beside the files; {} if it cannot be read."""
         with suppress(Exception):       # of any kind, for wrong bytes
             text = (self.files[0].parent / 'metadata.yaml').read_text(encoding='utf-8')
             described = metadata.loaded(text)['rosbag2_bagfile_information']
@@ -328,13 +328,13 @@ class Bag:
 
     @property
     def _stated(self) -> int:
-        """Return how many messages metadata.yaml counts in all files; 0 if it is not known."""
+        """Return how many messages metadata.yaml counts in all files; 0 without a count."""
         stated = self._described.get('message_count') if self.path.is_dir() else 0
         return stated if isinstance(stated, int) else 0
 
     @property
     def damage_in_short(self) -> str:
-        """Return the first damage and how much more there is; '' without any."""
+        """Return the first damage and the count of the rest; '' without damage."""
         more = f' (and {len(self.damage) - 1} more)' if len(self.damage) > 1 else ''
         return self.damage[0] + more if self.damage else ''
 
@@ -344,29 +344,29 @@ class Bag:
             raise BagError(f'{self.path}: {self.damage_in_short}; fourbar bag recover keeps the '
                            'rest')
 
-    def _note(self, place: int, text: str) -> None:
+    def _note(self, index: int, text: str) -> None:
         """Note damage of a file once."""
-        if (text := self.files[place].name + text) not in self.damage:
+        if (text := self.files[index].name + text) not in self.damage:
             self.damage.append(text)
 
-    def note_unknown(self, place: int, channel: int) -> None:
+    def note_unknown(self, index: int, channel: int) -> None:
         """Note once as damage that a channel is not described: its messages have no topic."""
-        self._note(place, f': messages of channel {channel}, which is not described')
+        self._note(index, f': messages of channel {channel}, which is not described')
 
-    def contents(self, place: int) -> Iterator[list[McapRecord]]:
+    def contents(self, index: int) -> Iterator[list[McapRecord]]:
         """
-        Yield the records of a file, those of a chunk together; note damage and go on.
+        Yield the records of a file, the records of a chunk together; note damage and go on.
 
-        At its end what was read is compared with the statistics of the file, and after the last
-        file with metadata.yaml.
+        At the end the count of messages read is compared with the statistics of the file, after
+        the last file also with metadata.yaml.
         """
-        file, summary = self.files[place], self.summaries[place]
-        before = sum(other.stat().st_size for other in self.files[:place])
+        file, summary = self.files[index], self.summaries[index]
+        before = sum(earlier.stat().st_size for earlier in self.files[:index])
         counts: Counter[int] = Counter()        # messages of each channel
         with open(file, 'rb') as stream:
             if summary:
                 yield [*summary.schemas.values(), *_described_in(summary)]
-            for begin, opcode, size in _places(stream, summary):
+            for begin, opcode, size in _record_spans(stream, summary):
                 try:
                     record = _record_at(stream, begin, opcode, size)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
@@ -374,19 +374,19 @@ class Bag:
                         content = [replace(each, data=_unzipped(each.data, LARGEST))
                                    if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
-                    self._note(place, f', at byte {begin}: {_reason(error)}')
+                    self._note(index, f', at byte {begin}: {_reason(error)}')
                     continue
                 counts.update([each.channel_id for each in content if isinstance(each, Message)])
                 self._progress(before + stream.tell())
                 yield content
-        self._messages[place] = messages = sum(counts.values())
+        self._messages[index] = messages = sum(counts.values())
         statistics = summary.statistics if summary else None
         if statistics and statistics.message_count != messages:
-            self._note(place, f': holds {messages} messages that can be read, its statistics '
+            self._note(index, f': holds {messages} messages that can be read, its statistics '
                               f'count {statistics.message_count}')
         for channel, count in statistics.channel_message_counts.items() if statistics else ():
             if counts[channel] != count:
-                self._note(place, f': holds {counts[channel]} messages of channel {channel} that '
+                self._note(index, f': holds {counts[channel]} messages of channel {channel} that '
                                   f'can be read, its statistics count {count}')
         read = sum(self._messages.values())
         if len(self._messages) == len(self.files) and read < self._stated:
@@ -399,7 +399,7 @@ def records(path: str | Path, topics: Collection[str] | None = None, start: int 
     """
     Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`.
 
-    Behind the last one that can be read BagError says what could not.
+    After the last record that can be read, BagError names the damage.
     """
     bag = Bag(path)
     yield from bag.records(topics, start)
@@ -408,19 +408,19 @@ def records(path: str | Path, topics: Collection[str] | None = None, start: int 
 
 @lru_cache
 def _types(name: str, definition: bytes) -> Typestore:
-    """Return the types that a definition gives; to read it takes 10 ms and more."""
+    """Return the types that a definition gives; reading a definition takes 10 ms and more."""
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(definition.decode(), name))
     return store
 
 
-def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, int, int]]:
+def _record_spans(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, int, int]]:
     """
     Yield (first byte, kind, size [bytes]) of the records of a file that are read.
 
-    Each head tells where the next record begins. The index of a finished file, if it has one,
-    knows better where chunks and metadata are, so it leads on behind a damaged head, which is
-    yielded as kind 0; without an index nothing can be found behind one.
+    The head of a record tells where the next record begins. The index of a finished file, if
+    there is one, is more reliable about chunks and metadata, so the walk goes on at the index
+    behind a damaged head, which is yielded as kind 0; without an index the walk ends there.
     """
     known = _indexed(summary) if summary else {}
     starts = sorted(known)
@@ -428,10 +428,10 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
     begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
     while begin + HEAD.size <= end:
         after = bisect(starts, begin)
-        limit = starts[after] if after < len(starts) else end       # no record goes beyond it
+        limit = starts[after] if after < len(starts) else end   # no record goes beyond this byte
         if begin in known:
             opcode, size, behind = known[begin]
-            limit = end             # ... but those that a wrong index tells
+            limit = end             # ... but a wrong index may say so
         else:
             stream.seek(begin)
             opcode, length = HEAD.unpack(stream.read(HEAD.size))
@@ -439,7 +439,7 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
         if opcode == Opcode.DATA_END:       # a damaged summary follows, unless this is the damage
             kinds = [Opcode.CHUNK]
         if begin + size > limit or summary and not opcode:
-            if summary or size > LARGEST:       # else it was cut in this record
+            if summary or size > LARGEST:       # else the file was cut in this record
                 yield begin, 0, size
             begin = limit
             continue
@@ -452,13 +452,13 @@ def _places(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, in
 
 def _indexed(summary: Summary) -> dict[int, tuple[int, int, int]]:
     """Return {first byte: (kind, size, size of the message index behind it)} by an index."""
-    places = [(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length,
-               index.message_index_length) for index in summary.chunk_indexes]
-    places += [(index.offset, Opcode.METADATA, index.length, 0)
-               for index in summary.metadata_indexes]
-    places += [(index.offset, Opcode.ATTACHMENT, index.length, 0)
-               for index in summary.attachment_indexes]
-    return {begin: (kind, size, behind) for begin, kind, size, behind in places
+    spans = [(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length,
+              index.message_index_length) for index in summary.chunk_indexes]
+    spans += [(index.offset, Opcode.METADATA, index.length, 0)
+              for index in summary.metadata_indexes]
+    spans += [(index.offset, Opcode.ATTACHMENT, index.length, 0)
+              for index in summary.attachment_indexes]
+    return {begin: (kind, size, behind) for begin, kind, size, behind in spans
             if size > HEAD.size}
 
 
@@ -473,7 +473,7 @@ def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapReco
 
 
 def _unpacked(chunk: Chunk) -> list[McapRecord]:
-    """Return the records in a chunk, checked by its CRC."""
+    """Return the records in a chunk, checked by the CRC."""
     if chunk.uncompressed_size > LARGEST:
         raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
     if chunk.compression not in ('', 'lz4', 'zstd'):
@@ -483,16 +483,16 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
     stream, size = get_chunk_data_stream(chunk, validate_crc=True)
     if size != chunk.uncompressed_size:
         raise ValueError(f'a chunk of {size} bytes that says {chunk.uncompressed_size}')
-    content, found, begin = stream.read(size), [], 0
+    content, records, begin = stream.read(size), [], 0
     while begin < size:
         opcode, length = HEAD.unpack_from(content, begin)
         begin, end = begin + HEAD.size, begin + HEAD.size + length
         if end > size:
             raise ValueError('a record that goes beyond its chunk')
         if opcode in KINDS:
-            found.append(_parsed(opcode, content, begin, end))
+            records.append(_parsed(opcode, content, begin, end))
         begin = end
-    return found
+    return records
 
 
 def _unzipped(data: bytes, most: int) -> bytes:
@@ -503,7 +503,7 @@ def _unzipped(data: bytes, most: int) -> bytes:
 
 
 def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
-    """Return the record of a kind that stands between two bytes, behind its head."""
+    """Return the record of a kind whose content, without the head, is between two bytes."""
     if opcode == Opcode.MESSAGE:        # most are
         channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
         return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)
@@ -512,13 +512,13 @@ def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
 
 
 def _may_be_mcap(file: Path) -> bool:
-    """Return whether a file begins as one of MCAP does, or was cut in its first bytes."""
+    """Return whether a file begins as MCAP files do, or was cut in the first bytes."""
     with open(file, 'rb') as stream:
         return bytes(MCAP0_MAGIC).startswith(stream.read(len(MCAP0_MAGIC)))
 
 
 def _summary(file: Path) -> Summary | None:
-    """Return the end of a finished file if its checksum is right, else None."""
+    """Return the summary at the end of a finished file if the checksum is right, else None."""
     with open(file, 'rb') as stream, suppress(Exception):       # of any kind, for wrong bytes
         stream.seek(-37, SEEK_END)      # opcode and length, footer, magic
         opcode, _, start, _, stated, magic = unpack('<BQQQI8s', stream.read(37))
@@ -534,7 +534,7 @@ def _summary(file: Path) -> Summary | None:
 
 
 def _is_consistent(summary: Summary | None) -> bool:
-    """Return whether a file has its end, and statistics and indexes there that agree."""
+    """Return whether a file has an end whose statistics and indexes agree."""
     statistics = summary.statistics if summary else None
     if summary is None or statistics is None:
         return False
@@ -545,7 +545,7 @@ def _is_consistent(summary: Summary | None) -> bool:
 
 
 def _described_in(summary: Summary) -> list[Channel]:
-    """Return the channels of an index whose schemas are there too; a writer may leave them out."""
+    """Return the channels of an index whose schemas are in it too; a writer may omit schemas."""
     return [channel for channel in summary.channels.values()
             if not channel.schema_id or channel.schema_id in summary.schemas]
 
@@ -554,29 +554,29 @@ def _reason(error: Exception) -> str:
     """Return in a few words why bytes cannot be read, by the error of a library."""
     if isinstance(error, CRCValidationError):
         return 'its checksum is wrong'
-    if isinstance(error, UnicodeDecodeError):       # its text holds all that was decoded
+    if isinstance(error, UnicodeDecodeError):       # whose text quotes all that was decoded
         return 'a text is not UTF-8'
     text = ' '.join(str(error)[:10 * LINE].split()) or type(error).__name__
     return text if len(text) <= LINE else f'{text[:LINE]}...'
 
 
 def software_of(about: Mapping[str, str]) -> dict[str, str]:
-    """Return {name: version} of what recorded a bag, from its custom_data; {} if not known."""
+    """Return {name: version} of the software that recorded a bag; {} if not known."""
     with suppress(ValueError):
-        found = json.loads(about.get('software', ''))
-        if isinstance(found, dict):
-            return {name: str(version) for name, version in found.items()}
+        versions = json.loads(about.get('software', ''))
+        if isinstance(versions, dict):
+            return {name: str(version) for name, version in versions.items()}
     return {}
 
 
 def _repeated(about: Mapping[str, str]) -> dict[str, int]:
     """
-    Return {topic: number of its first new message} of a later file of a split bag.
+    Return {topic: sequence number of the first new message} of a later file of a split bag.
 
-    Version 1 began each file with the newest message of every topic, under its old number.
+    Version 1 began each file with the newest message of every topic, numbered as before.
     """
     try:
-        numbers = json.loads(about['numbers'])
-        return {topic: int(numbers[topic][0]) for topic in json.loads(about['repeats'])}
+        sequences = json.loads(about['numbers'])
+        return {topic: int(sequences[topic][0]) for topic in json.loads(about['repeats'])}
     except (KeyError, TypeError, ValueError, IndexError):
         return {}

@@ -3,10 +3,11 @@
 """
 Compute every recorded output again, from the driven motion and the scene, and compare.
 
-Both are in the bag: the motion as messages, the scene as its first message and again after every
-change. A motion and its outputs have one stamp. In a bag of the node an output follows its motion;
-in a bag of ``ros2 bag record`` it may also come first, so messages wait until both are there; and
-its joint states may be of a robot or of other nodes: those with other names are no outputs.
+The bag has the motion as messages, and the scene as the first message and again after every
+change. A motion and the outputs computed from it have the same stamp. In a bag of the node an
+output follows the motion; in a bag of ``ros2 bag record`` it may also come before, so messages
+wait until both are read. There, joint states may come from a robot or another node too: joint
+states of joints that the scene does not name are no outputs.
 """
 from __future__ import annotations
 
@@ -68,13 +69,13 @@ class Recomputed(NamedTuple):
     compared: int               # outputs that were computed again from them
     unmatched: int              # outputs whose motion is not in the bag
     missing: int                # outputs that a motion should have and has not
-    doubled: int                # outputs that a motion has once more
+    doubled: int                # outputs beyond the first of a motion
     skipped: dict[str, int]     # {reason: outputs that could not be compared}
-    # states of a drive that were computed again by a step from the one before; those at a start or
-    # of another version of the integrator have their accelerations and torques compared
+    # states of a drive that were computed again by a step from the state before; of states at a
+    # start or by another version of the integrator, accelerations and torques are compared
     stepped: int
-    is_cut: bool                # the recording broke off: the bag has no end
-    made_by: str = ''           # version of fourbar_ros that recorded it; '' if not known
+    is_cut: bool                # a file of the bag has no end: the recording broke off
+    made_by: str = ''           # version of fourbar_ros that recorded the bag; '' if not known
 
     @property
     def largest(self) -> float:
@@ -82,7 +83,7 @@ class Recomputed(NamedTuple):
         return max((difference.largest for difference in self.differences), default=0.0)
 
     def problems(self, tolerance: float = 0.0) -> list[str]:
-        """Return the faults of a bag, one text each; differences up to ``tolerance`` are none."""
+        """Return a text for each fault of a bag; differences up to ``tolerance`` are no fault."""
         counts = ((self.unmatched, 'outputs without their motion'),
                   (self.missing, 'outputs missing'), (self.doubled, 'outputs more than once'))
         texts = [f'{count} {text}' for count, text in counts if count]
@@ -98,8 +99,8 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     """
     Compute all outputs of a bag again from their driven motions and compare field by field.
 
-    Differences are absolute; NaN against NaN is none, NaN against a number infinite. Memory hardly
-    grows with the bag. ``node``: its name, if a bag of ``ros2 bag`` has several. Raises BagError.
+    Differences are absolute; of NaN and NaN 0, of NaN and a number infinite. Memory hardly grows
+    with the bag. ``node``: the name, if a bag of ``ros2 bag`` has several nodes. Raises BagError.
     """
     bag = Bag(path, progress)
     origin = origin_of(bag, node)
@@ -109,7 +110,7 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
             recomputation.take(raw)
         bag.refuse_damage()
         return recomputation.finished()
-    except AttributeError as error:     # a message decodes by any definition that a bag may hold
+    except AttributeError as error:     # a bag may define our types differently
         raise BagError(f'{bag.path}: a definition of a message is not ours: {error}') from None
 
 
@@ -124,15 +125,15 @@ class Recomputation:
         self._counts: Counter[str] = Counter()      # messages of each output that were compared
         self._skipped: Counter[str] = Counter()
         self._inputs = self._unmatched = 0
-        # of each output, for each motion: messages in the bag, whether there should be one
-        self._found: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
-        # not yet computed: motions (log time, message); what acts from one on, by its number
+        # of each output, by motion: count of messages in the bag, whether one is due
+        self._presence: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
+        # not yet computed: motions (log time, message); what acts from a motion on, with its index
         self._motions: list[tuple[int, Any]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
         # not yet compared: outputs (how many motions before it in the bag, log time, data)
         self._outputs: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
         self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
-        self._changes: list[int] = []           # log times [ns] of new scenes and what acts
+        self._changes: list[int] = []           # log times [ns] of new scenes and acting inputs
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
@@ -197,31 +198,31 @@ class Recomputation:
 
     def _act(self, name: str, time: int, message: Any) -> None:
         """Let the wrench in effect on a link, or the motion of the base, act from here on."""
-        what: ActingInput
+        acting: ActingInput
         if name == BASE.name:
-            what = Base(message.force_x, message.force_y, message.rate, message.acceleration)
+            acting = Base(message.force_x, message.force_y, message.rate, message.acceleration)
         else:
             force, torque = message.wrench.force, message.wrench.torque
-            what = Wrench(force.x, force.y, torque.z)
-        if what != self._acting.get(name):
+            acting = Wrench(force.x, force.y, torque.z)
+        if acting != self._acting.get(name):
             self._changes.append(time)
-        self._acting[name] = what
-        self._acts.append((self._inputs, name, what))
+        self._acting[name] = acting
+        self._acts.append((self._inputs, name, acting))
         if self._drive_states:
-            self._drive_states.act(name, what)
+            self._drive_states.act(name, acting)
 
     def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> Motions:
         """
         Return the next motions with the values that their outputs should have.
 
-        They are computed one by one, as in the node: arrays may differ in the last bit. ``first``:
-        number of the first one.
+        Each motion is computed alone, as in the node: arrays may differ in the last bit.
+        ``first``: index of the first motion in the bag.
         """
         stepper, modes, rows = self._stepper, self._scene.linkage.modes_passed, []
-        for number, (time, message) in enumerate(motions, first):
-            while self._acts and self._acts[0][0] <= number:
-                _, name, what = self._acts.popleft()
-                stepper.act(name, what)
+        for index, (time, message) in enumerate(motions, first):
+            while self._acts and self._acts[0][0] <= index:
+                _, name, acting = self._acts.popleft()
+                stepper.act(name, acting)
                 self._untold.discard(name)
             stamp = _stamp_of(message)
             mode = self._modes.pop(stamp, stepper.mode)
@@ -245,18 +246,18 @@ class Recomputation:
     # --- outputs --------------------------------------------------------------------------------
 
     def _compare(self, count: int) -> None:
-        """Compare the outputs of the first ``count`` motions; those of later motions wait."""
+        """Compare the outputs of the first ``count`` motions; outputs of later motions wait."""
         first = self._inputs - len(self._motions)       # motions before them in the bag
-        part, self._motions = self._motions[:count], self._motions[count:]
-        motions = self._evaluated(first, part)
+        block, self._motions = self._motions[:count], self._motions[count:]
+        motions = self._evaluated(first, block)
         for name in self._topics:
             self._compare_output(name, motions)
-        if part:
-            newest = part[-1][0]
+        if block:
+            newest = block[-1][0]
             self._changes = [time for time in self._changes if time > newest - UNSETTLED]
 
     def _begin_joints(self, scene_joints: SceneJoints, message: Any) -> None:
-        """Begin in the turns of the first joint states: they go on from before the bag."""
+        """Begin in the turns of the first joint states, which go on from before the bag."""
         if message.name == self._scene.names_shown and np.isfinite(message.position).all():
             scene_joints.follow(dict(zip(self._scene.joints_shown, message.position)))
             self._joints_have_begun = True
@@ -268,13 +269,13 @@ class Recomputation:
         return NEAR_A_CHANGE if is_near else ''
 
     def _compare_output(self, name: str, motions: Motions) -> None:
-        """Compare the messages of an output with their motions; keep those of later motions."""
+        """Compare the messages of an output with their motions; keep outputs of later motions."""
         topic, waiting = self._origin.topics.get(name, ''), self._outputs.pop(name, [])
         later = set() if self._origin.in_order else {
             _stamp_of(message) for _, message in self._motions}
         counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
-        parts = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
-        for rows, records in parts:
+        arrays = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
+        for rows, records in arrays:
             if name == JOINT_STATES and not self._origin.in_order:
                 are_ours = _are_of(records, self._scene.names_shown)
                 rows, records = rows[are_ours], records[are_ours]
@@ -283,33 +284,36 @@ class Recomputation:
             outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
             if stamps is None:
                 raise BagError(f'{self._bag.path}: {topic} has no header')
-            its = motions.of_outputs(np.array([before for before, *_ in outputs]), stamps, later)
-            self._outputs[name] += [outputs[row] for row in np.flatnonzero(its == LATER)]
-            for row in np.flatnonzero(its == NOWHERE):
+            before = np.array([before for before, *_ in outputs])
+            indices = motions.of_outputs(before, stamps, later)
+            self._outputs[name] += [outputs[row] for row in np.flatnonzero(indices == LATER)]
+            for row in np.flatnonzero(indices == NOWHERE):
                 self._without_motion(name, records[row:row + 1], outputs[row][1])
-            is_known = its >= 0
+            is_known = indices >= 0
             if is_known.any():
-                np.add.at(counts, its[is_known], 1)
-                self._compare_records(name, records[is_known], motions, its[is_known])
+                np.add.at(counts, indices[is_known], 1)
+                self._compare_records(name, records[is_known], motions, indices[is_known])
         if len(counts) and (self._origin.in_order or topic):
             needed = motions.values[:, self._scene.needed_for(name)]
             # joint_states may be left out where a position is unknown
-            self._found[name].append((counts, ~np.isnan(needed).any(axis=1) & (motions.why == '')))
+            is_due = ~np.isnan(needed).any(axis=1) & (motions.why == '')
+            self._presence[name].append((counts, is_due))
 
-    def _compare_records(self, name: str, records: Array, motions: Motions, its: Array) -> None:
-        """Note the differences of messages from the values of their motions; skip some."""
-        why = motions.why[its]
+    def _compare_records(self, name: str, records: Array, motions: Motions, indices: Array
+                         ) -> None:
+        """Note differences of messages from the values of their motions; skip unsure motions."""
+        why = motions.why[indices]
         for reason in set(why.tolist()) - {''}:
             self._skipped[reason] += int(np.count_nonzero(why == reason))
-        records, its = records[why == ''], its[why == '']
-        self._counts[name] += len(its)
+        records, indices = records[why == ''], indices[why == '']
+        self._counts[name] += len(indices)
         fields = set(records.dtype.names or ())     # a bag of an older version may have fewer
-        expectations = {**self._scene.layout.expected(name, motions.values[its].T),
-                        'status': motions.status[its], 'mode': motions.modes[its],
+        expectations = {**self._scene.layout.expected(name, motions.values[indices].T),
+                        'status': motions.status[indices], 'mode': motions.modes[indices],
                         **self._constant}
         for field, value in expectations.items():
             if field in fields:
-                self._note(name, field, largest_difference(_rows(value, len(its)),
+                self._note(name, field, largest_difference(_rows(value, len(indices)),
                                                            records[field]))
 
     def _without_motion(self, name: str, record: Array, time: int) -> None:
@@ -348,31 +352,31 @@ class Recomputation:
             software_of(self._bag.about).get('fourbar_ros', ''))
 
     def _missing_and_doubled(self) -> tuple[int, int]:
-        """Return how many outputs their motions lack, and how many they have once more."""
+        """Return how many outputs their motions lack, and how many outputs are doubled."""
         missing = doubled = 0
-        for parts in self._found.values():
-            counts, is_due = map(np.concatenate, zip(*parts))
+        for blocks in self._presence.values():
+            counts, is_due = map(np.concatenate, zip(*blocks))
             doubled += int(np.maximum(counts - 1, 0).sum())
             begin, end = 0, len(counts)
-            found = np.flatnonzero(counts)
-            if not self._origin.in_order and len(found):     # others may record a part of a run
-                begin = found[0]
+            present = np.flatnonzero(counts)
+            if not self._origin.in_order and len(present):   # rosbag2 may begin within a run
+                begin = present[0]
             if not (self._origin.in_order and self._bag.is_finished):
-                end = found[-1] if len(found) else 0        # the end of a cut bag may lack some
+                end = present[-1] if len(present) else 0    # the end of a cut bag may lack outputs
             missing += int(np.count_nonzero((is_due & (counts == 0))[begin:end]))
         return missing, doubled
 
 
-NOWHERE, LATER = -1, -2     # in place of the index of a motion: not in the bag, in a later block
+NOWHERE, LATER = -1, -2     # instead of the index of a motion: not in the bag, in a later block
 
 
 class Motions(NamedTuple):
     """
     Driven motions that were evaluated; all arrays have shape (n,).
 
-    How many motions are before them in the bag; stamps [ns], assembly modes, statuses, why their
-    outputs cannot be compared (empty: they can); ``values`` of shape (n, values) are those of the
-    scene's FieldMap.
+    ``first``: index of the first motion in the bag; stamps [ns], assembly modes, statuses;
+    ``why``: reason why the outputs cannot be compared (empty: they can); ``values``, of shape
+    (n, values): in the order of the FieldMap of the scene.
     """
 
     first: int
@@ -386,25 +390,27 @@ class Motions(NamedTuple):
         """
         Return the index of each output's motion, or LATER, or NOWHERE.
 
-        It is the last of the motions ``before`` the output, so many in the whole bag. If that has
-        another stamp, as in a bag of ``ros2 bag``, which mixes topics, it is the last motion of
-        the output's stamp; ``later``: stamps of motions that follow these.
+        It is the last motion before the output; ``before``: how many motions are before each
+        output in the bag. If the stamps differ, as in a bag of ``ros2 bag``, which mixes topics,
+        it is the last motion of the stamp of the output; ``later``: stamps of motions that follow
+        these.
         """
-        found, count = before - 1 - self.first, len(self.stamps)
-        is_found = (found >= 0) & (found < count)
-        is_found[is_found] = self.stamps[found[is_found]] == stamps[is_found]
-        of_stamp = {} if is_found.all() else dict(zip(self.stamps.tolist(), range(count)))
-        for row in np.flatnonzero(~is_found):
-            stamp, is_behind = int(stamps[row]), found[row] >= count or int(stamps[row]) in later
-            found[row] = of_stamp.get(stamp, LATER if is_behind else NOWHERE)
-        return found
+        indices, count = before - 1 - self.first, len(self.stamps)
+        is_same = (indices >= 0) & (indices < count)
+        is_same[is_same] = self.stamps[indices[is_same]] == stamps[is_same]
+        of_stamp = {} if is_same.all() else dict(zip(self.stamps.tolist(), range(count)))
+        for row in np.flatnonzero(~is_same):
+            stamp = int(stamps[row])
+            is_behind = indices[row] >= count or stamp in later
+            indices[row] = of_stamp.get(stamp, LATER if is_behind else NOWHERE)
+        return indices
 
 
 def largest_difference(a: Array, b: Array) -> float:
     """
     Return the largest |a - b| of two arrays of numbers, or of texts, which differ by infinity.
 
-    NaN equals NaN, since both then say "unknown"; NaN against a number is infinite.
+    NaN equals NaN, since both say "unknown"; NaN and a number differ by infinity.
     """
     if a.shape != b.shape:
         return inf
@@ -420,12 +426,12 @@ def largest_difference(a: Array, b: Array) -> float:
 def _rows(value: Any, count: int) -> Array:
     """Return what ``count`` messages should have: a number or text for all, an array, a tuple."""
     if isinstance(value, tuple):
-        return np.stack([np.broadcast_to(part, count) for part in value], axis=1)
+        return np.stack([np.broadcast_to(item, count) for item in value], axis=1)
     return np.broadcast_to(value.encode() if isinstance(value, str) else value, count)
 
 
 def names_in(records: Array) -> list[str]:
-    """Return the fields of JointStates that hold the names of the joints; [] of other types."""
+    """Return the fields of JointStates that hold the names of the joints; [] for other types."""
     return [field for field in records.dtype.names or () if field.startswith('name[')]
 
 
@@ -443,8 +449,8 @@ def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
     """
     Return whether the node sent an output because its input had stopped.
 
-    Its status says so; a message without a status is all NaN then. joint_states may hold
-    positions meanwhile, so its velocities alone are asked.
+    The status of the output says so; an output without a status is all NaN then. joint_states may
+    hold positions meanwhile, so velocities alone are checked.
     """
     if 'status' in (record.dtype.names or ()):
         return bool(record['status'][0] == INPUT_TIMEOUT)

@@ -57,14 +57,14 @@ class BagWriter:
         is never touched.
     channels : list of Channel
     about : dict of str
-        Kept with the bag (custom_data), so that it explains itself.
+        Kept with the bag as custom_data.
     split_size, split_duration : float
         The bag goes on in a new file beyond so many bytes or seconds; 0: never.
     tell : callable, optional
         Called with one line of text when recording stops by itself and when messages are first
         dropped.
     clock : callable, optional
-        Returns the log time [ns]; by default one that never goes back.
+        Returns the log time [ns]; the default clock never goes back.
 
     Attributes
     ----------
@@ -91,13 +91,13 @@ class BagWriter:
         self._channels, self._tell = channels, tell or (lambda text: None)
         self._about = {str(key): str(value) for key, value in about.items()}
         self._split_size, self._split_duration = split_size, split_duration
-        self._sequence = [0] * len(channels)        # numbers given, to dropped messages too
+        self._sequence = [0] * len(channels)        # next sequence numbers; dropped messages count
         self._queue: deque[_Waiting | tuple[str, str]] = deque()    # the tuples: of note()
         self._bytes_in = self._bytes_out = 0        # each is changed by one thread alone
         self._lock, self._is_closed = threading.Lock(), threading.Event()
         self._is_taking = True
-        self._before: list[FileContent] = []        # of the files before
-        self._ended: deque[BagFile] = deque()       # those among them that are not synced yet
+        self._before: list[FileContent] = []        # the files that are finished
+        self._ended: deque[BagFile] = deque()       # finished files that are not synced yet
         self._syncing = threading.Lock()
         self._make_folder()
         self._threads = [threading.Thread(target=job, name=title, daemon=True)
@@ -106,7 +106,7 @@ class BagWriter:
             thread.start()
 
     def _make_folder(self) -> None:
-        """Make the folder with its first file, or leave nothing behind."""
+        """Make the folder with the first file, or leave nothing behind."""
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.path.mkdir()
@@ -130,24 +130,24 @@ class BagWriter:
         return len(self._queue)
 
     def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
-        """Take one serialised message of a channel, by its number, as :meth:`write_all`."""
-        return self.write_all([(channel, bytes(data))])     # a copy: its owner may change it
+        """Take one serialised message of a channel (an index), as :meth:`write_all`."""
+        return self.write_all([(channel, bytes(data))])     # a copy: the caller may reuse it
 
     def write_all(self, messages: Sequence[tuple[int, bytes]]) -> bool:
         """
-        Take the messages, (number of the channel, bytes), of one step, or drop them all.
+        Take the messages (index of the channel, bytes) of one step, or drop them all.
 
-        It never waits, and checks no argument: a node calls it at every step. Return whether they
-        were taken: not if the queue is full, recording has stopped by an error, or the bag is
-        closed.
+        The call never waits and checks no argument: a node calls it at every step. Return whether
+        the messages were taken: not if the queue is full, recording has stopped by an error, or
+        the bag is closed.
         """
         with self._lock:
             if not self._is_taking:
                 return False
             now = self.clock()
-            numbered = []
+            waiting = []
             for channel, data in messages:
-                numbered.append(_Waiting(channel, self._sequence[channel], now, data))
+                waiting.append(_Waiting(channel, self._sequence[channel], now, data))
                 self._sequence[channel] = (self._sequence[channel] + 1) & 0xFFFFFFFF    # 32 bits
             size = sum(len(data) for _, data in messages)
             is_full = (len(self._queue) + len(messages) > MOST_MESSAGES
@@ -158,7 +158,7 @@ class BagWriter:
             else:
                 self.accepted += len(messages)
                 self._bytes_in += size
-                self._queue.extend(numbered)
+                self._queue.extend(waiting)
         if is_first:
             self._tell(f'{self.path}: the disk is too slow, messages are dropped')
         return not is_full
@@ -219,7 +219,7 @@ class BagWriter:
     def _flush(self) -> None:
         """Hand all waiting messages to the kernel, as whole chunks."""
         is_first = self._part.span is None
-        for place in range(len(self._queue)):
+        for index in range(len(self._queue)):
             item = self._queue.popleft()
             if not isinstance(item, _Waiting):
                 self._about[item[0]] = item[1]
@@ -228,14 +228,14 @@ class BagWriter:
                 self._next_part()
             self._part.add(item)
             self._bytes_out += len(item.data)
-            if place % BITE == 0:
+            if index % BITE == 0:
                 time.sleep(0.0)
         self._part.flush()
         if is_first and self._part.span:        # rosbag2 plays from the start in metadata.yaml
             self._write_metadata()
 
     def _is_full(self, now: int) -> bool:
-        """Return whether a message of this time [ns] belongs into a new file: no step is torn."""
+        """Return whether a message of this time [ns] goes into a new file; a step is not torn."""
         part = self._part
         if not part.span or part.span[1] == now or self._is_closed.is_set():    # close() waits
             return False
@@ -244,7 +244,7 @@ class BagWriter:
             or self._split_duration and now - part.span[0] >= self._split_duration * 1e9)
 
     def _next_part(self) -> None:
-        """Finish the file and go on in a new one; the other thread waits for the disk."""
+        """Finish the file and go on in a new file; the thread that syncs waits for the disk."""
         old = self._part
         old.about['dropped'] = str(self.dropped)
         old.finish(SPLIT)
@@ -267,7 +267,7 @@ class BagWriter:
         metadata.write(self.path, metadata.of_files([*self._before, self._part.content()]))
 
     def _look(self) -> None:
-        """Stop if the file was lost; end the bag while there is still room for its end."""
+        """Stop if the file was lost; finish the bag while the disk still has room for that."""
         try:
             there = os.stat(self._part.path)
         except FileNotFoundError:
@@ -281,7 +281,7 @@ class BagWriter:
             self._give_up(f'{NO_ROOM}; the bag is whole, {self.accepted} messages')
 
     def _guarded(self, action: Callable[[], object]) -> None:
-        """Run an action on the file; an error ends the file at its last whole chunk."""
+        """Run an action on the file; after an error the file ends with the last whole chunk."""
         try:
             action()
         except Exception as error:      # of any kind: the thread must not end without a word
@@ -298,7 +298,7 @@ class BagWriter:
 
 
 class _File:
-    """A file without a buffer: after a failed write nothing is left that could come later."""
+    """A file without a buffer: after a failed write no rest waits to be written later."""
 
     def __init__(self, path: Path) -> None:
         self._file = open(path, 'xb', buffering=0)
@@ -318,12 +318,12 @@ class BagFile:
     """
     One file of a bag being written: ``size`` [bytes], ``span`` of log times [ns], or None.
 
-    ``about`` is its custom_data.
+    ``about`` is the custom_data of the file.
     """
 
-    def __init__(self, folder: Path, number: int, channels: Sequence[Channel],
+    def __init__(self, folder: Path, index: int, channels: Sequence[Channel],
                  about: Mapping[str, str]) -> None:
-        self.path = folder / f'{folder.name}_{number}.mcap'
+        self.path = folder / f'{folder.name}_{index}.mcap'
         self.file = _File(self.path)
         self.about, self._channels = dict(about), channels
         self._counts, self._pending = [0] * len(channels), 0
@@ -356,19 +356,19 @@ class BagFile:
         self._whole, self._pending = self.file.tell(), 0
 
     def finish(self, why: str) -> None:
-        """Write the end of the file, which says why it ended."""
+        """Write the end of the file, which says why the file ended."""
         self.about['ended'] = why
         self._describe()
         self._writer.finish()
         self._whole = self.file.tell()
 
     def cut(self) -> None:
-        """Take back what is not whole, and write no more."""
+        """Cut the file behind the last whole chunk."""
         with contextlib.suppress(OSError):
             os.ftruncate(self.file.fileno(), self._whole)
 
     def content(self) -> FileContent:
-        """Return what is in the file so far."""
+        """Return the content of the file so far."""
         return FileContent(self.path.name, [
             TopicCount(channel.topic, channel.type, 'cdr', channel.metadata, count)
             for channel, count in zip(self._channels, self._counts)], self.span, self.about)

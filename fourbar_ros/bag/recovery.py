@@ -19,7 +19,7 @@ CHUNK = 2**16       # [bytes] unpacked; the recorder ends a chunk after 0.1 s
 
 
 class Recovered(NamedTuple):
-    """The new bag, its number of messages, what could not be read, whether the old was whole."""
+    """The new bag: path, count of messages, damage of the old bag, whether that was whole."""
 
     path: Path
     messages: int
@@ -33,17 +33,17 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
     Copy every readable message of a bag into a new bag with index, statistics and metadata.
 
     ``path`` is a folder or .mcap file, cut or not; ``out`` the folder of the new bag, by default
-    ``NAME_recovered`` beside the old one. It stands there only when it is whole; the old bag is
-    only read. ``progress`` is called with the number of bytes read. Raises BagError if nothing can
-    be read, or the new bag exists.
+    ``NAME_recovered`` beside the old bag. The new bag appears only when it is whole; the old bag
+    is only read. ``progress`` is called with the count of bytes read. Raises BagError if nothing
+    can be read, or the new bag exists.
     """
     bag = Bag(path, progress)
     out = Path(out) if out else beside(bag.path)
     if out.exists():
         raise BagError(f'{out}: exists already')
     with metadata.folder_beside(out) as folder:
-        files = [_copied(bag, place, folder / f'{out.name}_{metadata.number_of(file)}.mcap')
-                 for place, file in enumerate(bag.files)]
+        files = [_copied(bag, index, folder / f'{out.name}_{metadata.number_of(file)}.mcap')
+                 for index, file in enumerate(bag.files)]
         if not any(file.topics for file in files):
             raise BagError(f'{path}: nothing to recover: it holds no topic that can be read')
         whole = metadata.of_files(files)
@@ -60,21 +60,21 @@ def beside(path: Path) -> Path:
                           + '_recovered')
 
 
-def _copied(bag: Bag, place: int, path: Path) -> FileContent:
+def _copied(bag: Bag, index: int, path: Path) -> FileContent:
     """
-    Copy the readable records of a file to a new one; return what is in it.
+    Copy the readable records of a file to a new file; return the content of that.
 
-    A chunk stays a chunk. What was lost up to here stands in the custom_data under ``lost``.
+    A chunk stays a chunk. The custom_data say under ``lost`` which damage was met so far.
     """
-    about = bag.about_of(place)
+    about = bag.about_of(index)
     counts: Counter[int] = Counter()
-    schemas: dict[int, tuple[Schema, int]] = {}         # by number in the old file: new number
+    schemas: dict[int, tuple[Schema, int]] = {}         # {id in the old file: ..., new id}
     channels: dict[int, tuple[Channel, int]] = {}
     span: tuple[int, int] | None = None
     with open(path, 'xb') as stream:
         writer = Writer(stream, CHUNK, enable_data_crcs=True)
         writer.start('ros2', 'fourbar_ros recover')
-        for records in bag.contents(place):
+        for records in bag.contents(index):
             for record in records:
                 if isinstance(record, Schema) and record.id not in schemas:
                     schemas[record.id] = record, writer.register_schema(
@@ -84,7 +84,7 @@ def _copied(bag: Bag, place: int, path: Path) -> FileContent:
                     channels[record.id] = record, writer.register_channel(
                         record.topic, record.message_encoding, new, record.metadata)
                 elif isinstance(record, Message) and record.channel_id not in channels:
-                    bag.note_unknown(place, record.channel_id)
+                    bag.note_unknown(index, record.channel_id)
                 elif isinstance(record, Message):
                     time = record.log_time
                     writer.add_message(channels[record.channel_id][1], time, record.data,
@@ -95,16 +95,16 @@ def _copied(bag: Bag, place: int, path: Path) -> FileContent:
                     writer.add_metadata(record.name, record.metadata)
             if len(records) > 1:
                 writer.flush()
-        bag.check(place)
-        if bag.summaries[place] is None:
+        bag.check(index)
+        if bag.summaries[index] is None:
             about['ended'] = NO_END
         if bag.damage:
             about[metadata.LOST] = '; '.join(filter(None, (about.get(metadata.LOST),
                                                            bag.damage_in_short)))
         topics = [TopicCount(channel.topic, schemas[channel.schema_id][0].name
                              if channel.schema_id in schemas else '', channel.message_encoding,
-                             channel.metadata, counts[number])
-                  for number, (channel, _) in channels.items()]
+                             channel.metadata, counts[channel_id])
+                  for channel_id, (channel, _) in channels.items()]
         made = FileContent(path.name, topics, span, about)
         text = metadata.dumped(metadata.of_files([made]))
         writer.add_metadata(metadata.RECORD, {metadata.KEY: text})

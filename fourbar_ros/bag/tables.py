@@ -27,8 +27,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
 
     ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
     one topic; ``kind``: one of FORMATS, by default by the ending of ``out``, csv for a folder. The
-    columns are log_time [ns], header.stamp [ns] and the fields, an array's one by one, but not
-    arrays of bytes. ``out`` stands there only when it is complete. Topics that are not named and
+    columns are log_time [ns], header.stamp [ns] and the fields, each item of an array, but not
+    arrays of bytes. ``out`` appears only when it is complete. Topics that are not named and
     whose messages are not known here, as JSON, are left out; ``tell`` is called with a line for
     each. Raises BagError; MissingPackage without pyarrow.
     """
@@ -62,7 +62,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
 
 
 def _decoded(bag: Bag, tell: Callable[[str], object]) -> list[str]:
-    """Return the topics whose messages can be decoded; BagError if there are others alone."""
+    """Return the topics whose messages can be decoded; raises BagError if none can be."""
     names, left_out = [], []
     for topic in bag.types:
         try:
@@ -108,7 +108,7 @@ def table_of(columns: Columns) -> TopicTable:
 
 
 def _joined(parts: list[TopicTable]) -> TopicTable:
-    """Return tables below each other, by log times; NaN or '' where one lacks a column."""
+    """Return tables below each other, by log times; NaN or '' where a table lacks a column."""
     names = list(dict.fromkeys(name for part in parts for name in part))
     joined = {}
     for name in names:
