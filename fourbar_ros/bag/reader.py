@@ -114,8 +114,6 @@ class Bag:
     ----------
     files : list of Path
         The .mcap files: several in a split bag.
-    is_finished : bool
-        Whether every file has an end: no crash, and no recorder at work.
     damage : list of str
         What the last reading could not read, with file, byte and reason; counts that disagree.
 
@@ -139,7 +137,7 @@ class Bag:
 
     @property
     def is_finished(self) -> bool:
-        """Return whether every file has an end."""
+        """Return whether every file has an end: no crash, and no recorder at work."""
         return None not in self.summaries
 
     @cached_property
@@ -150,9 +148,18 @@ class Bag:
     @cached_property
     def is_consistent(self) -> bool:
         """Return whether statistics, indexes and metadata.yaml agree; else the bag is read."""
-        return all(map(_is_consistent, self.summaries)) and self._stated <= sum(
-            summary.statistics.message_count for summary in self.summaries
-            if summary and summary.statistics)
+        counted = 0
+        for summary in self.summaries:
+            statistics = summary.statistics if summary else None
+            if (summary is None or statistics is None
+                    or statistics.chunk_count != len(summary.chunk_indexes)
+                    or statistics.message_count and not statistics.chunk_count
+                    or statistics.channel_count != len(_described_in(summary))
+                    or statistics.message_count != sum(
+                        statistics.channel_message_counts.values())):
+                return False
+            counted += statistics.message_count
+        return self._stated <= counted
 
     @cached_property
     def about(self) -> dict[str, str]:
@@ -322,11 +329,6 @@ class Bag:
         return {}
 
     @property
-    def _is_packed(self) -> bool:
-        """Return whether rosbag2 compressed each message, as metadata.yaml says."""
-        return str(self._described.get('compression_mode')).lower() == 'message'
-
-    @property
     def _stated(self) -> int:
         """Return how many messages metadata.yaml counts in all files; 0 without a count."""
         stated = self._described.get('message_count') if self.path.is_dir() else 0
@@ -362,6 +364,7 @@ class Bag:
         """
         file, summary = self.files[index], self.summaries[index]
         before = sum(earlier.stat().st_size for earlier in self.files[:index])
+        are_packed = str(self._described.get('compression_mode')).lower() == 'message'
         counts: Counter[int] = Counter()        # messages of each channel
         with open(file, 'rb') as stream:
             if summary:
@@ -370,7 +373,7 @@ class Bag:
                 try:
                     record = _record_at(stream, begin, opcode, size)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
-                    if self._is_packed:
+                    if are_packed:          # by rosbag2, each message for itself
                         content = [replace(each, data=_unzipped(each.data, LARGEST))
                                    if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
@@ -531,17 +534,6 @@ def _summary(file: Path) -> Summary | None:
             stream.seek(0)
             return make_reader(stream).get_summary()
     return None
-
-
-def _is_consistent(summary: Summary | None) -> bool:
-    """Return whether a file has an end whose statistics and indexes agree."""
-    statistics = summary.statistics if summary else None
-    if summary is None or statistics is None:
-        return False
-    return (statistics.chunk_count == len(summary.chunk_indexes)
-            and (statistics.chunk_count > 0 or not statistics.message_count)
-            and statistics.channel_count == len(_described_in(summary))
-            and statistics.message_count == sum(statistics.channel_message_counts.values()))
 
 
 def _described_in(summary: Summary) -> list[Channel]:
