@@ -77,10 +77,10 @@ class LockStep:
         self._context = Context()            # whatever else uses ROS in this process
         self._context.init()
         name = f'{node.strip("/").replace("/", "_")}_lock_step'
-        self._own = rclpy.create_node(name, context=self._context)
+        self._client = rclpy.create_node(name, context=self._context)
         self._node, self._patience = node, patience
         self._executor = EventsExecutor(context=self._context)
-        self._executor.add_node(self._own)
+        self._executor.add_node(self._client)
         self._newest: dict[str, Message] = {}
         self._publishers: dict[str, Any] = {}
         self._heard: list[Any] = []          # subscriptions
@@ -134,7 +134,7 @@ class LockStep:
         send = self._publisher(TORQUE)
         stamp = self._stamp(time, 'the clock of a simulation only goes on', CATCH_UP)
         if self._clock is None:
-            self._clock = self._own.create_publisher(Clock, '/clock', DEPTH)
+            self._clock = self._client.create_publisher(Clock, '/clock', DEPTH)
             self._listen(DRIVE_STATE)
             self._meet(self._clock, send)
         self._be_alone(send)
@@ -151,7 +151,7 @@ class LockStep:
     def close(self) -> None:
         """Leave the node alone."""
         self._executor.shutdown()
-        self._own.destroy_node()
+        self._client.destroy_node()
         self._context.try_shutdown()
 
     def _name(self, topic: Topic) -> str:
@@ -160,7 +160,7 @@ class LockStep:
     def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> None:
         def keep(message: Message) -> None:
             self._newest[topic.name] = message
-        self._heard.append(self._own.create_subscription(resolve(topic.type), self._name(topic),
+        self._heard.append(self._client.create_subscription(resolve(topic.type), self._name(topic),
                                                          keep, qos))
 
     def _meet(self, *publishers: Any) -> None:
@@ -175,7 +175,7 @@ class LockStep:
 
     def _publisher(self, topic: Topic) -> Any:
         if topic.name not in self._publishers:
-            self._publishers[topic.name] = self._own.create_publisher(
+            self._publishers[topic.name] = self._client.create_publisher(
                 resolve(topic.type), self._name(topic), DEPTH)
         return self._publishers[topic.name]
 
@@ -199,10 +199,10 @@ class LockStep:
     def _be_alone(self, publisher: Any) -> None:
         """Raise Late if others keep sending on a topic too: answers could be to their messages."""
         end = clock.monotonic() + self._patience
-        while (others := self._own.count_publishers(publisher.topic_name) - 1) > 0:
+        while (publishers := self._client.count_publishers(publisher.topic_name) - 1) > 0:
             if clock.monotonic() > end:
-                raise Late(f'{publisher.topic_name} has {others} other publisher'
-                           f'{"s" * (others > 1)}: one LockStep alone can step a node')
+                raise Late(f'{publisher.topic_name} has {publishers} other publisher'
+                           f'{"s" if publishers > 1 else ""}: one LockStep alone can step a node')
             self._executor.spin_once(timeout_sec=AGAIN)
 
     def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: Any

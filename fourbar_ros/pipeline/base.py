@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The motion of the base, from what an inertial measurement unit on it shows."""
+"""The motion of the base, as an inertial measurement unit on it shows it."""
 from __future__ import annotations
 
 from collections import deque
@@ -48,5 +48,5 @@ class Imu:
         self._rates.append((time, turning))
         if len(self._rates) < 2:
             return Base(along_x, along_y, turning, nan)
-        points = [((its - time) * NANOSECOND, value - turning) for its, value in self._rates]
+        points = [((stamp - time) * NANOSECOND, value - turning) for stamp, value in self._rates]
         return Base(along_x, along_y, turning, Estimate(points, 1).slope)

@@ -77,13 +77,13 @@ class GearedJoint:
         self.wraps = is_within_a_turn and (self.wraps or (
             is_known and abs(position - before) > pi
             and abs(abs(position - due) - tau) < SURE + 0.5 * abs(due - before)))
-        found = continued(due, position) if self.wraps else position
+        counted = continued(due, position) if self.wraps else position
         if passed > 0.0 or is_paused or isnan(before):           # it is not late
-            step = found - before            # one of more than half a turn tells no rate
+            step = counted - before          # a step of more than half a turn tells no rate
             self._rate = velocity if isfinite(velocity) else (
                 step / passed if abs(step) <= pi and passed > 0.0 and not is_paused else nan)
-            self._time, self._position = time, found
-        return found, self.wraps and is_paused
+            self._time, self._position = time, counted
+        return counted, self.wraps and is_paused
 
 
 class SceneJoints:
@@ -98,22 +98,22 @@ class SceneJoints:
 
     def __init__(self, scene: Scene, angles: Sequence[float] | None = None,
                  is_wrapped: bool = False) -> None:
-        """Look up once where among the values of a sample each joint has its own."""
+        """Look up once which values of a sample are those of each joint."""
         layout, shown = scene.layout, scene.joint_states
-        place, joints = layout.index_of, layout.joints
+        index_of, joints = layout.index_of, layout.joints
         self.angles = list(first_angles(scene) if angles is None else angles)
         self._scales = [Scale(*pair) for pair in zip(shown.ratios, shown.offsets)]
         self._is_scaled = set(self._scales) != {Scale(1.0, 0.0)}
-        self._positions = itemgetter(*[place[joint.position] for joint, _ in joints])
-        self._rates = itemgetter(*[place[joint.rate] for joint, _ in joints])
-        # (number of the joint, place of its effort) of the driven one; others have none
-        self._efforts = [(number, place[effort]) for number, (_, effort) in enumerate(joints)
-                         if effort in place]
+        self._positions = itemgetter(*[index_of[joint.position] for joint, _ in joints])
+        self._rates = itemgetter(*[index_of[joint.rate] for joint, _ in joints])
+        # (index of the joint, index of its effort) of the driven joint; passive ones have none
+        self._efforts = [(joint, index_of[effort]) for joint, (_, effort) in enumerate(joints)
+                         if effort in index_of]
         self._holds = shown.when_unknown == 'hold'
         self._last = [nan] * len(joints)        # positions [rad, m] of the last known pose
         counts_turns = isnan(scene.drive.top_speed)
         self._turning = [] if is_wrapped else [
-            number for number, (joint, _) in enumerate(joints) if joint.unit == 'rad'
+            index for index, (joint, _) in enumerate(joints) if joint.unit == 'rad'
             and not (counts_turns and joint == scene.linkage.input_coordinate)]
 
     def of(self, values: Sequence[float]) -> tuple[float, ...]:
@@ -132,8 +132,8 @@ class SceneJoints:
                 positions[joint] = continued(last[joint], positions[joint])
         self.angles = positions if is_known else [
             before if isnan(angle) else angle for before, angle in zip(last, positions)]
-        for joint, place in self._efforts:
-            efforts[joint] = values[place] / self._scales[joint].ratio
+        for joint, index in self._efforts:
+            efforts[joint] = values[index] / self._scales[joint].ratio
         if self._is_scaled:
             positions = [ratio * x + offset for (ratio, offset), x in zip(self._scales, positions)]
             rates = [ratio * x for (ratio, _), x in zip(self._scales, rates)]
@@ -145,7 +145,7 @@ class SceneJoints:
         return (*positions, *rates, *efforts)
 
     def follow(self, positions: Mapping[int, float]) -> None:
-        """Go on from positions in a JointState, {number of a joint: position}."""
+        """Go on from positions in a JointState, {index of a joint: position}."""
         for joint, position in positions.items():
             scale = self._scales[joint]
             self.angles[joint] = (position - scale.offset) / scale.ratio
@@ -184,10 +184,10 @@ def first_angles(scene: Scene) -> list[float]:
         low, high = min(mechanism.input_ranges,
                         key=lambda ends: max(ends[0] - start, start - ends[1]))
     inputs = np.linspace(low, high, SAMPLES)
-    for number, positions in enumerate(mechanism.motion(inputs, fields=tuple(names))):
+    for joint, positions in enumerate(mechanism.motion(inputs, fields=tuple(names))):
         path = np.unwrap(positions[np.isfinite(positions)])
         turns_round = mechanism.turns_fully and abs(path[-1] - path[0]) > pi
-        if mechanism.JOINTS[number].coordinate.unit == 'rad' and not turns_round:
+        if mechanism.JOINTS[joint].coordinate.unit == 'rad' and not turns_round:
             near = path[np.argmin(abs(inputs[np.isfinite(positions)] - start))]
-            angles[number] += 0.5 * float(path.min() + path.max()) - float(near)
+            angles[joint] += 0.5 * float(path.min() + path.max()) - float(near)
     return angles

@@ -163,7 +163,7 @@ class RateEstimator:
     @property
     def noise(self) -> float:
         """Return the standard deviation of the estimated acceleration, NaN if not known yet."""
-        if self._fit is None or isnan(self._estimate[1]) or self._scatter.number < ENOUGH:
+        if self._fit is None or isnan(self._estimate[1]) or self._scatter.count < ENOUGH:
             return nan
         return self._fit.gain * sqrt(max(self._scatter.value, self._resolution**2))
 
@@ -316,13 +316,12 @@ def _without_turns(step: float, turn: float) -> float:
 
 
 class _MeanSquare:
-    """Mean square of about the newest MEMORY numbers; numbers that are not finite are left out."""
+    """Mean square of about the newest MEMORY values; those that are not finite are left out."""
 
     def __init__(self) -> None:
-        self.value, self.number = 0.0, 0
+        self.value, self.count = 0.0, 0
 
     def add(self, x: float) -> None:
-        """Take another number."""
         if isfinite(square := x * x):
-            self.number = min(self.number + 1, MEMORY)
-            self.value += (square - self.value) / self.number
+            self.count = min(self.count + 1, MEMORY)
+            self.value += (square - self.value) / self.count

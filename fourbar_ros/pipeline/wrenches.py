@@ -73,27 +73,27 @@ def loaded(linkage: Mechanism, scene: Scene, acting: Mapping[str, ActingInput]
         if isinstance(each, Base):
             linkage = linkage.with_base(each)
         else:
-            at = applied[name]
-            applied[name] = Applied(each.force_x, each.force_y, along=at.along, across=at.across,
-                                    couple=each.couple)
+            point = applied[name]
+            applied[name] = Applied(each.force_x, each.force_y, along=point.along,
+                                    across=point.across, couple=each.couple)
     return linkage.with_external(cast(External, scene.linkage.EXTERNAL(**applied)))
 
 
 DriveWrench = Callable[[Sequence[float]], tuple[float, float, float]]
 
 
-def drive_wrench(linkage: Mechanism, place: Mapping[str, int]) -> DriveWrench:
+def drive_wrench(linkage: Mechanism, index_of: Mapping[str, int]) -> DriveWrench:
     """
     Return the function values -> (force_x, force_y, torque) of the linkage on its drive.
 
     They are minus the driving torque [N m], or minus the driving force [N] in the direction of the
     slide. That is x unless the mechanism names values for its cosine and sine. All are NaN where
-    the drive is not known. ``place``: {name: index in values}.
+    the drive is not known. ``index_of``: {name: index in values}.
     """
     is_slide = linkage.is_driven_by_slide
-    drive = place['driving_force' if is_slide else 'driving_torque']
+    drive = index_of['driving_force' if is_slide else 'driving_torque']
     direction = linkage.SLIDE_DIRECTION if is_slide else None
-    axes = [place[name] for name in direction or ()]        # none: along x
+    axes = [index_of[name] for name in direction or ()]        # none: along x
 
     def wrench(values: Sequence[float]) -> tuple[float, float, float]:
         load = -values[drive]

@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Turn numbers into messages: each is made once, filled many times, serialised once.
+Turn values into messages: each is made once, filled many times, serialised once.
 
-Packing writes only the numbers of a step into bytes that ROS serialised once: serialising anew
-takes twice as long (docs/bench/node.md). The byte offset of each number is found by having ROS
-serialise known numbers, so little here depends on the wire format. Test messages must then read
+Packing writes only the values of a step into bytes that ROS serialised once: serialising anew
+takes twice as long (docs/bench/node.md). The byte offset of each value is found by having ROS
+serialise known values, so little here depends on the wire format. Test messages must then read
 back through ROS unchanged, else ROS serialises every message.
 """
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 Message = Any                   # a ROS message of whatever type
 Stamp = tuple[int, int]         # as in a message, without making one: seconds, nanoseconds
 Pack = Callable[[Stamp, int, int, Sequence[float]], bytes]     # (stamp, status, mode, values)
-_STAMP, _STATUS, _NUMBER = Struct('<iI'), Struct('<BB'), Struct('<d')
+_STAMP, _STATUS, _DOUBLE = Struct('<iI'), Struct('<BB'), Struct('<d')
 _EXTREME = nan, -1.7976931348623157e308
 
 
@@ -76,12 +76,12 @@ def filler(output: str, message: Message, layout: FieldMap
     ``values``: the floats of a step in the order of ``layout.index_of``. Where each of them goes
     (``wrench.force.x``, say) is looked up once, here, not in every step.
     """
-    scalars, arrays = [], []        # (message or part of it, attribute, index or indices)
+    scalars, arrays = [], []        # (message inside it, attribute, index or indices)
     for field, source in layout.fields[output].items():
         *path, attribute = field.split('.')
         target = message
-        for step in path:
-            target = getattr(target, step)
+        for name in path:
+            target = getattr(target, name)
         if not hasattr(target, attribute):
             continue                         # messages of an older version are installed
         if isinstance(source, tuple):
@@ -96,11 +96,11 @@ def filler(output: str, message: Message, layout: FieldMap
         message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode
-        for target, attribute, place in scalars:
-            setattr(target, attribute, values[place])
-        for target, attribute, places in arrays:
-            setattr(target, attribute, [PASSIVE_EFFORT if place is None else values[place]
-                                        for place in places])
+        for target, attribute, index in scalars:
+            setattr(target, attribute, values[index])
+        for target, attribute, indices in arrays:
+            setattr(target, attribute, [PASSIVE_EFFORT if index is None else values[index]
+                                        for index in indices])
     return fill
 
 
@@ -133,56 +133,53 @@ def packer(output: str, message: Message, layout: FieldMap) -> Pack:
 
 def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
     """
-    Return the function that writes the numbers of a step into a message's bytes.
+    Return the function that writes the values of a step into a message's bytes.
 
-    None if one of them is not found there. ``used``: indices of the ``count`` values that the
-    message holds.
+    None if the bytes of a value are not found there. ``used``: indices of the ``count`` values
+    that the message holds.
     """
-    # unlike numbers, which hardly occur elsewhere in a message
+    # values unlike each other, which hardly occur elsewhere in a message
     stamp, status, mode = (0x1B2D3F41, 0x25374959), 0xA7, 0x5C
     values = [-k - 0.7 for k in range(count)]
-    # a message whose constants stay; each step overwrites its numbers, at these offsets
+    # a message whose constants stay; each step overwrites the values, at these offsets
     buffer = bytearray(serialise(stamp, status, mode, values))
-    at_stamp = buffer.find(_STAMP.pack(*stamp))
-    at_status = buffer.find(_STATUS.pack(status, mode), at_stamp) if has_status else None
-    numbers = sorted((at, place) for place in used
-                     for at in _offsets(buffer, _NUMBER.pack(values[place])))
-    if -1 in (at_stamp, at_status) or {place for _, place in numbers} != set(used):
+    stamp_offset = buffer.find(_STAMP.pack(*stamp))
+    status_offset = buffer.find(_STATUS.pack(status, mode), stamp_offset) if has_status else None
+    doubles = []                             # (offset, index of the value)
+    for index in used:
+        data = _DOUBLE.pack(values[index])
+        offset = buffer.find(data)
+        while offset >= 0:
+            doubles.append((offset, index))
+            offset = buffer.find(data, offset + 1)
+    if -1 in (stamp_offset, status_offset) or {index for _, index in doubles} != set(used):
         return None
-    put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(numbers))
+    put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(sorted(doubles)))
 
     def pack(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
-        put_stamp(buffer, at_stamp, *stamp)
-        if at_status is not None:
-            put_status(buffer, at_status, status, mode)
-        for put, at, pick in runs:
-            put(buffer, at, *pick(values))
+        put_stamp(buffer, stamp_offset, *stamp)
+        if status_offset is not None:
+            put_status(buffer, status_offset, status, mode)
+        for put, offset, pick in runs:
+            put(buffer, offset, *pick(values))
         return bytes(buffer)
     return pack
 
 
-def _offsets(data: bytearray, part: bytes) -> Iterator[int]:
-    """Yield the offsets of a part in bytes."""
-    at = data.find(part)
-    while at >= 0:
-        yield at
-        at = data.find(part, at + 1)
-
-
-def _runs(numbers: Sequence[tuple[int, int]]
+def _runs(doubles: Sequence[tuple[int, int]]
           ) -> Iterator[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]]:
     """
     Yield (pack_into, offset, function that picks the values) for each run of adjacent doubles.
 
-    One call writes a run. ``numbers``: (offset, index of the value), sorted.
+    One call writes a run. ``doubles``: (offset, index of the value), sorted.
     """
-    size, begin = _NUMBER.size, 0
-    for end in range(1, len(numbers) + 1):
-        if end == len(numbers) or numbers[end][0] != numbers[end - 1][0] + size:
-            places = [place for _, place in numbers[begin:end]]
-            pick = (itemgetter(*places) if len(places) > 1
-                    else lambda values, place=places[0]: (values[place],))
-            yield Struct(f'<{len(places)}d').pack_into, numbers[begin][0], pick
+    size, begin = _DOUBLE.size, 0
+    for end in range(1, len(doubles) + 1):
+        if end == len(doubles) or doubles[end][0] != doubles[end - 1][0] + size:
+            indices = [index for _, index in doubles[begin:end]]
+            pick = (itemgetter(*indices) if len(indices) > 1
+                    else lambda values, index=indices[0]: (values[index],))
+            yield Struct(f'<{len(indices)}d').pack_into, doubles[begin][0], pick
             begin = end
 
 

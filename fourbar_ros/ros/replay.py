@@ -56,8 +56,8 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
         """Publish the time of the bag if that is due."""
         nonlocal ticked
         passed = time.monotonic() - begun
-        if clock and (number := int(passed * clock_rate)) != ticked:
-            ticked = number
+        if clock and (tick_count := int(passed * clock_rate)) != ticked:
+            ticked = tick_count
             now = first + round((start + passed * rate) * 1e9)
             clock.publish(Clock(clock=to_stamp(now - ahead)))
 

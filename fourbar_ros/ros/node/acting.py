@@ -46,9 +46,9 @@ class ActingInputs:
         self._newest = 0                        # stamp of the newest message of the base [ns]
         self._read_settings()
         for name, topic in self._topics.items():
-            what = 'base_malformed' if name == BASE.name else 'wrenches_malformed'
+            cause = 'base_malformed' if name == BASE.name else 'wrenches_malformed'
             entities.subscription(node, topic, entities.reader(
-                topic, partial(self._take, name), partial(troubles.count, what)), troubles)
+                topic, partial(self._take, name), partial(troubles.count, cause)), troubles)
         clock, self._time = entities.clock_of(node)
         node.create_timer(PERIOD, self._watch, clock=clock)
 
@@ -57,7 +57,7 @@ class ActingInputs:
         base = self._stream.scene.base
         settings = base.rotation, base.window, base.timeout or 1.0
         if base.topic == 'imu' and settings != self._imu_settings:    # else it keeps its rates
-            from fourbar_ros.pipeline.base import Imu  # other scenes do without
+            from fourbar_ros.pipeline.base import Imu  # imported where a scene needs it
             self._imu, self._imu_settings = Imu(*settings), settings
 
     def renew(self) -> None:
@@ -75,9 +75,9 @@ class ActingInputs:
         ours = name == BASE.name and scene.base.frame_id or scene.frame_id
         if frame not in ('', ours) and (name == BASE.name or message.wrench.force.x
                                         or message.wrench.force.y):    # a couple has no direction
-            what, kind = (('base', 'the motion of a base') if name == BASE.name
+            kind, text = (('base', 'the motion of a base') if name == BASE.name
                           else ('wrenches', 'a force'))
-            self._troubles.count(f'{what}_of_another_frame', f'{topic.topic}: {kind} in the frame '
+            self._troubles.count(f'{kind}_of_another_frame', f'{topic.topic}: {text} in the frame '
                                  f'{frame!r}, this one is {ours!r}')
             return
         acting = self._base(message) if name == BASE.name else self._wrench(name, message)

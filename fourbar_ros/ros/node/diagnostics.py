@@ -16,7 +16,7 @@ from fourbar_ros.ros.node.stream import Stream
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-if TYPE_CHECKING:      # most scenes do without
+if TYPE_CHECKING:      # imported where a scene needs it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 PERIOD = 1.0               # [s]

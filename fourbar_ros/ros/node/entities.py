@@ -121,11 +121,11 @@ def _refused(node: Node, topic: Topic) -> Iterator[None]:
     try:
         yield
     except (AssertionError, RuntimeError, TypeError, ValueError) as error:
-        given = {name: parameter.value for name, parameter
-                 in node.get_parameters_by_prefix(prefix.rstrip('.')).items()}
-        if not given:
+        overrides = {name: parameter.value for name, parameter
+                     in node.get_parameters_by_prefix(prefix.rstrip('.')).items()}
+        if not overrides:
             raise
-        raise FourBarError(f'{prefix}*: {given}: {error}') from None
+        raise FourBarError(f'{prefix}*: {overrides}: {error}') from None
 
 
 def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
@@ -226,6 +226,6 @@ class Worker:
         while (job := self._jobs.get()) and not self._stopping:
             try:
                 job()
-            except Exception:                            # the next one is done all the same
+            except Exception:                            # the next job is done all the same
                 if not self._stopping:       # else the service may be gone, to which it answers
                     self._tell(f'a fault in {self._thread.name}: {format_exc()}')

@@ -38,7 +38,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 LONGEST = 0.4          # length of the longest arrow over the size of the mechanism
 WIDTH = 0.02           # width of a link over that size
 Colour = tuple[float, float, float]
-MarkerPlace = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
+MarkerPoint = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
 
 LINK, JOINT, BLOCK = (0.20, 0.45, 0.70), (0.15, 0.15, 0.15), (0.45, 0.45, 0.45)
 FORCE, MOMENT, POINT = (0.10, 0.55, 0.20), (0.75, 0.35, 0.05), (0.55, 0.30, 0.00)
@@ -130,33 +130,33 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str
                              [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
 
 
-def marker(frame: str, group: str, number: int, kind: int, colour: Colour, scale: Iterable[float],
-           places: Iterable[MarkerPlace] = (), opacity: float = 1.0) -> Marker:
+def marker(frame: str, group: str, index: int, kind: int, colour: Colour, scale: Iterable[float],
+           points: Iterable[MarkerPoint] = (), opacity: float = 1.0) -> Marker:
     """
-    Return a marker of a kind (``Marker.LINE_LIST``, say) through places, ``scale`` in [m].
+    Return a marker of a kind (``Marker.LINE_LIST``, say) through points, ``scale`` in [m].
 
-    RViz replaces an older one of the same group (its namespace) and number.
+    RViz replaces an older one of the same group (its namespace) and index.
     """
-    result = Marker(ns=group, id=number, type=kind, action=Marker.ADD,
+    result = Marker(ns=group, id=index, type=kind, action=Marker.ADD,
                     color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
     result.header.frame_id = frame
     result.scale.x, result.scale.y, result.scale.z = map(float, scale)
     result.pose.orientation.w = 1.0
-    result.points = [point(*place) for place in places]
+    result.points = [point(*coordinates) for coordinates in points]
     return result
 
 
-def lines(frame: str, group: str, number: int, pairs: Iterable[Iterable[MarkerPlace]],
+def lines(frame: str, group: str, index: int, pairs: Iterable[Iterable[MarkerPoint]],
           width: float, colour: Colour, opacity: float = 1.0) -> Marker:
-    """Return a marker of separate lines from place to place; ``width`` in [m]."""
-    return marker(frame, group, number, Marker.LINE_LIST, colour, (width, 0.0, 0.0),
-                  [place for pair in pairs for place in pair], opacity)
+    """Return a marker of separate lines from point to point; ``width`` in [m]."""
+    return marker(frame, group, index, Marker.LINE_LIST, colour, (width, 0.0, 0.0),
+                  [end for pair in pairs for end in pair], opacity)
 
 
-def spheres(frame: str, group: str, number: int, places: Iterable[MarkerPlace], size: float,
+def spheres(frame: str, group: str, index: int, points: Iterable[MarkerPoint], size: float,
             colour: Colour) -> Marker:
     """Return a marker of spheres; ``size``: their diameter [m]."""
-    return marker(frame, group, number, Marker.SPHERE_LIST, colour, (size, size, size), places)
+    return marker(frame, group, index, Marker.SPHERE_LIST, colour, (size, size, size), points)
 
 
 def point(x: float, y: float, z: float = 0.0) -> Point:

@@ -50,9 +50,9 @@ class FourBarNode(GuardedNode):
     def __init__(self, name: str = 'fourbar', namespace: str = '', arguments: Sequence[str] = (),
                  **kwargs: Any) -> None:
         """Read and check the scene, make all parts of the node, begin to record and to drive."""
-        own, _, name = name.rpartition('/')
-        if own:     # set its namespace here: one on the command line would override it
-            full = '/'.join(filter(None, (namespace.strip('/'), own)))
+        further, _, name = name.rpartition('/')
+        if further:     # set here: a namespace on the command line would override it
+            full = '/'.join(filter(None, (namespace.strip('/'), further)))
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:=/{full}']
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = scene_of(self, arguments)
@@ -69,7 +69,7 @@ class FourBarNode(GuardedNode):
         self.input = self._input_of(scene.drive.source)
         self.acting = self.trajectories = None
         if scene.acting:
-            from fourbar_ros.ros.node.acting import ActingInputs  # other scenes do without
+            from fourbar_ros.ros.node.acting import ActingInputs  # where a scene needs it
             self.acting = ActingInputs(self, self.stream, self.troubles)
         if scene.node.trajectories:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
@@ -132,8 +132,8 @@ class FourBarNode(GuardedNode):
 
     def close(self, why: str = 'the node ended') -> None:
         """Abandon searches, stop the stream, close the bag with ``why`` as reason, destroy all."""
-        others = [worker for name, worker in self.workers.items() if name != 'bag']
-        for worker in others:
+        searches = [worker for name, worker in self.workers.items() if name != 'bag']
+        for worker in searches:
             worker.abandon()                 # first: they hold up all that follows
         self.input.stop()
         if 'bag' in self.workers:            # a bag that it is opening or closing is closed there
@@ -143,7 +143,7 @@ class FourBarNode(GuardedNode):
         except FourBarError:
             pass                             # the bag ended by an error before, which was logged
         finally:
-            for worker in others:
+            for worker in searches:
                 worker.stop(PATIENCE)
             if self.trajectories:
                 self.trajectories.stop(PATIENCE)
@@ -170,7 +170,7 @@ class FourBarNode(GuardedNode):
 
 # --- parameters: declared as the table says, read as a scene, checked on a change ----------------
 
-# Parameters that rclpy itself owns.
+# Parameters of rclpy.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
 BUILT_IN = (*SWITCHES, OVERRIDES)
 
@@ -200,19 +200,19 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
     for name in SWITCHES:
         if type(every.get(name, True)) is not bool:
             raise InvalidParameter(name, every[name], 'must be a bool')
-    given = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
+    parameters = {name: value for name, value in every.items() if not name.startswith(BUILT_IN)}
     if arguments:
         from fourbar_ros.scene.files import overrides
         last = overrides(arguments, node.get_fully_qualified_name())
-        given |= {name: last[name] for name in given if name in last}
+        parameters |= {name: last[name] for name in parameters if name in last}
     files = [file for option, file in zip(arguments, arguments[1:]) if option == '--params-file']
-    values: ParameterValues = given
-    if any(name.startswith('forces.') for name in given):
-        from fourbar_ros.scene.files import with_tables  # other scenes do without
-        values = with_tables(given, [Path(), *(Path(file).parent for file in files)])
-    with naming_nan(given):
+    values: ParameterValues = parameters
+    if any(name.startswith('forces.') for name in parameters):
+        from fourbar_ros.scene.files import with_tables  # where a scene needs it
+        values = with_tables(parameters, [Path(), *(Path(file).parent for file in files)])
+    with naming_nan(parameters):
         scene = from_values(values)
-    for name in given:
+    for name in parameters:
         node.undeclare_parameter(name)
     for name, value in scene.values.items():
         node.declare_parameter(name, value, descriptor(of_name(name)), ignore_override=True)
@@ -226,14 +226,14 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
     A refused change says why and changes nothing, even if only ``apply`` finds out, or if an error
     is ours. ``current()`` returns the scene in force.
     """
-    def change(given: Sequence[RosParameter]) -> None:
+    def change(parameters: Sequence[RosParameter]) -> None:
         """Apply the scene with these changes of declared parameters; raise FourBarError if bad."""
         changes = {}
-        for parameter in given:
+        for parameter in parameters:
             name, value = parameter.name, parameter.value
             if find_parameter(name):
                 changes[name] = value
-            elif value != node.get_parameter(name).value:    # one of rclpy's, as use_sim_time
+            elif value != node.get_parameter(name).value:    # of rclpy, as use_sim_time
                 raise InvalidParameter(name, value, 'only at start')
         if changes:
             with naming_nan(changes):
@@ -241,11 +241,11 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
-    def answer(given: Sequence[RosParameter]) -> SetParametersResult:
+    def answer(parameters: Sequence[RosParameter]) -> SetParametersResult:
         """Change the scene and return success, or the reason why it is as before."""
         before = current()
         try:
-            change(given)
+            change(parameters)
         except Exception as error:
             if current() is not before:      # it failed after the scene was swapped
                 apply(before)

@@ -51,13 +51,13 @@ def frames_maker(scene: Scene) -> Make:
     stamps and the frames of links, each by the coordinate of the joint it hangs on.
     """
     from tf2_msgs.msg import TFMessage  # only scenes that name tf
-    model, place = model_of(scene), scene.layout.index_of
+    model, index_of = model_of(scene), scene.layout.index_of
     message = TFMessage()
     moving = []              # (transform of a link, its Connection, index of its coordinate)
     for link in model.links:
         frame = _add_frame(message, link.parent, link.frame)
         moving.append((frame.transform, link.joint.connection,
-                       place[link.joint.coordinate.position]))
+                       index_of[link.joint.coordinate.position]))
     for name, (link_frame, x, y) in model.points.items():
         translation = _add_frame(message, link_frame, name).transform.translation
         translation.x, translation.y = x, y

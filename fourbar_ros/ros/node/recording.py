@@ -107,7 +107,7 @@ class Recording:
                            [channel(topic, names[topic.name]) for topic in topics], about,
                            scene.recording.split_size * 1e6, scene.recording.split_duration,
                            tell=self._node.get_logger().error)
-        return writer, {topic.name: number for number, topic in enumerate(topics)}
+        return writer, {topic.name: channel_id for channel_id, topic in enumerate(topics)}
 
     def attach(self, bag: Bag) -> Path:
         """Record into an opened bag from now on; return its path."""

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that were sent but never taken, by the numbers that publishers give them."""
+"""Messages that were sent but never taken, by their sequence numbers."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -19,17 +19,17 @@ class SequenceNumbers:
     """
     Counts the messages ``lost`` on one topic, by gaps in their sequence numbers.
 
-    Every publisher numbers its messages one by one, but a message does not name its publisher. So
-    the next number of each publisher is kept; a number that fits none leaves a gap behind the
-    nearest below. With several publishers a gap may be counted for the wrong one; the sum is
-    right. ``publishers()`` returns how many there are. ``is_numbered`` is False with a middleware
-    that gives no numbers: then nothing is known.
+    Every publisher counts its messages, but a message does not name its publisher. So the next
+    number of each publisher is kept; a number that fits none leaves a gap behind the nearest
+    below. With several publishers a gap may be counted for the wrong publisher; the sum is right.
+    ``publishers()`` returns how many there are. ``is_numbered`` is False with a middleware that
+    gives no sequence numbers: then nothing is known.
     """
 
     def __init__(self, publishers: Callable[[], int]) -> None:
         self._publishers = publishers
         self._next: list[int] = []       # the number that each publisher will give next
-        self._heard: set[int] = set()    # places there of those that sent lately
+        self._heard: set[int] = set()    # indices there of those that sent lately
         self.lost, self.is_numbered = 0, True
 
     def forget(self) -> None:
@@ -41,29 +41,29 @@ class SequenceNumbers:
         heard, self._heard = self._heard, set()
         return len(heard)
 
-    def take(self, number: int | None) -> None:
+    def take(self, sequence: int | None) -> None:
         """
-        Note the number of a message; None if the middleware gives none.
+        Note the sequence number of a message; None if the middleware gives none.
 
-        One publisher's numbers 5, 6, 9 count two lost messages.
+        The numbers 5, 6, 9 of one publisher count two lost messages.
         """
-        if number is None:
+        if sequence is None:
             self.is_numbered = False
             return
         expected = self._next
-        if number in expected:
-            place = expected.index(number)
+        if sequence in expected:
+            publisher = expected.index(sequence)
         elif len(expected) < self._publishers():
-            place = len(expected)                        # the first of this publisher
-            expected.append(number)
-        elif before := [other for other in expected if other < number]:
-            self.lost += number - max(before)
-            place = expected.index(max(before))
+            publisher = len(expected)                    # its first message
+            expected.append(sequence)
+        elif before := [due for due in expected if due < sequence]:
+            self.lost += sequence - max(before)
+            publisher = expected.index(max(before))
         else:
-            place, self._next = 0, [number]              # a publisher that has started again
+            publisher, self._next = 0, [sequence]        # a publisher that has started again
             self._heard.clear()
-        self._next[place] = number + 1
-        self._heard.add(place)
+        self._next[publisher] = sequence + 1
+        self._heard.add(publisher)
 
 
 def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: Troubles,

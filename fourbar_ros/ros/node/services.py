@@ -11,14 +11,8 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.given import FARTHEST, rate_of_input
-from fourbar_ros.pipeline.stepper import (
-    evaluate,
-    INVALID_INPUT,
-    OK,
-    OUT_OF_RANGE,
-    RATES_UNKNOWN,
-    TOGGLE,
-)
+from fourbar_ros.pipeline import stepper
+from fourbar_ros.pipeline.stepper import OK
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
 from fourbar_ros.ros.node.entities import Worker
 from fourbar_ros.ros.node.stream import Stream
@@ -65,26 +59,27 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         response.result = response.RESULT_INVALID_REQUEST
         response.message = (f'mode = {request.mode}: must be 0 (of the '
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
-        return _with_values(scene, stream.now(), response, request.mode, INVALID_INPUT,
+        return _with_values(scene, stream.now(), response, request.mode, stepper.INVALID_INPUT,
                             scene.layout.unknown)
     linkage = scene.linkage_at(request.position, request.velocity, request.mode)
     response.has_loads = linkage.bodies is not None
-    status, motion, loads = evaluate(linkage, request.position, request.velocity,
-                                     request.acceleration, response.has_loads)
+    status, motion, loads = stepper.evaluate(linkage, request.position, request.velocity,
+                                             request.acceleration, response.has_loads)
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
                  (*motion, *loads))
-    response.result = {OK: response.RESULT_OK, OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
-                       INVALID_INPUT: response.RESULT_INVALID_REQUEST,
-                       RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
-                       TOGGLE: response.RESULT_TOGGLE}[status]
-    if status == OUT_OF_RANGE:
+    response.result = {OK: response.RESULT_OK,
+                       stepper.OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
+                       stepper.INVALID_INPUT: response.RESULT_INVALID_REQUEST,
+                       stepper.RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
+                       stepper.TOGGLE: response.RESULT_TOGGLE}[status]
+    if status == stepper.OUT_OF_RANGE:
         driven = linkage.input_coordinate
         response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
                                           driven.unit))
-    elif status in (INVALID_INPUT, RATES_UNKNOWN):
+    elif status in (stepper.INVALID_INPUT, stepper.RATES_UNKNOWN):
         response.message = ('position, velocity, acceleration must be finite, an angle less than '
                             f'{FARTHEST:.3g} rad in size, and the result finite')
-    elif status == TOGGLE:
+    elif status == stepper.TOGGLE:
         response.message = 'toggle position: rates and loads are unbounded'
     return response
 
@@ -103,8 +98,8 @@ def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, statu
         filler(output, message, scene.layout)(stamp, status, mode, values)
     if hasattr(response, 'values'):
         from fourbar_ros.mechanisms.quantities import fields_of
-        named_value, place = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.index_of
-        response.values = [named_value(name=name, unit=quantity.unit, value=values[place[name]])
+        named_value, index_of = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.index_of
+        response.values = [named_value(name=name, unit=quantity.unit, value=values[index_of[name]])
                            for name, quantity in fields_of(scene.bare_linkage).items()
                            if scene.has_loads or not quantity.is_load]
     return response

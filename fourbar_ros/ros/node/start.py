@@ -43,16 +43,16 @@ def caught_signals() -> Iterator[Signals]:
     A shell starts what a script puts in the background with SIGINT ignored: that is caught too.
     """
     caught: Signals = []
-    numbers = [getattr(signal, name) for name in SIGNALS if hasattr(signal, name)]   # Windows
-    before = {number: signal.getsignal(number) for number in numbers}
-    for number, handler in before.items():
-        if signal.Signals(number).name != 'SIGHUP' or handler is not signal.SIG_IGN:
-            signal.signal(number, lambda number, _: caught.append(number))
+    before = {getattr(signal, name): signal.getsignal(getattr(signal, name))
+              for name in SIGNALS if hasattr(signal, name)}      # Windows has no SIGHUP
+    for code, handler in before.items():
+        if code != getattr(signal, 'SIGHUP', None) or handler is not signal.SIG_IGN:
+            signal.signal(code, lambda code, _: caught.append(code))
     try:
         yield caught
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for code, handler in before.items():
+            signal.signal(code, handler)
 
 
 def main() -> int:
@@ -71,9 +71,9 @@ def main() -> int:
         os._exit(code)   # while Python ends in its own way a second Ctrl-C would break it off
 
 
-def run(given: Sequence[str], signals: Signals) -> int:
+def run(arguments: Sequence[str], signals: Signals) -> int:
     """Run the nodes of these arguments until a signal has come; return the exit code."""
-    if list(given) in (['-h'], ['--help']):
+    if list(arguments) in (['-h'], ['--help']):
         print(HELP, end='')
         return 0
     from fourbar_ros.errors import FourBarError
@@ -90,18 +90,18 @@ def run(given: Sequence[str], signals: Signals) -> int:
                   ParameterException)
     nodes: list[FourBarNode] = []
     try:
-        names, namespace = asked(given)
+        names, namespace = asked(arguments)
         try:
-            rclpy.init(args=['fourbar_node', *given],
+            rclpy.init(args=['fourbar_node', *arguments],
                        signal_handler_options=SignalHandlerOptions.NO)
         except ros_errors:
             raise
         except RuntimeError as error:        # of rclpy's own, without a type
             raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
         for name in names:
-            nodes.append(FourBarNode(name, namespace, given))
+            nodes.append(FourBarNode(name, namespace, arguments))
     except (FourBarError, *ros_errors) as error:
-        why = (wrong_in_file(given)
+        why = (wrong_in_file(arguments)
                or (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
                    else ' '.join(str(error).split())))
         print(f'fourbar_node: {why}', file=sys.stderr)
@@ -120,34 +120,34 @@ def run(given: Sequence[str], signals: Signals) -> int:
     return 0
 
 
-def asked(given: Sequence[str]) -> tuple[list[str], str]:
+def asked(arguments: Sequence[str]) -> tuple[list[str], str]:
     """
     Return (names of the nodes, namespace of all) of a command line.
 
-    A name may begin with a namespace of its own, ``left/boom``. FourBarError for other words
+    A name may begin with a further namespace, ``left/boom``. FourBarError for other words
     before ``--ros-args``, and for two nodes of one name.
     """
     from fourbar_ros.errors import FourBarError
     from rclpy.utilities import remove_ros_args
 
-    names = remove_ros_args(list(given))
+    names = remove_ros_args(list(arguments))
     for word in names:
-        if '--ros-args' not in given or not NODE_NAME.fullmatch(word):
+        if '--ros-args' not in arguments or not NODE_NAME.fullmatch(word):
             usage = USAGE.replace('SCENE', word) if word[:1] != '-' else USAGE
             raise FourBarError(f'{word}: not understood; type  {usage}')
-    if names and any(map(RENAMES.match, given)):
+    if names and any(map(RENAMES.match, arguments)):
         raise FourBarError('__node:= would rename every node: name them before --ros-args alone')
     if len(set(names)) < len(names):
         raise FourBarError(f'{", ".join(names)}: two nodes of one name')
-    namespaces = [word.partition(':=')[2] for word in given if word.startswith('__ns:=')]
+    namespaces = [word.partition(':=')[2] for word in arguments if word.startswith('__ns:=')]
     return names or ['fourbar'], namespaces[-1] if namespaces else ''
 
 
-def wrong_in_file(given: Sequence[str]) -> str:
+def wrong_in_file(arguments: Sequence[str]) -> str:
     """Return what is wrong with a parameter file of a command line, in better words than rcl's."""
     from fourbar_ros.scene.files import SceneError, sections
     try:
-        for option, file in zip(given, given[1:]):
+        for option, file in zip(arguments, arguments[1:]):
             if option == '--params-file':
                 sections(file)
     except SceneError as error:

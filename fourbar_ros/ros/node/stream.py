@@ -31,7 +31,7 @@ from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 
-if TYPE_CHECKING:      # most scenes do without
+if TYPE_CHECKING:      # imported where a scene needs them
     from fourbar_ros.dynamics.node_step import DriveValues
     from fourbar_ros.pipeline.wrenches import ActingInput
 
@@ -58,8 +58,8 @@ class Stream:
         self._latched: dict[str, bytes] = {}     # newest messages of these topics, for a new bag
         self._markers_at: int | None = None      # [ns] stamp of the last markers
         self.swap(run)
-        for name, what in run.stepper.acting.items():
-            self.act(name, what, node.get_clock().now().to_msg())
+        for name, acting in run.stepper.acting.items():
+            self.act(name, acting, node.get_clock().now().to_msg())
 
     @property
     def scene(self) -> Scene:
@@ -94,9 +94,9 @@ class Stream:
             for name, topic in run.topics.items():
                 if name not in self._publishers:
                     self._publishers[name] = TopicPublisher(self._node, topic, self._update)
-            for name, what in self.run.stepper.acting.items():
-                if what is not run.stepper.acting[name]:     # it came while the run was made
-                    run.act(name, what)
+            for name, acting in self.run.stepper.acting.items():
+                if acting is not run.stepper.acting[name]:   # it came while the run was made
+                    run.act(name, acting)
             if self.run.stepper.joints and run.stepper.joints:   # they moved meanwhile
                 run.stepper.joints.angles = self.run.stepper.joints.angles
             self.run, self._values, self._markers_at = run, run.unknown, None
@@ -115,18 +115,18 @@ class Stream:
         self._subscribed = Wanted.of(self.scene, [
             name for name in self.run.topics if self._publishers[name].is_subscribed])
 
-    def act(self, name: str, what: ActingInput, stamp: Time) -> None:
+    def act(self, name: str, acting: ActingInput, stamp: Time) -> None:
         """Let a wrench act on a link, or the base move, from the next step on; say so."""
         topic = applied_topic(name)
         message = resolve(topic.type)()
         message.header.stamp, message.header.frame_id = stamp, self.scene.frame_id
-        if isinstance(what, Base):
-            message.force_x, message.force_y, message.rate, message.acceleration = what
+        if isinstance(acting, Base):
+            message.force_x, message.force_y, message.rate, message.acceleration = acting
         else:
-            message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = what
+            message.wrench.force.x, message.wrench.force.y, message.wrench.torque.z = acting
         data = serialize_message(message)
         with self._lock:
-            self.run.act(name, what)
+            self.run.act(name, acting)
             self._latch(topic.name, data)
 
     def _latch(self, name: str, data: bytes) -> None:
@@ -257,7 +257,7 @@ class Stream:
     def _known(self, outputs: Iterable[str]) -> list[str]:
         """Return the outputs without those that must not send NaN but would, as joint_states."""
         return [name for name in outputs
-                if not any(isnan(self._values[place]) for place in self.run.needed[name])]
+                if not any(isnan(self._values[index]) for index in self.run.needed[name])]
 
     def _send(self, names: Iterable[str], stamp: Stamp, status: int, mode: int,
               values: Sequence[float]) -> None:
@@ -272,7 +272,7 @@ class Stream:
     def _publish(self, sent: list[tuple[str, bytes]]) -> None:
         for name, data in sent:
             publisher = self._publishers[name]
-            if publisher.is_subscribed:                  # others are for the bag alone
+            if publisher.is_subscribed:                  # else the message is for the bag alone
                 publisher.publish(data)
         if self.is_recording:
             self._sent += sent
@@ -334,9 +334,9 @@ class RunningScene:
         self.mode = mode_number(scene.linkage.mode)
         self.unknown = self.layout.unknown
         self.inputs = [self.layout.index_of[name] for name in scene.linkage.input_coordinate]
-        own = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
+        of_drive = [DRIVEN, DRIVE_STATE] if scene.dynamics else [DRIVEN]
         self.outputs = scene.topics
-        answers = {topic.name: topic for topic in own} | self.outputs
+        answers = {topic.name: topic for topic in of_drive} | self.outputs
         latched = [SCENE, *map(applied_topic, scene.acting)]
         self.topics = answers | scene.pictures | {topic.name: topic for topic in latched}
         known: Mapping[str, Writer] = before.writers if before else {}
@@ -344,7 +344,7 @@ class RunningScene:
         for name, topic in answers.items():
             layout = drive_layout() if topic is DRIVE_STATE else self.layout
             self.writers[name] = writer_of(topic, scene, layout, known.get(name))
-        # places of the values without which a message of an output is not sent
+        # indices of the values without which a message of an output is not sent
         self.needed = {name: scene.needed_for(name) for name in self.outputs}
         self.makers: dict[str, Make] = {}        # of pictures
         self.latched = {SCENE.name: bytes(serialize_message(String(data=scene.as_json)))}
@@ -371,19 +371,19 @@ class RunningScene:
             self.scene, joints.angles if joints else None))
         if self.mover:
             self.stepper.prepare(self.mover.modes)
-            for name, what in self.stepper.acting.items():
-                self.mover.act(name, what)
+            for name, value in self.stepper.acting.items():
+                self.mover.act(name, value)
 
-    def act(self, name: str, what: ActingInput) -> None:
+    def act(self, name: str, acting: ActingInput) -> None:
         """Let a wrench act on a link, or the base move, from the next step on."""
-        self.stepper.act(name, what)
+        self.stepper.act(name, acting)
         if self.mover:
-            self.mover.act(name, what)
+            self.mover.act(name, acting)
 
 
 def writer_of(topic: Topic, scene: Scene, layout: FieldMap, known: Writer | None = None
               ) -> Writer:
-    """Return the Writer of a topic: the known one, unless more than numbers has changed."""
+    """Return the Writer of a topic: the known one, unless more than values has changed."""
     kind = resolve(topic.type)
     key = (layout, scene.frame_id, scene.names_shown,
            scene.linkage.change_point_margin if hasattr(kind, 'change_point_margin') else None)

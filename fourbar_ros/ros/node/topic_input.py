@@ -49,7 +49,8 @@ class TopicInput:
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
         self._estimated = False              # whether rates of the last input were
         self._is_relay = scene.joint_states.only_passive
-        self._of_others: list[Message] = []  # first messages, while the driven joint never came
+        # first messages, while the driven joint never came
+        self._without_driven: list[Message] = []
         self._estimator = estimator_of(scene)
         is_geared = settings.source == 'joint_state' and abs(settings.joint_ratio) != 1.0
         self._geared = joints.GearedJoint(settings.timeout or 1.0) if is_geared else None
@@ -114,12 +115,12 @@ class TopicInput:
             return f'the publisher of {name} has an incompatible {policy}'
         if self._subscription.get_publisher_count():
             return f'the publisher of {name} is silent'
-        own = self._stream.topics()
-        others = [other for other, types in self._node.get_topic_names_and_types()
-                  if self._topic.type in types and other != name
-                  and self._node.count_publishers(other) > (other in own)]
+        published = self._stream.topics()
+        topics = [topic for topic, types in self._node.get_topic_names_and_types()
+                  if self._topic.type in types and topic != name
+                  and self._node.count_publishers(topic) > published.count(topic)]
         return f'{name} has no publisher' + (
-            f'; {self._topic.type} comes on {", ".join(sorted(others))}' if others else '')
+            f'; {self._topic.type} comes on {", ".join(sorted(topics))}' if topics else '')
 
     def _receive(self, data: bytes) -> None:
         """Take a message; an error in that is ours and must not end us."""
@@ -200,13 +201,14 @@ class TopicInput:
         """Return what is wrong with who sends the driven joint, or passive ones of ours."""
         name, heard = self._subscription.topic_name, self._sequence.heard()
         is_ours = self._is_relay and name in self._stream.topics()
-        others = self._subscription.get_publisher_count() - is_ours
+        publishers = self._subscription.get_publisher_count() - is_ours
         problems = []
         # others may send other joints: but not in two lists that hold the driven one
-        if others > 1 and (len(self._name_lists) > 1
+        if publishers > 1 and (len(self._name_lists) > 1
                            or heard - is_ours > 1 and not self._others_are_heard):
-            what = f' joint {self._settings.joint!r}' * (self._settings.source == 'joint_state')
-            problems.append(f'more than one publisher sends{what} on {name}')
+            joint = (f' joint {self._settings.joint!r}'
+                     if self._settings.source == 'joint_state' else '')
+            problems.append(f'more than one publisher sends{joint} on {name}')
         if is_ours and self._taken_joints:
             problems.append(f'another publisher sends {", ".join(sorted(self._taken_joints))} on '
                             f'{name}, which this node computes')
@@ -222,14 +224,14 @@ class TopicInput:
         if message.name != self._shown:      # not our own answer
             self._others_are_heard = True
             self._taken_joints |= set(self._shown).intersection(message.name)
-        if self._counts['received'] or len(self._of_others) >= UNHEARD:
+        if self._counts['received'] or len(self._without_driven) >= UNHEARD:
             return
-        self._of_others.append(message)
-        if len(self._of_others) == UNHEARD:
+        self._without_driven.append(message)
+        if len(self._without_driven) == UNHEARD:
             self._troubles.log('of_other_joints', (
                 f'drive.joint = {self._settings.joint!r} had a position in none of the first '
                 f'{UNHEARD} messages on {self._subscription.topic_name}'
-                f'{self._joint_hint(self._of_others)}'))
+                f'{self._joint_hint(self._without_driven)}'))
 
     def _joint_hint(self, messages: list[Message]) -> str:
         """Return '; did you mean NAME?' of a joint in messages without the driven one."""

@@ -37,12 +37,12 @@ def paths(scene: Scene) -> Iterator[Marker]:
     """Yield the path of each point over each range of the input."""
     mechanism, width = scene.linkage, 0.3 * WIDTH * size_of(scene.linkage)
     for name, point in scene.points.items():
-        for number, (low, high) in enumerate(mechanism.input_ranges):
+        for index, (low, high) in enumerate(mechanism.input_ranges):
             motion = mechanism.motion(np.linspace(low, high, SAMPLES))
-            places = point_motion(mechanism, motion, *point).place
-            yield shapes.marker(scene.frame_id, f'path of {name}', number, Marker.LINE_STRIP,
+            path = point_motion(mechanism, motion, *point).place
+            yield shapes.marker(scene.frame_id, f'path of {name}', index, Marker.LINE_STRIP,
                                 shapes.POINT, (width, 0.0, 0.0),
-                                places[~np.isnan(places).any(axis=1)])
+                                path[~np.isnan(path).any(axis=1)])
 
 
 def limits(scene: Scene) -> Iterator[Marker]:
@@ -53,12 +53,12 @@ def limits(scene: Scene) -> Iterator[Marker]:
         for position in (low + INSIDE * (high - low), high - INSIDE * (high - low))]
     dead = [('dead point', point[0]) for point in mechanism.dead_points]
     width = 0.4 * WIDTH * size_of(mechanism)
-    for number, (what, position) in enumerate([*ends, *dead]):
+    for index, (kind, position) in enumerate([*ends, *dead]):
         try:
             diagram = diagram_of(mechanism, mechanism.motion(float(position)))
         except FourBarError:         # no pose there within rounding
             continue
-        yield shapes.lines(scene.frame_id, f'{what}s', number,
+        yield shapes.lines(scene.frame_id, f'{kind}s', index,
                            [bar[:2] for bar in diagram.bars], width, shapes.TOGGLE, 0.4)
 
 
@@ -75,9 +75,9 @@ def extrema(scene: Scene) -> Iterator[Marker]:
             diagram = diagram_of(mechanism, mechanism.motion(extremum.input))
         except FourBarError:
             continue
-        at = next(place for name, place in diagram.joints.items() if name not in diagram.ground)
-        labels.append((at, f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'))
-        right = max(right, *(float(place[0]) for place in diagram.joints.values()))
+        joint = next(point for name, point in diagram.joints.items() if name not in diagram.ground)
+        labels.append((joint, f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'))
+        right = max(right, *(float(point[0]) for point in diagram.joints.values()))
     yield from column(scene.frame_id, labels, right, size_of(mechanism))
 
 
@@ -86,20 +86,20 @@ def column(frame: str, labels: list[tuple[Array, str]], right: float,
     """
     Yield dots, and their labels in a column right of x = ``right``, so that none overlap.
 
-    ``labels``: (place of the dot [m], text); the column has their order from top to bottom. A
-    line joins each dot to its label. ``size`` is that of the mechanism [m].
+    ``labels``: (point of the dot [m], text); the column has their order from top to bottom. A
+    line joins each dot to the label. ``size`` is that of the mechanism [m].
     """
     height, width = TEXT * size, WIDTH * size
     labels = sorted(labels, key=lambda label: -label[0][1])
-    top = (sum(at[1] for at, _ in labels) / max(len(labels), 1)
+    top = (sum(dot[1] for dot, _ in labels) / max(len(labels), 1)
            + 0.5 * SPACING * height * (len(labels) - 1))
-    for row, (at, text) in enumerate(labels):
+    for row, (dot, text) in enumerate(labels):
         y, start = top - row * SPACING * height, right + SPACING * height
         middle = start + 0.5 * LETTER * height * len(text)       # RViz centres a text
-        yield shapes.spheres(frame, 'extrema', 3 * row, [at], 2.0 * width, shapes.EXTREMUM)
+        yield shapes.spheres(frame, 'extrema', 3 * row, [dot], 2.0 * width, shapes.EXTREMUM)
         label = shapes.marker(frame, 'extrema', 3 * row + 1, Marker.TEXT_VIEW_FACING,
                               shapes.EXTREMUM, (0.0, 0.0, height))
         label.pose.position, label.text = shapes.point(middle, y, 3.0 * width), text
         yield label
-        yield shapes.lines(frame, 'extrema', 3 * row + 2, [(at, (start, y))], 0.2 * width,
+        yield shapes.lines(frame, 'extrema', 3 * row + 2, [(dot, (start, y))], 0.2 * width,
                            shapes.EXTREMUM, 0.5)

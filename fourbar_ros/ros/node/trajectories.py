@@ -27,13 +27,13 @@ from rclpy.serialization import serialize_message
 from std_msgs.msg import String
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-SIDES = {'to_input': ('input', 'output'), 'to_output': ('output', 'input')}     # asked for, given
+SIDES = {'to_input': ('input', 'output'), 'to_output': ('output', 'input')}     # asked for, sent
 FIELDS = 'positions', 'velocities', 'accelerations', 'effort'
 FIELD_OF = dict(zip(Trajectory._fields, FIELDS))        # of the message
 
 
 class Conversion:
-    """The parts of a scene that convert a trajectory."""
+    """Converts trajectories by the transmission, the joints and the fields of a scene."""
 
     def __init__(self, scene: Scene) -> None:
         mechanism, shown = scene.linkage, scene.joint_states
@@ -41,18 +41,18 @@ class Conversion:
         self._joints: dict[str, tuple[str, Scale]] = {}      # name and scale of both
         for side, coordinate in (('input', mechanism.input_coordinate),
                                  ('output', mechanism.outputs[0].coordinate)):
-            place = coordinates.index(coordinate)
-            self._joints[side] = (scene.joint_names[place],
-                                  Scale(shown.ratios[place], shown.offsets[place]))
+            joint = coordinates.index(coordinate)
+            self._joints[side] = (scene.joint_names[joint],
+                                  Scale(shown.ratios[joint], shown.offsets[joint]))
         self._transmission = scene.transmission
         self._fields: list[str] = scene.node.trajectory_fields     # beside positions
 
     def answer(self, method: str, message: Message) -> Message:
         """Return the trajectory of the other joint by a method of the Transmission."""
-        asked, given = SIDES[method]
+        asked, sent = SIDES[method]
         try:
             converted = getattr(self._transmission, method)(self._read(message,
-                                                                       *self._joints[given]))
+                                                                       *self._joints[sent]))
         except InvalidParameter as error:
             raise InvalidParameter(FIELD_OF.get(error.name, error.name), error.value,
                                    error.allowed) from None
@@ -86,27 +86,27 @@ class Conversion:
             if time < before:
                 raise InvalidParameter(f'points[{i}].time_from_start', time,
                                        f'must not decrease: the point before has {before:g} s')
-        place = list(message.joint_names).index(joint)
-        given = {name: column for name in FIELDS
-                 if (column := _column(message, name, place)) is not None}
+        index = list(message.joint_names).index(joint)
+        columns = {name: column for name in FIELDS
+                   if (column := _column(message, name, index)) is not None}
         for name in FIELDS[:2]:
-            if name not in given:
+            if name not in columns:
                 raise InvalidParameter(name, [], f'must be given for {joint} in point 0')
-        acceleration, effort = given.get('accelerations'), given.get('effort')
+        acceleration, effort = columns.get('accelerations'), columns.get('effort')
         if 'effort' not in self._fields:
             effort = None
             acceleration = acceleration if 'accelerations' in self._fields else None
         elif effort is None:
             effort = np.zeros(len(times))
         position, rate, acceleration, effort = trajectory(
-            given['positions'], given['velocities'], acceleration, effort)
+            columns['positions'], columns['velocities'], acceleration, effort)
         ratio, offset = scale
         return Trajectory((position - offset) / ratio, rate / ratio,
                           None if acceleration is None else acceleration / ratio,
                           None if effort is None else effort * ratio)
 
 
-def _column(message: Message, name: str, place: int) -> Array | None:
+def _column(message: Message, name: str, joint: int) -> Array | None:
     """
     Return a field of a joint over the points, shape (n,); None if no point has the field.
 
@@ -119,7 +119,7 @@ def _column(message: Message, name: str, place: int) -> Array | None:
         if len(row) != count:
             raise InvalidParameter(f'points[{i}].{name}', list(row),
                                    f'must be {count} numbers, one for each of joint_names')
-    return np.array([row[place] for row in rows])
+    return np.array([row[joint] for row in rows])
 
 
 class Trajectories:
