@@ -24,16 +24,8 @@ from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.numerics.given import number
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.ros.node.clock_input import CATCH_UP
-from fourbar_ros.scene.topics import (
-    BASE,
-    BASES,
-    DRIVE_STATE,
-    FAMILIES,
-    INPUTS,
-    OUTPUTS,
-    Topic,
-    TORQUE,
-)
+from fourbar_ros.scene import topics
+from fourbar_ros.scene.topics import Topic
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
@@ -69,7 +61,7 @@ class LockStep:
 
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
                  patience: float = 5.0) -> None:
-        known = [name for name in OUTPUTS if name not in FAMILIES]
+        known = [name for name in topics.OUTPUTS if name not in topics.FAMILIES]
         self._outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         for output in self._outputs:
             if output not in known:
@@ -88,7 +80,7 @@ class LockStep:
         self._met: set[str] = set()
         self._asked = 0                      # [ns] newest stamp that was sent
         for output in self._outputs:
-            self._listen(OUTPUTS[output])
+            self._listen(topics.OUTPUTS[output])
 
     def __call__(self, time: float, position: float, rate: float = nan, acceleration: float = nan,
                  base: Base | Message | None = None) -> SimpleNamespace:
@@ -106,20 +98,20 @@ class LockStep:
         stamp = self._stamp(time, 'rates are estimated from the stamps' if is_estimated else '')
         if base is not None:
             self._move_base(base, stamp)
-        return self._ask(INPUTS['motion'], self._outputs, stamp, position=position,
+        return self._ask(topics.INPUTS['motion'], self._outputs, stamp, position=position,
                          velocity=rate, acceleration=acceleration)
 
     def _move_base(self, base: Base | Message, stamp: Any) -> None:
         """Send the motion of the base, and wait until it is in effect."""
-        topic = BASES['motion_of_base' if isinstance(base, Base) else 'imu']
+        topic = topics.BASES['motion_of_base' if isinstance(base, Base) else 'imu']
         if topic.name not in self._publishers:
-            self._listen(BASE, QoSProfile(depth=DEPTH,
-                                          durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            self._listen(topics.BASE, QoSProfile(
+                depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL))
         fields = (base._asdict() if isinstance(base, Base) else
                   {'linear_acceleration': base.linear_acceleration,
                    'angular_velocity': base.angular_velocity})
         try:
-            self._ask(topic, (BASE.name,), stamp, **fields)
+            self._ask(topic, (topics.BASE.name,), stamp, **fields)
         except Late as error:
             raise Late(f'{error}; does its scene have base.topic: {topic.name}?') from None
 
@@ -131,20 +123,20 @@ class LockStep:
         clock. Raises Late, also if the step was made with another torque; InvalidParameter for a
         time that does not rise, or by so much that the node would skip steps.
         """
-        send = self._publisher(TORQUE)
+        send = self._publisher(topics.TORQUE)
         stamp = self._stamp(time, 'the clock of a simulation only goes on', CATCH_UP)
         if self._clock is None:
             self._clock = self._client.create_publisher(Clock, '/clock', DEPTH)
-            self._listen(DRIVE_STATE)
+            self._listen(topics.DRIVE_STATE)
             self._meet(self._clock, send)
         self._be_alone(send)
         message = send.msg_type()
         message.wrench.torque.z = message.wrench.force.x = float(torque)
         send.publish(message)
-        answer = self._wait((*self._outputs, DRIVE_STATE.name), stamp,
+        answer = self._wait((*self._outputs, topics.DRIVE_STATE.name), stamp,
                             lambda: self._clock.publish(Clock(clock=stamp)))
         if answer.drive_state.step and answer.drive_state.command != torque:
-            raise Late(f'{self._name(TORQUE)}: the step to {time:g} s was made with '
+            raise Late(f'{self._name(topics.TORQUE)}: the step to {time:g} s was made with '
                        f'{answer.drive_state.command:g}, not {torque:g}')
         return answer
 
@@ -160,8 +152,8 @@ class LockStep:
     def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> None:
         def keep(message: Message) -> None:
             self._newest[topic.name] = message
-        self._heard.append(self._client.create_subscription(resolve(topic.type), self._name(topic),
-                                                         keep, qos))
+        self._heard.append(self._client.create_subscription(
+            resolve(topic.type), self._name(topic), keep, qos))
 
     def _meet(self, *publishers: Any) -> None:
         """Wait until node and publishers have found each other: a clock cannot be sent again."""
@@ -207,7 +199,6 @@ class LockStep:
 
     def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: Any
              ) -> SimpleNamespace:
-        """Send a message and return the answers of its stamp."""
         message = resolve(topic.type)(**fields)
         message.header.stamp = stamp
         publisher = self._publisher(topic)

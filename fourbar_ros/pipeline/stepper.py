@@ -36,7 +36,6 @@ Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS
 
 @cache
 def _none_of(fields: type[NamedTuple]) -> NamedFields:
-    """Return a record of this type, all NaN."""
     return cast(NamedFields, fields._make([nan] * len(fields._fields)))
 
 

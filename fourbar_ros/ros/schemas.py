@@ -10,22 +10,15 @@ import re
 from ament_index_python.packages import get_package_share_directory
 from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.scene.topics import (
-    BASES,
-    INPUT_DEPTH,
-    INPUTS,
-    QUEUE_DEPTH,
-    Topic,
-    TORQUE,
-    WRENCH,
-)
+from fourbar_ros.scene import topics
+from fourbar_ros.scene.topics import Topic
 
 
 def channel(topic: Topic, name: str) -> Channel:
     """Return the channel of a topic in a bag: full name, type, definition, hash and QoS."""
-    is_input = (topic in (*INPUTS.values(), *BASES.values(), TORQUE)
-                or topic.name.startswith(WRENCH))
-    depth = 1 if topic.latched else INPUT_DEPTH if is_input else QUEUE_DEPTH
+    is_input = (topic in (*topics.INPUTS.values(), *topics.BASES.values(), topics.TORQUE)
+                or topic.name.startswith(topics.WRENCH))
+    depth = 1 if topic.latched else topics.INPUT_DEPTH if is_input else topics.QUEUE_DEPTH
     return Channel(name, topic.type, definition(topic.type), type_hash(topic.type), depth,
                    topic.latched)
 
@@ -68,7 +61,6 @@ def types_in(type_name: str) -> list[str]:
 
 
 def _installed_file(type_name: str, suffix: str) -> str:
-    """Return the text of the installed .msg or .json file of a message type."""
     package, kind, name = type_name.split('/')
     folder = Path(get_package_share_directory(package)) / kind
     return (folder / f'{name}.{suffix}').read_text(encoding='utf-8')

@@ -68,7 +68,6 @@ class ActingInputs:
                 self._be_silent(name)
 
     def _take(self, name: str, message: Message) -> None:
-        """Let a message act; record it."""
         topic = self._topics[name]
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
@@ -134,6 +133,5 @@ class ActingInputs:
                                    f'{"message" if is_base else "wrench"} for {limit:g} s')
 
     def _be_silent(self, name: str) -> None:
-        """Let act what the scene has for a silence."""
         acting = in_silence(self._stream.scene, name, self._last.get(name))
         self._stream.act(name, acting, self._node.get_clock().now().to_msg())

@@ -101,7 +101,6 @@ class ClockInput:
         return int(self._node.get_clock().now().nanoseconds - self._time())
 
     def _follow_clock(self, now: int) -> None:
-        """Follow a wall clock that was set."""
         self._checked, new = now, self._offset_of_stamps()
         if abs(new - self._offset) >= CLOCK_STEP:
             self._troubles.count('clock_steps', 'the clock was set by '
@@ -109,7 +108,6 @@ class ClockInput:
             self._offset = new
 
     def _prepare(self) -> None:
-        """Set the motion to the start of the scene."""
         self._angle = self._settings.start               # at sample 0
 
     def _sample(self, stamp: int, passed: float) -> None:

@@ -12,21 +12,10 @@ from collections.abc import Callable, Iterable, Sequence
 from math import atan2, cos, isnan, sin
 from typing import Union
 
+from fourbar_ros.mechanisms import picture as pictures
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import (
-    Arm,
-    Bar,
-    Block,
-    Diagram,
-    diagram_of,
-    Force,
-    forces_of,
-    NamedJoint,
-    of_kind,
-    ORIGIN,
-    picture,
-)
+from fourbar_ros.mechanisms.picture import Diagram, of_kind, ORIGIN
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
@@ -66,7 +55,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         markers = pose(scene, motion)
         if scene.has_loads:
             loads = mechanism.LOADS(*values[groups['loads']])
-            markers += arrows(scene, loads, diagram_of(mechanism, motion), largest)
+            markers += arrows(scene, loads, pictures.diagram_of(mechanism, motion), largest)
         for each in markers:
             each.header.stamp.sec, each.header.stamp.nanosec = stamp
         return MarkerArray(markers=markers)
@@ -76,18 +65,18 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
 def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points in a pose, a record of MOTION."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
-    parts = picture(scene.linkage, motion, scene.points)
+    parts = pictures.picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-               for i, bar in enumerate(of_kind(Bar, parts))]
-    joints = [joint.point for joint in of_kind(NamedJoint, parts)]
+               for i, bar in enumerate(of_kind(pictures.Bar, parts))]
+    joints = [joint.point for joint in of_kind(pictures.NamedJoint, parts)]
     markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
-    for i, block in enumerate(of_kind(Block, parts)):
+    for i, block in enumerate(of_kind(pictures.Block, parts)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
         box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
-    if arms := of_kind(Arm, parts):
+    if arms := of_kind(pictures.Arm, parts):
         markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
                           LINK, 0.6),
                     spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
@@ -113,9 +102,10 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str
     None at a toggle, where loads are unbounded (NaN).
     """
     frame, size = scene.frame_id, size_of(scene.linkage)
-    forces = [*(force._replace(name=f'force {force.name}') for force in forces_of(diagram, loads)),
-              Force('shaking force', '', ORIGIN,
-                    np.array([loads.shaking_force_x, loads.shaking_force_y]))]
+    forces = [*(force._replace(name=f'force {force.name}')
+                for force in pictures.forces_of(diagram, loads)),
+              pictures.Force('shaking force', '', ORIGIN,
+                             np.array([loads.shaking_force_x, loads.shaking_force_y]))]
     moments = [('shaking moment', loads.shaking_moment),
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
     if any(np.isnan(force.vector).any() for force in forces):

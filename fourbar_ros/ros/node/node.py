@@ -242,7 +242,6 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
     def answer(parameters: Sequence[RosParameter]) -> SetParametersResult:
-        """Change the scene and return success, or the reason why it is as before."""
         before = current()
         try:
             change(parameters)

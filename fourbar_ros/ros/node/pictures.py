@@ -80,7 +80,6 @@ def frames_of(scene: Scene) -> set[str]:
 
 
 def _add_frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
-    """Add the frame of a child, at its parent's for now, to the message and return it."""
     frame = TransformStamped(child_frame_id=child)
     frame.header.frame_id = parent
     message.transforms.append(frame)

@@ -28,7 +28,6 @@ if TYPE_CHECKING:      # not needed by a node that only streams
 def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> None:
     """Create the services that the scene names; slow ones are answered in ``workers``."""
     def find_extrema(stream: Stream, request: Message, response: Message) -> Message:
-        """Answer FindExtrema."""
         check = workers['proof' if request.certify else 'search'].check
         return search(stream.scene, request, check, response)
 

@@ -150,8 +150,10 @@ class TopicInput:
             return
         stamp, nanoseconds = self._stamp(message.header.stamp.sec, message.header.stamp.nanosec)
         if self._settings.source == 'joint_state':
-            if message.name != self._names:
-                self._note_names(message.name)
+            if message.name != self._names:      # else as in the last message
+                self._names = message.name
+                self._name_lists.add(tuple(message.name))
+                self._taken_joints |= set(self._shown).intersection(message.name)
             motion = self._scale.to_input(*self._counted(nanoseconds, *motion))
         position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
@@ -191,21 +193,15 @@ class TopicInput:
                                      'it may have made turns')
         return position, velocity, acceleration
 
-    def _note_names(self, names: Sequence[str]) -> None:
-        """Note the names of a message with the driven joint, to see who else sends it."""
-        self._names = names
-        self._name_lists.add(tuple(names))
-        self._taken_joints |= set(self._shown).intersection(names)
-
     def _who_else_sends(self) -> list[str]:
         """Return what is wrong with who sends the driven joint, or passive ones of ours."""
         name, heard = self._subscription.topic_name, self._sequence.heard()
         is_ours = self._is_relay and name in self._stream.topics()
         publishers = self._subscription.get_publisher_count() - is_ours
         problems = []
-        # others may send other joints: but not in two lists that hold the driven one
+        # two publishers may send different joints, but not in two lists that hold the driven one
         if publishers > 1 and (len(self._name_lists) > 1
-                           or heard - is_ours > 1 and not self._others_are_heard):
+                               or heard - is_ours > 1 and not self._others_are_heard):
             joint = (f' joint {self._settings.joint!r}'
                      if self._settings.source == 'joint_state' else '')
             problems.append(f'more than one publisher sends{joint} on {name}')

@@ -6,16 +6,8 @@ from __future__ import annotations
 from functools import partial
 from math import inf, isfinite, isnan, nan
 
-from fourbar_ros.dynamics.node_step import (
-    AT_LIMIT,
-    DriveValues,
-    Mover,
-    NOT_FINITE,
-    OK,
-    OUT_OF_BUDGET,
-    SILENT,
-    STATUS_NAMES,
-)
+from fourbar_ros.dynamics import node_step
+from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, STATUS_NAMES
 from fourbar_ros.ros.messages import Message, sec_nanosec
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import ClockInput, Reported
@@ -26,8 +18,8 @@ from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 from rclpy.node import Node
 
-_COUNTER = {OUT_OF_BUDGET: 'budgets_used_up', AT_LIMIT: 'stops_at_a_limit',
-            NOT_FINITE: 'failures'}
+_COUNTER = {node_step.OUT_OF_BUDGET: 'budgets_used_up', node_step.AT_LIMIT: 'stops_at_a_limit',
+            node_step.NOT_FINITE: 'failures'}
 
 
 class TorqueInput(ClockInput):
@@ -100,7 +92,7 @@ class TorqueInput(ClockInput):
         if self._values is None:
             self._values = self._mover.start(command)
             self._mode = self._mover.mode
-            return SILENT if is_silent else OK, self._mode, self._values
+            return node_step.SILENT if is_silent else OK, self._mode, self._values
         status, self._values = self._mover.next(self._values, 1.0 / self._settings.rate, command,
                                                 is_silent, self._mode)
         self._mode = self._mover.mode
