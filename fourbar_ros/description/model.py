@@ -78,7 +78,7 @@ class ModelJoint(NamedTuple):
 
 
 class ModelLink(NamedTuple):
-    """A moving link: its frame, that of its carrier, the joint between, body and shapes."""
+    """A moving link: its frame, the frame of its carrier, the joint between, body and shapes."""
 
     name: str
     frame: str
@@ -136,26 +136,30 @@ def model_of(scene: Scene) -> RobotModel:
     mechanism = scene.linkage
     (holding, cut), position = tree_of(mechanism), start_of(scene)
     motion = mechanism.motion(position, 0.0, 0.0)
-    joints = [_joint(scene, place, motion) for place in range(len(mechanism.JOINTS))]
+    joints = [_joint(scene, index, motion) for index in range(len(mechanism.JOINTS))]
     shapes = shapes_of(mechanism, [(joint.connection, joint.travel) for joint in joints],
                        scene.points.values(), _radius(scene))
     frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
     frames[GROUND] = scene.frame_id
     masses = scene.bare_linkage.bodies
     bodies = masses._asdict() if masses else {}
-    links = tuple(ModelLink(name, frames[name], frames[joints[place].connection.parent],
-                            joints[place], bodies.get(name), shapes[name])
-                  for name, place in holding.items())
-    closures = tuple(Closure(joints[place].name, joints[place].connection,
-                             frames[joints[place].connection.parent],
-                             frames[joints[place].connection.child])
-                     for place in cut)
+    links = tuple(ModelLink(name, frames[name], frames[joints[index].connection.parent],
+                            joints[index], bodies.get(name), shapes[name])
+                  for name, index in holding.items())
+    closures = tuple(Closure(joint.name, joint.connection, frames[joint.connection.parent],
+                             frames[joint.connection.child])
+                     for joint in map(joints.__getitem__, cut))
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
     model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
                        scene.frame_id, links, closures, points, shapes[GROUND],
                        field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
-    _check_names(model)
+    names = [model.root, *(link.frame for link in links), *points,
+             *(frame for closure in closures for frame in closure.frames)]
+    for name in names:
+        if names.count(name) > 1:
+            raise NoDescription(f'two frames would be named {name!r}: change frame_id, '
+                                'joint_states.prefix or the name of a point')
     return model
 
 
@@ -169,13 +173,13 @@ def point_frame(scene: Scene, point: str) -> str:
     return f'{scene.joint_states.prefix}{point}'
 
 
-def _joint(scene: Scene, place: int, motion: NamedFields) -> ModelJoint:
-    """Return joint number ``place`` of JOINTS; ``motion``: of the start."""
+def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
+    """Return the joint of an index in JOINTS; ``motion``: of the start."""
     mechanism, shown = scene.linkage, scene.joint_states
-    coordinate, name = mechanism.JOINTS[place].coordinate, scene.joint_names[place]
-    connection = connections_of(mechanism)[place]
+    coordinate, name = mechanism.JOINTS[index].coordinate, scene.joint_names[index]
+    connection = connections_of(mechanism)[index]
     is_driven = coordinate == mechanism.input_coordinate
-    ratio, offset = shown.ratios[place], shown.offsets[place]
+    ratio, offset = shown.ratios[index], shown.offsets[index]
     limits = _limits(mechanism, connection, coordinate, is_driven,
                      getattr(motion, mechanism.input_coordinate.position))
     if limits:
@@ -214,16 +218,6 @@ def _radius(scene: Scene) -> float:
         if not isnan(radius):
             return float(radius)
     return 0.02 * max(map(abs, scene.linkage.lengths))
-
-
-def _check_names(model: RobotModel) -> None:
-    """Raise NoDescription if two frames have one name, which no format allows."""
-    names = [model.root, *(link.frame for link in model.links), *model.points,
-             *(frame for closure in model.closures for frame in closure.frames)]
-    for name in names:
-        if names.count(name) > 1:
-            raise NoDescription(f'two frames would be named {name!r}: change frame_id, '
-                                'joint_states.prefix or the name of a point')
 
 
 class NoDescription(FourBarError):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.description.model import Closure, inertia_of, ModelLink, RobotModel
+from fourbar_ros.description.model import inertia_of, ModelLink, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
@@ -24,16 +24,21 @@ def urdf(model: RobotModel) -> str:
     comment(robot, model.title)
     root = add(robot, 'link', name=model.root)
     _visuals(root, model.ground, -1)
-    for place, link in enumerate(model.links):
-        _link(robot, link, place, model.size)
+    for index, link in enumerate(model.links):
+        _link(robot, link, index, model.size)
     for closure in model.closures:
-        _closure(robot, closure)
+        connection = closure.connection
+        comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these '
+                       'two frames coincide' + (' along its axis' if connection.axis else ''))
+        first, second = closure.frames
+        _fixed(robot, first, closure.parent, (*connection.on_parent, 0.0))
+        _fixed(robot, second, closure.child, (*connection.on_child, 0.0))
     for name, (frame, x, y) in model.points.items():
         _fixed(robot, name, frame, (x, y, 0.0))
     return as_text(robot)
 
 
-def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
+def _link(robot: Element, link: ModelLink, index: int, size: float) -> None:
     """Add a moving link with mass and shapes, and the joint it hangs on."""
     element = add(robot, 'link', name=link.frame)
     if link.body:
@@ -42,7 +47,7 @@ def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
         add(inertial, 'origin', xyz=centre)
         add(inertial, 'mass', value=mass)
         add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0, iyz=0.0)
-    _visuals(element, link.shapes, place)
+    _visuals(element, link.shapes, index)
     joint, (x, y, angle) = link.joint, link.joint.at_zero
     kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
     element = add(robot, 'joint', name=joint.name, type=kind)
@@ -55,30 +60,20 @@ def _link(robot: Element, link: ModelLink, place: int, size: float) -> None:
         add(element, 'limit', lower=low, upper=high, effort=UNLIMITED, velocity=UNLIMITED)
 
 
-def _closure(robot: Element, closure: Closure) -> None:
-    """Add the two frames of a cut joint, at its place on both of its links."""
-    connection = closure.connection
-    comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these two '
-                   'frames coincide' + (' along its axis' if connection.axis else ''))
-    first, second = closure.frames
-    _fixed(robot, first, closure.parent, (*connection.on_parent, 0.0))
-    _fixed(robot, second, closure.child, (*connection.on_child, 0.0))
-
-
-def _fixed(robot: Element, name: str, frame: str, place: tuple[float, float, float]) -> None:
-    """Add a frame at a place of another: in URDF, an empty link on a fixed joint."""
+def _fixed(robot: Element, name: str, frame: str, origin: tuple[float, float, float]) -> None:
+    """Add a frame at a point of another frame: in URDF, an empty link on a fixed joint."""
     add(robot, 'link', name=name)
     joint = add(robot, 'joint', name=f'{name}_fixed', type='fixed')
     add(joint, 'parent', link=frame)
     add(joint, 'child', link=name)
-    add(joint, 'origin', xyz=place)
+    add(joint, 'origin', xyz=origin)
 
 
-def _visuals(link: Element, shapes: Sequence[Shape], place: int) -> None:
-    """Add the shapes of a link, in the colour of its place in the order of links."""
+def _visuals(link: Element, shapes: Sequence[Shape], index: int) -> None:
+    """Add the shapes of a link, in the colour of its index in the order of links."""
     for shape in shapes:
         visual = add(link, 'visual')
         add(visual, 'origin', xyz=shape.pose[:3], rpy=shape.pose[3:])
         add(add(visual, 'geometry'), shape.form, **shape.sizes)
         add(add(visual, 'material', name=f'{link.get("name")}_colour'), 'color',
-            rgba=colour(place))
+            rgba=colour(index))

@@ -11,7 +11,7 @@ COLOURS = ((0.20, 0.45, 0.70), (0.80, 0.45, 0.15), (0.30, 0.60, 0.35), (0.60, 0.
 GROUND_COLOUR = (0.45, 0.45, 0.45)
 
 
-def numbers(*values: float) -> str:
+def digits_of(*values: float) -> str:
     """Return numbers as text with all digits, '0.1 2 0'; no negative zeros."""
     return ' '.join(f'{value + 0.0!r}'.removesuffix('.0') for value in map(float, values))
 
@@ -21,7 +21,7 @@ def add(parent: Element, tag: str, text: str = '', /,
     """Add an element with a text and attributes, which may be numbers; return it."""
     element = ElementTree.SubElement(parent, tag, {
         name.rstrip('_'): value if isinstance(value, str) else
-        numbers(*(value if isinstance(value, tuple) else (value,)))
+        digits_of(*(value if isinstance(value, tuple) else (value,)))
         for name, value in attributes.items()})
     element.text = text or None
     return element
@@ -39,6 +39,6 @@ def as_text(root: Element) -> str:
             + ElementTree.tostring(root, encoding='unicode', short_empty_elements=True) + '\n')
 
 
-def colour(place: int) -> tuple[float, float, float, float]:
-    """Return the colour of the link at a place in the order of links; the ground is at -1."""
-    return (*(GROUND_COLOUR if place < 0 else COLOURS[place % len(COLOURS)]), 1.0)
+def colour(index: int) -> tuple[float, float, float, float]:
+    """Return the colour of the link of an index in the order of links; of the ground -1."""
+    return (*(GROUND_COLOUR if index < 0 else COLOURS[index % len(COLOURS)]), 1.0)
