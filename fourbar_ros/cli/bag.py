@@ -25,13 +25,13 @@ from fourbar_ros.cli.common import (
 from fourbar_ros.optional import lab
 from fourbar_ros.terminal import make_console, make_table
 
-if TYPE_CHECKING:      # verbs import when they run
+if TYPE_CHECKING:      # a verb imports the rest when it runs
     from fourbar_ros.bag.comparison import TopicDiff
     from fourbar_ros.bag.overview import Info
     from fourbar_ros.bag.recomputation import Recomputed
     from rich.table import Table
 
-PLACES = 50     # damaged places that are printed one by one
+MOST_DAMAGE = 50        # lines on damage that are printed one by one
 DESCRIPTION = """\
 Inspect, repair, check and convert a recorded run. BAG is the folder of a bag or its .mcap file:
 finished, cut off by a crash, or still being written. No action changes a bag, or overwrites a
@@ -96,44 +96,44 @@ def _add_info(actions: Verbs) -> None:
 def _info(arguments: Namespace) -> int:
     from fourbar_ros.bag.overview import info
     with reading(arguments.bag, 'reading') as step:
-        found = info(arguments.bag, arguments.check, step)
+        bag = info(arguments.bag, arguments.check, step)
     if arguments.json:
         print(json_line({
-            'bag': str(arguments.bag), 'sound': found.is_sound, 'finished': found.is_finished,
-            'size': found.size, 'files': found.files, 'start': found.start, 'end': found.end,
-            'messages': sum(topic.messages for topic in found.topics), 'missing': found.missing,
-            'dropped': found.dropped, 'ended': found.ended, 'damage': found.damage,
-            'about': found.about, 'topics': [topic._asdict() for topic in found.topics]}))
+            'bag': str(arguments.bag), 'sound': bag.is_sound, 'finished': bag.is_finished,
+            'size': bag.size, 'files': bag.files, 'start': bag.start, 'end': bag.end,
+            'messages': sum(topic.messages for topic in bag.topics), 'missing': bag.missing,
+            'dropped': bag.dropped, 'ended': bag.ended, 'damage': bag.damage,
+            'about': bag.about, 'topics': [topic._asdict() for topic in bag.topics]}))
     else:
-        _print(*_info_tables(found))
-        if not found.is_finished or found.damage:
+        _print(*_info_tables(bag))
+        if not bag.is_finished or bag.damage:
             print('fourbar bag recover makes a whole bag of what can be read')
-    return 0 if found.is_sound else BAD
+    return 0 if bag.is_sound else BAD
 
 
-def _info_tables(found: Info) -> tuple[Table, Table]:
+def _info_tables(bag: Info) -> tuple[Table, Table]:
     from fourbar_ros.bag.reader import software_of
     about = make_table('', ('', ''))
-    about.add_row('bag', str(found.path))
-    about.add_row('state', 'finished' if found.is_finished else
+    about.add_row('bag', str(bag.path))
+    about.add_row('state', 'finished' if bag.is_finished else
                   'unfinished: being written, or cut off by a crash or a full disk')
-    about.add_row('size', f'{found.size / 1e6:.3f} MB'
-                  + (f' in {found.files} files' if found.files > 1 else ''))
+    about.add_row('size', f'{bag.size / 1e6:.3f} MB'
+                  + (f' in {bag.files} files' if bag.files > 1 else ''))
     seconds = 0.0
-    if found.start is not None and found.end is not None:
-        seconds = (found.end - found.start) * 1e-9
-        start = datetime.fromtimestamp(found.start * 1e-9).astimezone()
+    if bag.start is not None and bag.end is not None:
+        seconds = (bag.end - bag.start) * 1e-9
+        start = datetime.fromtimestamp(bag.start * 1e-9).astimezone()
         about.add_row('start', start.isoformat(' ', 'milliseconds'))
     about.add_row('duration', f'{seconds:.3f} s')
-    made_by = ', '.join(map(' '.join, software_of(found.about).items()))
+    made_by = ', '.join(map(' '.join, software_of(bag.about).items()))
     for label, text in (('made by', made_by),
-                        ('node', found.about.get('node')), ('ended', found.ended),
-                        ('dropped', found.dropped and f'{found.dropped} messages'),
-                        ('lost', found.lost), ('damage', found.damage)):
+                        ('node', bag.about.get('node')), ('ended', bag.ended),
+                        ('dropped', bag.dropped and f'{bag.dropped} messages'),
+                        ('lost', bag.lost), ('damage', bag.damage)):
         if text:
             about.add_row(label, text)
     topics = make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
-    for topic in found.topics:
+    for topic in bag.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
                        '' if topic.missing is None else str(topic.missing))
@@ -157,10 +157,10 @@ def _recover(arguments: Namespace) -> int:
     print(f'{recovered.path}: {recovered.messages} messages'
           + ('' if recovered.damage else ', nothing lost' if recovered.was_whole else
              ', all that the bag holds; it is without its end'))
-    for damage in recovered.damage[:PLACES]:
+    for damage in recovered.damage[:MOST_DAMAGE]:
         print(f'damaged: {damage}')
-    if len(recovered.damage) > PLACES:
-        print(f'damaged: and {len(recovered.damage) - PLACES} more places')
+    if len(recovered.damage) > MOST_DAMAGE:
+        print(f'damaged: and {len(recovered.damage) - MOST_DAMAGE} more places')
     return BAD if recovered.damage else 0
 
 
@@ -180,35 +180,35 @@ def _add_recompute(actions: Verbs) -> None:
 def _recompute(arguments: Namespace) -> int:
     from fourbar_ros.bag.recomputation import recompute
     with reading(arguments.bag, 'recomputing') as step:
-        found = recompute(arguments.bag, arguments.node, step)
-    problems = found.problems(arguments.tolerance)
+        result = recompute(arguments.bag, arguments.node, step)
+    problems = result.problems(arguments.tolerance)
     if arguments.json:
         print(json_line({
             'bag': str(arguments.bag), 'good': not problems, 'problems': problems,
-            'largest': found.largest, 'tolerance': arguments.tolerance, 'cut': found.is_cut,
-            'inputs': found.inputs, 'compared': found.compared, 'unmatched': found.unmatched,
-            'missing': found.missing, 'doubled': found.doubled, 'skipped': found.skipped,
-            'stepped': found.stepped,
-            'differences': [difference._asdict() for difference in found.differences]}))
+            'largest': result.largest, 'tolerance': arguments.tolerance, 'cut': result.is_cut,
+            'inputs': result.inputs, 'compared': result.compared, 'unmatched': result.unmatched,
+            'missing': result.missing, 'doubled': result.doubled, 'skipped': result.skipped,
+            'stepped': result.stepped,
+            'differences': [difference._asdict() for difference in result.differences]}))
     else:
-        if found.differences:
-            _print(_differences(found, arguments.tolerance))
-        print(f'{found.inputs} driven motions, {found.compared} outputs compared; largest '
-              f'difference {found.largest:g}' + ('; the bag is cut' if found.is_cut else ''))
-        if found.stepped:
-            print(f'{found.stepped} states of the drive stepped again from the one before')
-        for why, count in found.skipped.items():
+        if result.differences:
+            _print(_differences(result, arguments.tolerance))
+        print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '
+              f'difference {result.largest:g}' + ('; the bag is cut' if result.is_cut else ''))
+        if result.stepped:
+            print(f'{result.stepped} states of the drive stepped again from the one before')
+        for why, count in result.skipped.items():
             print(f'not compared: {count} outputs {why}')
         for problem in problems:
             print(f'bad: {problem}')
     return BAD if problems else 0
 
 
-def _differences(found: Recomputed, tolerance: float) -> Table:
+def _differences(result: Recomputed, tolerance: float) -> Table:
     """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
     table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
-    for topic in dict.fromkeys(difference.topic for difference in found.differences):
-        of_topic = [difference for difference in found.differences if difference.topic == topic]
+    for topic in dict.fromkeys(difference.topic for difference in result.differences):
+        of_topic = [difference for difference in result.differences if difference.topic == topic]
         shown = [difference for difference in of_topic if difference.largest > tolerance]
         for difference in shown:
             table.add_row(topic, difference.field, str(difference.messages),

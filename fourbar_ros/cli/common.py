@@ -33,9 +33,9 @@ class HelpFormatter(argparse.HelpFormatter):
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         """Return a description or epilog as text for the terminal: argparse calls it."""
-        parts = groupby(text.splitlines(), lambda line: line[:1] in ('', ' '))
-        return '\n'.join('\n'.join(part) if is_example else fill(' '.join(part), width)
-                         for is_example, part in parts)
+        paragraphs = groupby(text.splitlines(), lambda line: line[:1] in ('', ' '))
+        return '\n'.join('\n'.join(lines) if is_example else fill(' '.join(lines), width)
+                         for is_example, lines in paragraphs)
 
 
 BAD = 3         # exit code: the verb has done its work, but the result is not good

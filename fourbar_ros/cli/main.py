@@ -27,7 +27,7 @@ from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
 GROUP = 'fourbar.verbs'
-OWN = {'bag': bag, 'describe': describe, 'replay': replay, 'scene': scene, 'simulate': simulate}
+VERBS = {'bag': bag, 'describe': describe, 'replay': replay, 'scene': scene, 'simulate': simulate}
 DESCRIPTION = """\
 Motion, loads and extrema of planar linkages, and tools for recorded runs: four-bars,
 slider-cranks, inverted slider-cranks, Scotch yokes and machines of dyads. Works without ROS,
@@ -68,11 +68,11 @@ def parser() -> argparse.ArgumentParser:
                  formatter_class=HelpFormatter)
     top.add_argument('--version', action='version', version=f'fourbar {__version__}')
     verbs = top.add_subparsers(dest='verb', required=True, metavar='VERB')
-    others = {entry.name: entry for entry in entry_points(group=GROUP)}
+    plugins = {entry.name: entry for entry in entry_points(group=GROUP)}
     missing: dict[str, list[str]] = {}      # {why: verbs}
-    for name in sorted({*OWN, *others}):
+    for name in sorted({*VERBS, *plugins}):
         try:
-            (OWN[name] if name in OWN else others[name].load()).add(verbs)
+            (VERBS[name] if name in VERBS else plugins[name].load()).add(verbs)
         except ImportError as error:
             missing.setdefault(str(error), []).append(name)
     for why, names in missing.items():
@@ -142,18 +142,18 @@ def _terminable() -> Iterator[None]:
 
     So ``finally`` blocks run, and no partial output is left.
     """
-    def end(number: int, _: object) -> NoReturn:
-        raise SystemExit(128 + number)
+    def end(signal_number: int, _: object) -> NoReturn:
+        raise SystemExit(128 + signal_number)
 
     before = {}
     if threading.current_thread() is threading.main_thread():
-        before = {number: signal.signal(number, end) for number in _ENDING
-                  if signal.getsignal(number) is signal.SIG_DFL}    # not what nohup ignores
+        before = {ending: signal.signal(ending, end) for ending in _ENDING
+                  if signal.getsignal(ending) is signal.SIG_DFL}    # nohup ignores SIGHUP
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for ending, handler in before.items():
+            signal.signal(ending, handler)
 
 
 if __name__ == '__main__':

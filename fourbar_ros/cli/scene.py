@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import Namespace
 from collections.abc import Iterable
 from timeit import repeat
-from typing import Any, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs
 from fourbar_ros.scene.parameters import of_name, unit_in
@@ -59,27 +59,23 @@ def _check(arguments: Namespace) -> None:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
-    for line in _without_mass(scene):
-        console.print(line)
+    bodies = scene.bare_linkage.bodies
+    massless = [name for name, body in bodies._asdict().items()
+                if body.mass == 0.0 and body.inertia == 0.0] if bodies else []
+    if massless:
+        console.print(f'Links without mass: {", ".join(massless)}.')
     if drive.source == 'timer' and not linkage.turns_fully:
         console.print(_leaves_the_range(linkage, drive))
-    others = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
-    not_created = [f'not created: {", ".join(others)}'] if others else []
+    left_out = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
+    not_created = [f'not created: {", ".join(left_out)}'] if left_out else []
     received = [_topics_table('inputs', scene.received)] if scene.received else []
     outputs = _topics_table('outputs', [*scene.topics.values(), *scene.pictures.values()])
-    for part in (*received, outputs, *not_created, _changed_table(scene), _cost_in_words(scene)):
+    for paragraph in (*received, outputs, *not_created, _changed_table(scene),
+                      _cost_in_words(scene)):
         console.print()
-        console.print(part)
+        console.print(paragraph)
     if arguments.error:
         console.print(_error_in_words(scene))
-
-
-def _without_mass(scene: Scene) -> list[str]:
-    """Return a sentence on the links without mass in a scene that has masses."""
-    bodies = scene.bare_linkage.bodies
-    names = [name for name, body in bodies._asdict().items() if not (body.mass or body.inertia)
-             ] if bodies else []
-    return [f'Links without mass: {", ".join(names)}.'] if names else []
 
 
 def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
@@ -107,15 +103,11 @@ def _changed_table(scene: Scene) -> Table:
     for name, value in scene.values.items():
         parameter = of_name(name)
         if value != parameter.default and value == value:
-            table.add_row(name, _shown(value), unit_in(parameter, scene.values))
+            text = str(value)
+            if isinstance(value, list) and len(value) > LONG:
+                text = f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
+            table.add_row(name, text, unit_in(parameter, scene.values))
     return table
-
-
-def _shown(value: Any) -> str:
-    """Return a value as text, a long table by its ends."""
-    if isinstance(value, list) and len(value) > LONG:
-        return f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
-    return str(value)
 
 
 def step_cost(scene: Scene) -> float:
@@ -137,12 +129,12 @@ def _error_in_words(scene: Scene) -> str:
     positions = [low + (high - low) * (k + 0.5) / INPUTS_OF_ERROR for k in range(INPUTS_OF_ERROR)]
     errors = rounding_errors(linkage, positions, drive.speed, 0.0, scene.has_loads)
     worst = []
-    for what, is_load in (('rates and accelerations', False), ('loads', True)):
+    for sort, is_load in (('rates and accelerations', False), ('loads', True)):
         names = [name for name, quantity in known_quantities(linkage, linkage.input).items()
                  if quantity.is_load == is_load and name in errors]
         if names:
             name = max(names, key=errors.__getitem__)
-            worst.append(f'of {what} {errors[name]:.1g} ({name})')
+            worst.append(f'of {sort} {errors[name]:.1g} ({name})')
     return (f'Largest rounding errors at {INPUTS_OF_ERROR} inputs and {drive.speed:g} '
             f'{linkage.input_coordinate.unit}/s, over the largest value of their sort: '
             f'{", ".join(worst)}.')
