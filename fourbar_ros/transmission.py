@@ -113,7 +113,8 @@ class Transmission:
         outputs = self._within_branch(wanted.position, self._output)
         inputs = self._solve(outputs)
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-            ratio, slope = self._ratio(inputs)
+            ratio, slope = self.mechanism.motion(                   # r and r', at unit rate
+                inputs, 1.0, 0.0, fields=(self._output.rate, self._output.acceleration))
             # so near to a toggle that rounding of the input leaves no digit of the ratio
             at_toggle = ratio * ratio <= EPS * np.abs(slope) * np.abs(self.branch.outputs).max()
             ratio = np.where(at_toggle, 0.0, ratio)
@@ -260,12 +261,6 @@ class Transmission:
         return outputs + tau * np.round((near - outputs) / tau)
 
     # --- rates and efforts ----------------------------------------------------------------------
-
-    def _ratio(self, inputs: Array) -> tuple[Array, Array]:
-        """Return r = dy/dx and r' = d2y/dx2 at inputs: the output's motion at unit rate."""
-        fields = self._output.rate, self._output.acceleration
-        ratio: tuple[Array, Array] = self.mechanism.motion(inputs, 1.0, 0.0, fields=fields)
-        return ratio
 
     def _effort_of_links(self, position: Array, rate: Array,
                          acceleration: Array | None) -> Array:

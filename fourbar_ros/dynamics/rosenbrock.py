@@ -67,14 +67,6 @@ class StateVector(NamedTuple):
     source: Scalar         # z
 
 
-class TakingOver(NamedTuple):
-    """The coordinate that takes over from p, where one may."""
-
-    position: Scalar
-    ratio: Scalar          # its derivative by p
-    room: Scalar           # positive while p may go on
-
-
 class Coefficients(NamedTuple):
     """What the Jacobian of (RB1) needs besides the state: terms of (E1), slopes of (A9)."""
 
@@ -92,9 +84,9 @@ class Coefficients(NamedTuple):
 class Linearization(NamedTuple):
     """The equations (RB1) at a state: all that a step from there and a message need."""
 
-    room: float               # as of TakingOver
-    next_position: float      # of the coordinate that takes over
-    next_ratio: float
+    room: float               # positive while this coordinate may go on
+    next_position: float      # of the coordinate that takes over, where one may
+    next_ratio: float         # its derivative by this coordinate
     to_bend: float            # time to the next bend of the source's law [s], about
     acceleration: float       # of the input, (Q3)
     torque: float             # (force) of the drive on the input
@@ -185,23 +177,23 @@ class StepFormulas:
         return self._equation.make_terms(self._equation.coordinate, n, Outside(base, wrenches))
 
     def _make_taking_over(self, n: NumberType) -> Function:
-        """Return the formula p -> :class:`TakingOver`."""
+        """Return the formula p -> (next_position, next_ratio, room) of a Linearization."""
         coordinate, mechanism = self._coordinate, self._equation.mechanism
         if self._passes:
             successor = coordinate.make_successor(self._equation.coordinate, n)
             middle, half = coordinate.all.middle, coordinate.all.half
 
-            def between_toggles(p: Scalar) -> TakingOver:
+            def between_toggles(p: Scalar) -> tuple[Scalar, Scalar, Scalar]:
                 value, ratio, _ = successor(p)
                 room = LONGEST - n.fabs(ratio) * coordinate.unit_of_ratio
                 if coordinate.is_input:            # not in another range, beyond a gap
                     room = n.where(n.fabs(p - middle) < half, room, -FARTHEST)
-                return TakingOver(value, ratio, room)
+                return value, ratio, room
             return between_toggles
         if mechanism.turns_fully:
-            return lambda p: TakingOver(0.0, 1.0, 1.0)
+            return lambda p: (0.0, 1.0, 1.0)
         motion_of = mechanism.motion_formula(n, mechanism.constants)
-        return lambda p: TakingOver(0.0, 1.0, n.fabs(mechanism.transmission_sine(
+        return lambda p: (0.0, 1.0, n.fabs(mechanism.transmission_sine(
             mechanism.MOTION._make(motion_of(p, 0.0, 0.0)))) - NEAR_TOGGLE)
 
     def make_table_positions(self, n: NumberType) -> Function:
@@ -214,7 +206,8 @@ class StepFormulas:
                           *acting: Any) -> Linearization:
             x = StateVector(p, u, s, v, z)
             terms_of, taking_over_at = self._make_terms(n, acting), self._make_taking_over(n)
-            taking_over, terms = taking_over_at(p), terms_of(p)
+            next_position, next_ratio, room = taking_over_at(p)
+            terms = terms_of(p)
             change, torque, motor_torque, piece = self._rates(n, terms, x, command)
             acceleration = (change.rate if self._equation.is_input else
                             terms.ratio * change.rate + terms.ratio_slope * u * u)          # (Q3)
@@ -222,8 +215,8 @@ class StepFormulas:
             speed = v if self._shaft else terms.ratio * u
             to_bend = self._to_bend(n, command, (speed, z), (slope, change.source))
             return Linearization(
-                taking_over.room, taking_over.position, taking_over.ratio, to_bend, acceleration,
-                torque, motor_torque, change, Coefficients(
+                room, next_position, next_ratio, to_bend, acceleration, torque, motor_torque,
+                change, Coefficients(
                     terms.inertia, terms.half_slope, terms.damping, terms.ratio,
                     terms.ratio_slope, piece.by_speed, piece.by_state, piece.change_by_speed,
                     piece.change_by_state))
