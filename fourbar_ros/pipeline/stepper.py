@@ -44,11 +44,12 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
     """
     Return (status, motion, loads) at an input; unknown fields are NaN, as loads not asked for.
 
-    INVALID_INPUT: the input is NaN or infinite, or so fast that a result overflows. RATES_UNKNOWN:
-    the rate or acceleration is NaN; fields that do not depend on it are valid.
+    INVALID_INPUT: the input is NaN, infinite, an angle at which floats are 4 rad apart, or so
+    fast that a result overflows. RATES_UNKNOWN: the rate or acceleration is NaN; fields that do
+    not depend on it are valid.
     """
     inputs = position, rate, acceleration
-    if not isfinite(position) or isinf(rate) or isinf(acceleration):
+    if not isfinite(position * mechanism.overflowing) or isinf(rate) or isinf(acceleration):
         return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
     if isnan(rate) or isnan(acceleration):
         return _partly(RATES_UNKNOWN, mechanism, *inputs)

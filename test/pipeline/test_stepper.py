@@ -53,7 +53,7 @@ def test_within_range_it_is_the_library():
 
 
 @pytest.mark.parametrize(('given', 'expected'), [
-    ((1e300, 1.0, 1.0), INVALID_INPUT),
+    ((1e300, 1.0, 1.0), INVALID_INPUT), ((1e300, nan, 1.0), INVALID_INPUT),
     ((nan, 1.0, 1.0), INVALID_INPUT), ((inf, 1.0, 1.0), INVALID_INPUT),
     ((0.5, inf, 1.0), INVALID_INPUT), ((0.5, 1.0, -inf), INVALID_INPUT),
     ((0.5, nan, inf), INVALID_INPUT), ((0.5, -inf, nan), INVALID_INPUT),
