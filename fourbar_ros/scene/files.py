@@ -211,7 +211,11 @@ def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, A
     text = ''
     try:
         text = Path(path).read_text(encoding='utf-8')
-        refuse_robot(path, text)
+        root = ROOT.match(text)
+        if root and root[1] in DESCRIPTIONS:         # which users take for a scene
+            raise SceneError(f'{path}: is no scene but a robot description, '
+                             f'{DESCRIPTIONS[root[1]]}; reading it is not possible yet, fourbar '
+                             'describe writes URDF and MJCF')
         return text, yaml.load(text, loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
@@ -235,14 +239,6 @@ def sections(path: str | Path) -> dict[str, YamlTree]:
         raise SceneError(f'{path}: not a scene: expected "/**:" with "ros__parameters:" below it'
                          + hint)
     return trees
-
-
-def refuse_robot(path: str | Path, text: str) -> None:
-    """Raise SceneError for a robot description, which users take for a scene."""
-    root = ROOT.match(text)
-    if root and root[1] in DESCRIPTIONS:
-        raise SceneError(f'{path}: is no scene but a robot description, {DESCRIPTIONS[root[1]]}; '
-                         'reading it is not possible yet, fourbar describe writes URDF and MJCF')
 
 
 def _why_no_yaml(text: str, error: Exception) -> str:

@@ -88,7 +88,8 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     """
     known = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
-    joints = tuple((joint.coordinate, _effort(joint.coordinate, driven))
+    drive_load = 'driving_torque' if driven.unit == 'rad' else 'driving_force'
+    joints = tuple((joint.coordinate, drive_load if joint.coordinate == driven else None)
                    for joint in mechanism.JOINTS)
     # the input of a machine may have another name than in LinkageState
     state = THETA1 if driven.unit == 'rad' else TRAVEL
@@ -138,13 +139,6 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
             for field, of_joints in zip(OF_JOINTS, sources)
             if field != 'effort' or with_effort}     # else empty in the message: not known
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints, groups)
-
-
-def _effort(joint: Coordinate, driven: Coordinate) -> str | None:
-    """Return the load that is the effort of a joint: the drive's load, None for passive joints."""
-    if joint != driven:
-        return None
-    return 'driving_torque' if driven.unit == 'rad' else 'driving_force'
 
 
 def driven_of(message: Any, joint: str = '') -> Any:

@@ -491,20 +491,16 @@ def _check_together(scene: Scene) -> None:
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
     if scene.node.trajectories:
-        _check_trajectories(scene, refuse)
-
-
-def _check_trajectories(scene: Scene, refuse: Callable[[str, str], NoReturn]) -> None:
-    """Refuse trajectories where no joint is the output or no branch begins at the start."""
-    output = scene.linkage.outputs[0].coordinate
-    coordinates = [joint.coordinate for joint in scene.linkage.JOINTS]
-    if output not in coordinates:
-        refuse('trajectories', f'the output {output.position} is of no joint of joint_names; of '
-               f'joints are {", ".join(coordinate.position for coordinate in coordinates)}')
-    try:
-        _ = scene.transmission
-    except FourBarError as error:
-        refuse('drive.start', f'chooses the branch of trajectories, but {error}')
+        output = scene.linkage.outputs[0].coordinate
+        coordinates = [joint.coordinate for joint in scene.linkage.JOINTS]
+        if output not in coordinates:
+            of_joints = ', '.join(coordinate.position for coordinate in coordinates)
+            refuse('trajectories', f'the output {output.position} is of no joint of joint_names; '
+                                   f'of joints are {of_joints}')
+        try:
+            _ = scene.transmission
+        except FourBarError as error:
+            refuse('drive.start', f'chooses the branch of trajectories, but {error}')
 
 
 def check_for_node(scene: Scene) -> None:
