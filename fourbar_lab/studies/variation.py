@@ -102,8 +102,8 @@ def variation(name: str, entries: Yaml, values: ParameterValues) -> Variation:
             or name.startswith('cylinder.') and values['linkage.input'] != 'cylinder'):
         raise InvalidParameter(entry, None, 'cannot vary in this study: numbers of '
                                f'{", ".join(f"{start}*" for start in ACTING)} and {MODE} can')
-    found = [key for key in entries if key != 'levels'] if isinstance(entries, dict) else []
-    kind = found[0] if len(found) == 1 else ''
+    keys = [key for key in entries if key != 'levels'] if isinstance(entries, dict) else []
+    kind = keys[0] if len(keys) == 1 else ''
     if kind not in KINDS or name == MODE and kind != 'list':
         raise InvalidParameter(entry, entries, 'must be {KIND: VALUES}, a list for '
                                f'{MODE}, else one of {", ".join(KINDS)}')
