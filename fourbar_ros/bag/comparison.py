@@ -15,8 +15,8 @@ from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
+from fourbar_ros.bag.outputs import largest_difference, names_in
 from fourbar_ros.bag.reader import Bag, Columns, Progress
-from fourbar_ros.bag.recomputation import largest_difference, names_in
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np

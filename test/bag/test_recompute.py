@@ -8,8 +8,9 @@ In bags of rosbag2 as well.
 import json
 import math
 
+from fourbar_ros.bag.outputs import STOPPED
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recomputation import recompute, STOPPED, UNTOLD
+from fourbar_ros.bag.recomputation import recompute, UNTOLD
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError

@@ -1,0 +1,234 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Compare the recorded outputs of a bag with the values that were computed again."""
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence, Set
+from math import inf
+from typing import Any, NamedTuple
+
+from fourbar_ros.bag.origin import Origin
+from fourbar_ros.bag.reader import Bag, Raw, stamps_of
+from fourbar_ros.errors import BagError
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.pipeline.stepper import INPUT_TIMEOUT
+from fourbar_ros.scene.scene import Scene
+import numpy as np
+
+UNSETTLED = 200_000_000     # [ns] around a change, in which a bag of rosbag2 has no sure order
+# the topic that a robot and other nodes share, where a bag of rosbag2 has the messages of all
+JOINT_STATES = 'joint_states'
+# fields of standard messages that a planar linkage leaves 0
+PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
+STOPPED, NEAR_A_CHANGE = ('say that the input had stopped',
+                          'near a change of the scene or of what acts')
+NOWHERE, LATER = -1, -2     # instead of the index of a motion: not in the bag, in a later block
+
+
+class Motions(NamedTuple):
+    """
+    A block of driven motions that were evaluated; all arrays have shape (n,).
+
+    ``first``: index of the first motion in the bag; ``later``: stamps of motions behind the block,
+    and ``changes``: log times [ns] of new scenes and acting inputs, both only where the order in
+    the bag is not sure; stamps [ns], assembly modes, statuses; ``why``: reason why the outputs
+    cannot be compared (empty: they can); ``values``, of shape (n, values): in the order of the
+    FieldMap of the scene.
+    """
+
+    first: int
+    later: Set[int]
+    changes: Sequence[int]
+    stamps: Array
+    modes: Array
+    status: Array
+    why: Array
+    values: Array
+
+    def of_outputs(self, before: Array, stamps: Array) -> Array:
+        """
+        Return the index of each output's motion, or LATER, or NOWHERE.
+
+        It is the last motion before the output; ``before``: how many motions are before each
+        output in the bag. If the stamps differ, as in a bag of ``ros2 bag``, which mixes topics,
+        it is the last motion of the stamp of the output.
+        """
+        indices, count = before - 1 - self.first, len(self.stamps)
+        is_same = (indices >= 0) & (indices < count)
+        is_same[is_same] = self.stamps[indices[is_same]] == stamps[is_same]
+        of_stamp = {} if is_same.all() else dict(zip(self.stamps.tolist(), range(count)))
+        for row in np.flatnonzero(~is_same):
+            stamp = int(stamps[row])
+            is_behind = indices[row] >= count or stamp in self.later
+            indices[row] = of_stamp.get(stamp, LATER if is_behind else NOWHERE)
+        return indices
+
+
+class OutputComparison:
+    """
+    Keeps outputs until their motions are computed, then compares both.
+
+    ``largest``: {(name, field): largest difference}; ``counts``: {name: messages compared};
+    ``skipped``: {reason: outputs}; ``unmatched``: count of outputs whose motion is not in the bag.
+    """
+
+    def __init__(self, bag: Bag, origin: Origin) -> None:
+        self._bag, self._origin = bag, origin
+        self.largest: dict[tuple[str, str], float] = {}
+        self.counts: Counter[str] = Counter()
+        self.skipped: Counter[str] = Counter()
+        self.unmatched = 0
+        # of each output, by motion: count of messages in the bag, whether one is due
+        self._presence: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
+        # not yet compared: outputs (how many motions before it in the bag, log time, data)
+        self._waiting: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
+
+    def begin(self, scene: Scene) -> None:
+        """Compare with the names and constants of a scene from here on."""
+        self._scene = scene
+        self._constant = {'change_point_margin': scene.linkage.change_point_margin,
+                          **dict.fromkeys(PLANAR, 0.0), 'header.frame_id': scene.frame_id,
+                          **{f'name[{i}]': name for i, name in enumerate(scene.names_shown)}}
+
+    def add(self, name: str, before: int, raw: Raw) -> None:
+        """Take an output, with the count of motions before it in the bag."""
+        self._waiting[name].append((before, raw.time, raw.data))
+
+    def compare(self, motions: Motions) -> None:
+        """Compare the outputs of a block of motions; outputs of later motions wait."""
+        for name in self._scene.topics:
+            self._compare_topic(name, motions)
+
+    def _compare_topic(self, name: str, motions: Motions) -> None:
+        """Compare the messages of an output with their motions; keep outputs of later motions."""
+        topic, waiting = self._origin.topics.get(name, ''), self._waiting.pop(name, [])
+        counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
+        arrays = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
+        for rows, records in arrays:
+            if name == JOINT_STATES and not self._origin.in_order:
+                are_ours = _are_of(records, self._scene.names_shown)
+                rows, records = rows[are_ours], records[are_ours]
+                if not len(rows):
+                    continue
+            outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
+            if stamps is None:
+                raise BagError(f'{self._bag.path}: {topic} has no header')
+            before = np.array([before for before, *_ in outputs])
+            indices = motions.of_outputs(before, stamps)
+            self._waiting[name] += [outputs[row] for row in np.flatnonzero(indices == LATER)]
+            for row in np.flatnonzero(indices == NOWHERE):
+                self._without_motion(name, records[row:row + 1],
+                                     near_a_change(outputs[row][1], motions.changes))
+            is_known = indices >= 0
+            if is_known.any():
+                np.add.at(counts, indices[is_known], 1)
+                self._compare_records(name, records[is_known], motions, indices[is_known])
+        if len(counts) and (self._origin.in_order or topic):
+            needed = motions.values[:, self._scene.needed_for(name)]
+            # joint_states may be left out where a position is unknown
+            is_due = ~np.isnan(needed).any(axis=1) & (motions.why == '')
+            self._presence[name].append((counts, is_due))
+
+    def _compare_records(self, name: str, records: Array, motions: Motions, indices: Array
+                         ) -> None:
+        """Note differences of messages from the values of their motions; skip unsure motions."""
+        why = motions.why[indices]
+        for reason in set(why.tolist()) - {''}:
+            self.skipped[reason] += int(np.count_nonzero(why == reason))
+        records, indices = records[why == ''], indices[why == '']
+        self.counts[name] += len(indices)
+        fields = set(records.dtype.names or ())     # a bag of an older version may have fewer
+        expectations = {**self._scene.layout.expected(name, motions.values[indices].T),
+                        'status': motions.status[indices], 'mode': motions.modes[indices],
+                        **self._constant}
+        for field, value in expectations.items():
+            if field in fields:
+                self.note(name, field, largest_difference(_rows(value, len(indices)),
+                                                          records[field]))
+
+    def _without_motion(self, name: str, record: Array, near: str) -> None:
+        """Count an output whose motion is not in the bag, by the likely reason."""
+        if _tells_timeout(record, name, self._scene):
+            self.skipped[STOPPED] += 1
+        elif near:
+            self.skipped[near] += 1
+        else:
+            self.unmatched += 1
+
+    def note(self, name: str, field: str, difference: float) -> None:
+        """Keep a difference if it is the largest so far."""
+        self.largest[name, field] = max(self.largest.get((name, field), 0.0), difference)
+
+    def missing_and_doubled(self) -> tuple[int, int]:
+        """Return how many outputs their motions lack, and how many outputs are doubled."""
+        missing = doubled = 0
+        for blocks in self._presence.values():
+            counts, is_due = map(np.concatenate, zip(*blocks))
+            doubled += int(np.maximum(counts - 1, 0).sum())
+            begin, end = 0, len(counts)
+            present = np.flatnonzero(counts)
+            if not self._origin.in_order and len(present):   # rosbag2 may begin within a run
+                begin = present[0]
+            if not (self._origin.in_order and self._bag.is_finished):
+                end = present[-1] if len(present) else 0    # the end of a cut bag may lack outputs
+            missing += int(np.count_nonzero((is_due & (counts == 0))[begin:end]))
+        return missing, doubled
+
+
+def near_a_change(time: int, changes: Sequence[int]) -> str:
+    """Return NEAR_A_CHANGE if it is not sure what was in force at a log time, else ''."""
+    is_near = any(abs(time - change) < UNSETTLED for change in changes)
+    return NEAR_A_CHANGE if is_near else ''
+
+
+def largest_difference(a: Array, b: Array) -> float:
+    """
+    Return the largest |a - b| of two arrays of numbers, or of texts, which differ by infinity.
+
+    NaN equals NaN, since both say "unknown"; NaN and a number differ by infinity.
+    """
+    if a.shape != b.shape:
+        return inf
+    if a.dtype.kind in 'SU' or b.dtype.kind in 'SU':
+        return 0.0 if (a == b).all() else inf
+    a, b = a.astype(float), b.astype(float)
+    with np.errstate(invalid='ignore'):
+        apart = np.abs(a - b)
+    same = (a == b) | np.isnan(a) & np.isnan(b)
+    return float(np.where(same, 0.0, np.where(np.isnan(apart), inf, apart)).max(initial=0.0))
+
+
+def _rows(value: Any, count: int) -> Array:
+    """Return what ``count`` messages should have: a number or text for all, an array, a tuple."""
+    if isinstance(value, tuple):
+        return np.stack([np.broadcast_to(item, count) for item in value], axis=1)
+    return np.broadcast_to(value.encode() if isinstance(value, str) else value, count)
+
+
+def names_in(records: Array) -> list[str]:
+    """Return the fields of JointStates that hold the names of the joints; [] for other types."""
+    return [field for field in records.dtype.names or () if field.startswith('name[')]
+
+
+def _are_of(records: Array, names: Sequence[str]) -> Array:
+    """Return which JointStates are of joints with these names, in this order."""
+    fields, are_ours = names_in(records), np.ones(len(records), bool)
+    if len(fields) != len(names):
+        return ~are_ours
+    for field, name in zip(fields, names):
+        are_ours &= records[field] == name.encode()
+    return are_ours
+
+
+def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
+    """
+    Return whether the node sent an output because its input had stopped.
+
+    The status of the output says so; an output without a status is all NaN then. joint_states may
+    hold positions meanwhile, so velocities alone are checked.
+    """
+    if 'status' in (record.dtype.names or ()):
+        return bool(record['status'][0] == INPUT_TIMEOUT)
+    fields = ('velocity',) if name == JOINT_STATES else scene.layout.fields[name]
+    return all(np.isnan(record[field]).all() for field in fields)
