@@ -66,7 +66,8 @@ ROOMS = {
     'extrema': ('test/extrema', 'fourbar_ros/extrema', [
         Bug('find.py', 'if extremum.sense != -sense and', 'if extremum.sense == sense and',
             'test/extrema/test_find.py'),
-        Bug('find.py', 'extremum.side, unit * extremum.condition', 'extremum.side, extremum.condition',
+        Bug('find.py', 'extremum.side, unit * extremum.condition',
+            'extremum.side, extremum.condition',
             'test/extrema/test_sliders.py'),
         Bug('find.py', 'return max(extremum.noise, 4', 'return max(0.0, 4',
             'test/extrema/test_in_doubt.py'),
