@@ -288,10 +288,15 @@ class RateEstimator:
         return velocity, acceleration
 
 
+def gap_of(timeout: float) -> float:
+    """Return the pause after which rates start afresh [s]: a timeout, 1 s where there is none."""
+    return timeout if timeout != 0.0 else 1.0
+
+
 def estimator_settings(scene: Scene) -> tuple[float, ...]:
     """Return the settings of an estimator that may change while a node runs; 0: not given."""
     drive = scene.drive
-    return (drive.window, drive.timeout or 1.0, drive.jump,
+    return (drive.window, gap_of(drive.timeout), drive.jump,
             0.0 if isnan(drive.top_speed) else drive.top_speed)
 
 
@@ -305,7 +310,7 @@ def estimator_of(scene: Scene) -> RateEstimator:
     drive, linkage = scene.drive, scene.linkage
     is_geared = drive.source == 'joint_state' and abs(drive.joint_ratio) != 1.0
     is_slide = linkage.is_driven_by_slide
-    return RateEstimator(drive.window, drive.timeout or 1.0, drive.jump,
+    return RateEstimator(drive.window, gap_of(drive.timeout), drive.jump,
                          inf if is_slide or is_geared else tau,
                          max(linkage.lengths) if is_slide else 1.0, drive.top_speed)
 

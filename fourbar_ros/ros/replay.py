@@ -49,7 +49,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     names = topics or {topic: topic for topic in bag.types}
     publishers = {topic: made for topic, name in names.items()
                   if (made := _publisher(node, bag, topic, name))}
-    clock = node.create_publisher(Clock, '/clock', 10) if clock_rate else None
+    clock = node.create_publisher(Clock, '/clock', 10) if clock_rate != 0.0 else None
     first, ahead, ticked = 0, 0, -1
 
     def tick() -> None:

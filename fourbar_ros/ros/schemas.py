@@ -40,7 +40,7 @@ def definition(type_name: str) -> str:
     MCAP asks for this form: 80 equals signs and ``MSG: package/Name`` before each further one.
     """
     text = _installed_file(type_name, 'msg')
-    parts, done, todo = [text], {type_name}, types_in(type_name)
+    texts, done, todo = [text], {type_name}, types_in(type_name)
     while todo:
         name = todo.pop(0)
         if name in done:
@@ -48,9 +48,9 @@ def definition(type_name: str) -> str:
         done.add(name)
         text = _installed_file(name, 'msg')
         package, _, short = name.split('/')
-        parts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
+        texts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
         todo += types_in(name)
-    return '\n'.join(parts)
+    return '\n'.join(texts)
 
 
 def types_in(type_name: str) -> list[str]:

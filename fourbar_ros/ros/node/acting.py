@@ -8,6 +8,7 @@ from math import hypot
 from typing import Any
 
 from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros.pipeline.rate_estimator import gap_of
 from fourbar_ros.pipeline.wrenches import a_step_later, ActingInput, in_silence, Wrench
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
@@ -55,7 +56,7 @@ class ActingInputs:
     def _read_settings(self) -> None:
         """Take over how an IMU is turned to the linkage."""
         base = self._stream.scene.base
-        settings = base.rotation, base.window, base.timeout or 1.0
+        settings = base.rotation, base.window, gap_of(base.timeout)
         if base.topic == 'imu' and settings != self._imu_settings:    # else it keeps its rates
             from fourbar_ros.pipeline.base import Imu  # imported where a scene needs it
             self._imu, self._imu_settings = Imu(*settings), settings
@@ -72,8 +73,9 @@ class ActingInputs:
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
         ours = name == BASE.name and scene.base.frame_id or scene.frame_id
-        if frame not in ('', ours) and (name == BASE.name or message.wrench.force.x
-                                        or message.wrench.force.y):    # a couple has no direction
+        has_direction = name == BASE.name or (              # a couple has none
+            message.wrench.force.x != 0.0 or message.wrench.force.y != 0.0)
+        if frame not in ('', ours) and has_direction:
             kind, text = (('base', 'the motion of a base') if name == BASE.name
                           else ('wrenches', 'a force'))
             self._troubles.count(f'{kind}_of_another_frame', f'{topic.topic}: {text} in the frame '
@@ -98,7 +100,7 @@ class ActingInputs:
         """Return the motion of the base from a message on; None for one that comes late."""
         stamp, settings = message.header.stamp, self._stream.scene.base
         time = stamp.sec * 10**9 + stamp.nanosec
-        if 0 <= self._newest - time < nanoseconds(settings.timeout or 1.0) and self._newest:
+        if self._newest != 0 and 0 <= self._newest - time < nanoseconds(gap_of(settings.timeout)):
             self._troubles.count('base_late', f'{self._topics[BASE.name].topic}: a stamp that is '
                                  'not newer than the one before')
             return None
@@ -125,7 +127,7 @@ class ActingInputs:
             limit = scene.base.timeout if is_base else scene.wrenches.timeout
             if last == 0 or now < last:    # simulated time has begun, or gone back
                 self._received[name] = now
-            elif limit and now - last > nanoseconds(limit):
+            elif limit != 0.0 and now - last > nanoseconds(limit):
                 del self._received[name]
                 self._troubles.count('base_silences' if is_base else 'wrench_silences')
                 self._be_silent(name)

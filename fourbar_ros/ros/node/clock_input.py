@@ -48,7 +48,7 @@ class ClockInput:
         """Return the time since the newest input [s]: NaN, it has none."""
         return nan
 
-    def state(self) -> Reported:
+    def report(self) -> Reported:
         """Return (values, problems) for the diagnostics, beside the counts of troubles."""
         return {}, []
 

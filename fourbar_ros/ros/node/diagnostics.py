@@ -50,12 +50,12 @@ class Diagnostics:
         """
         node, stream, source = self._node, self._stream, self._input
         scene, now = stream.scene, time.monotonic()
-        input_values, problems = source.state()      # first: it brings its counts up to date
+        input_values, problems = source.report()     # first: it brings its counts up to date
         before, steps, bad_steps, counts = self._before
         counted = dict(self._troubles.counts)
         self._before = (now, stream.steps, stream.bad_steps, counted)
         new_bad_steps, sine = stream.bad_steps - bad_steps, stream.transmission_sine()
-        recorder_values, recorder_problems = self._recording.state()
+        recorder_values, recorder_problems = self._recording.report()
 
         for name, count in counted.items():
             if count > counts.get(name, 0) and name not in HARMLESS:

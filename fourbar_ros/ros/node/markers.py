@@ -65,18 +65,18 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
 def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points in a pose, a record of MOTION."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
-    parts = pictures.picture(scene.linkage, motion, scene.points)
+    shapes = pictures.picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-               for i, bar in enumerate(of_kind(pictures.Bar, parts))]
-    joints = [joint.point for joint in of_kind(pictures.NamedJoint, parts)]
+               for i, bar in enumerate(of_kind(pictures.Bar, shapes))]
+    joints = [joint.point for joint in of_kind(pictures.NamedJoint, shapes)]
     markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
-    for i, block in enumerate(of_kind(pictures.Block, parts)):
+    for i, block in enumerate(of_kind(pictures.Block, shapes)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
         box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
-    if arms := of_kind(pictures.Arm, parts):
+    if arms := of_kind(pictures.Arm, shapes):
         markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
                           LINK, 0.6),
                     spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
@@ -91,7 +91,7 @@ def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longe
     ``largest`` keeps it.
     """
     largest[kind] = max(largest.get(kind, 0.0), *sizes)
-    return longest / largest[kind] if largest[kind] else 0.0
+    return longest / largest[kind] if largest[kind] != 0.0 else 0.0
 
 
 def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str, float]

@@ -116,7 +116,7 @@ class Recording:
         self._node.get_logger().info(f'recording to {path}')
         return path
 
-    def state(self) -> tuple[dict[str, Any], list[str]]:
+    def report(self) -> tuple[dict[str, Any], list[str]]:
         """Return (values, problems) for the diagnostics, of a bag that failed too."""
         bag = self._bag                  # another thread may stop the recording meanwhile
         if not bag:

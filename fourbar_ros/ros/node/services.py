@@ -168,7 +168,7 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Asked], tuple[int, ..
     from fourbar_ros.mechanisms.quantities import select
     linkage = scene.linkage
     timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
-    velocity = request.velocity or timer_speed
+    velocity = request.velocity if request.velocity != 0.0 else timer_speed
     modes = _modes(request, linkage)
     if rate_of_input('velocity', velocity) == 0.0:
         raise InvalidParameter('velocity', velocity, 'must not be zero (zero stands for the speed '

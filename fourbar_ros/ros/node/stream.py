@@ -249,7 +249,7 @@ class Stream:
             return pictures
         now, last, rate = stamp[0] * 10**9 + stamp[1], self._markers_at, self.run.markers_rate
         # 0.99: jitter of stamps must not turn every third sample into every fourth
-        if rate and last is not None and 0 <= now - last < 0.99e9 / rate:
+        if rate != 0.0 and last is not None and 0 <= now - last < 0.99e9 / rate:
             return [name for name in pictures if name != 'markers']
         self._markers_at = now
         return pictures

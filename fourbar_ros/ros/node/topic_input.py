@@ -10,7 +10,7 @@ from typing import Any
 
 from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.rate_estimator import estimator_of, estimator_settings
+from fourbar_ros.pipeline.rate_estimator import estimator_of, estimator_settings, gap_of
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import Reported
@@ -53,7 +53,7 @@ class TopicInput:
         self._without_driven: list[Message] = []
         self._estimator = estimator_of(scene)
         is_geared = settings.source == 'joint_state' and abs(settings.joint_ratio) != 1.0
-        self._geared = joints.GearedJoint(settings.timeout or 1.0) if is_geared else None
+        self._geared = joints.GearedJoint(gap_of(settings.timeout)) if is_geared else None
         takes_top_speed = not (is_geared or scene.linkage.is_driven_by_slide)
         self._restarted = RESTARTED.format(WRAPS if takes_top_speed else '')
         if is_geared:
@@ -84,7 +84,7 @@ class TopicInput:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return (self._time() - self._received) * 1e-9
 
-    def state(self) -> Reported:
+    def report(self) -> Reported:
         """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
         estimator = self._estimator
         self._counts['lost'] = self._sequence.lost
@@ -267,7 +267,7 @@ class TopicInput:
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._time()
         limit = self._stream.scene.drive.timeout
-        if limit and self._waiting and self._time() - self._received > nanoseconds(limit):
+        if limit != 0.0 and self._waiting and self._time() - self._received > nanoseconds(limit):
             self._waiting = False
             self._troubles.count('timeouts')
             self._estimator.reset()

@@ -52,7 +52,7 @@ class TorqueInput(ClockInput):
         """Return the time since the newest torque [s], NaN before the first."""
         return nan if self._received is None else (self._time() - self._received) * 1e-9
 
-    def state(self) -> Reported:
+    def report(self) -> Reported:
         """Return (values, problems) for the diagnostics."""
         if self._values is None:
             return {}, []
