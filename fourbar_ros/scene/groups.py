@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any, cast, TypeVar
+from functools import cache
+from typing import Any, TypeVar
 
 from fourbar_ros.scene.settings import ParameterValues
 
@@ -108,5 +109,10 @@ class NodeSettings:
 
 def read(make: Callable[..., Record], group: str, values: ParameterValues, **more: Any) -> Record:
     """Return the parameters ``group``.* as a record; ``more``: fields made of other values."""
-    names = [field.name for field in fields(cast(Any, make)) if field.name not in more]
-    return make(**{name: values[f'{group}.{name}'] for name in names}, **more)
+    return make(**{name: values[f'{group}.{name}'] for name in _fields_of(make)
+                   if name not in more}, **more)
+
+
+@cache      # the page reads a scene again at every move of a slider
+def _fields_of(record: Any) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(record))

@@ -90,8 +90,8 @@ def check(values: ParameterValues) -> dict[str, Any]:
     """
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
-        is_dyads = name.startswith('dyads.') and not is_machine      # only machines have dyads
-        if name not in PARAMETERS and (is_dyads or _of_member(name) is None):
+        if name not in PARAMETERS and (_of_member(name) is None or (    # only machines have dyads
+                name.startswith('dyads.') and not is_machine)):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
     every = PARAMETERS | {parameter.name: parameter

@@ -359,7 +359,9 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
     links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
-    points = {name: point_in(f'points.{name}', values) for name in names_in('points', values)}
+    families = {name.partition('.')[0] for name in values}
+    points = {name: point_in(f'points.{name}', values)
+              for name in (names_in('points', values) if 'points' in families else ())}
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
@@ -375,7 +377,6 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     node = groups.NodeSettings(values['services'], values['trajectories'],
                                values['trajectory_fields'], values['pictures.rate'])
     forces: tuple[PositionForce, ...] = ()
-    families = {name.partition('.')[0] for name in values}
     if 'forces' in families:
         from fourbar_ros.scene.forces import forces_of  # few scenes have forces
         forces = forces_of(values, mechanism)
