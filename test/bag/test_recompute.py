@@ -8,6 +8,7 @@ In bags of rosbag2 as well.
 import json
 import math
 
+from fourbar_ros.bag import recomputation
 from fourbar_ros.bag.outputs import STOPPED
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute, UNTOLD
@@ -217,6 +218,13 @@ def test_a_bag_of_rosbag2_is_recomputed_from_its_topics(bag, tmp_path, jitter, l
                       if raw.topic == '/fourbar/loads'
                       else raw.data)
     assert recompute(wrong).largest > 0.0
+
+
+def test_an_output_before_its_motion_waits_for_the_next_block(bag, tmp_path, monkeypatch):
+    monkeypatch.setattr(recomputation, 'BLOCK', 10)
+    result = recompute(as_recorded_by_rosbag2(bag, tmp_path, jitter=3_000_000))
+    assert not result.problems() and result.largest == 0.0
+    assert result.compared == len(OUTPUTS) * STEPS
 
 
 def test_what_rosbag2_missed_in_the_middle_is_missing_at_the_ends_it_is_not(bag, tmp_path):
