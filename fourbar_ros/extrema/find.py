@@ -39,6 +39,8 @@ SAMPLES = 256       # points of a full turn, at least
 
 # A condition larger than this belongs to a change point, where values on both sides differ.
 TRUSTED = 1e6
+# Values that differ by more than this, times eps, are told apart, whatever their condition.
+MOST_ALIKE = 4000.0
 
 
 class Extremum(NamedTuple):
@@ -332,7 +334,8 @@ def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
     """
     Return the indices of the lowest (``sense`` -1) or highest extrema (1), and of those in doubt.
 
-    Values that differ by their last bits are equal. Where errors may be larger than that,
+    Values are equal that differ by their last bits, or by what a rounding of the lengths changes in
+    them: by symmetry a radial engine has ten equal minima. Where errors may be larger than that,
     ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not known.
     """
     values = {i: sense * extremum.value for i, extremum in enumerate(extrema)
@@ -342,20 +345,21 @@ def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
     best = max(values, key=values.__getitem__)
     least = values[best] - _error(extrema[best])
     near = {i: value for i, value in values.items() if value + _error(extrema[i]) >= least}
-    greatest = _greatest(near)
+    tolerance = 64.0 + min(4.0 * _condition(extrema[best]), MOST_ALIKE)
+    greatest = _greatest(near, tolerance)
     if len(greatest) == len(near):
         return greatest, set()
     inner = [i for i in near if extrema[i].sense and not extrema[i].side and extrema[i].value]
     exactly = near | dict(zip(inner, (sense * exact([extrema[i].x for i in inner])).tolist()))
     if any(isnan(exactly[i]) or extrema[i].noise and not extrema[i].sense for i in near):
         return greatest, set(near)
-    return _greatest(exactly), set()
+    return _greatest(exactly, tolerance), set()
 
 
-def _greatest(values: dict[int, float]) -> set[int]:
-    """Return the keys of the greatest values and of those that are equal but for last bits."""
+def _greatest(values: dict[int, float], tolerance: float) -> set[int]:
+    """Return the keys of the greatest values, and of those that are equal to ``tolerance`` eps."""
     greatest = max(values.values())
-    least = greatest - 64.0 * EPS * abs(greatest) if isfinite(greatest) else greatest
+    least = greatest - tolerance * EPS * abs(greatest) if isfinite(greatest) else greatest
     return {i for i, value in values.items() if value >= least}
 
 
@@ -363,8 +367,12 @@ def _error(extremum: PathExtremum) -> float:
     """Return a bound of the error of a value."""
     if not isfinite(extremum.value):
         return 0.0
-    condition = extremum.value_condition if extremum.value_condition < TRUSTED else 0.0
-    return max(extremum.noise, 4 * EPS * (16 + condition) * abs(extremum.value))
+    return max(extremum.noise, 4 * EPS * (16 + _condition(extremum)) * abs(extremum.value))
+
+
+def _condition(extremum: PathExtremum) -> float:
+    """Return the condition of a value, 0 where it is not known or that of a change point."""
+    return extremum.value_condition if extremum.value_condition < TRUSTED else 0.0
 
 
 def _crank_angles(linkage: Mechanism, extrema: Sequence[PathExtremum]) -> list[float]:
