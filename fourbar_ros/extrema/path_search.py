@@ -266,7 +266,7 @@ def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
     is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
-    by_input = 4.0 * np.spacing(np.abs(sampler.fold(x))) * size
+    by_input = 4.0 * np.spacing(np.maximum(np.abs(sampler.fold(x)), SMALL)) * size
     value = np.abs(roots.value[which])
     is_zero = is_kink & (value <= by_input)
     left = np.flatnonzero(is_kink & ~is_zero)
