@@ -510,7 +510,10 @@ def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
     if opcode == Opcode.MESSAGE:        # most are
         channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
         return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)
-    record: McapRecord = KINDS[opcode].read(ReadDataStream(BytesIO(content[begin:end])))
+    stream = BytesIO(content[begin:end])
+    record: McapRecord = KINDS[opcode].read(ReadDataStream(stream))
+    if opcode == Opcode.CHUNK and stream.read(1):       # the length in the head is damaged
+        raise ValueError('a chunk that ends before its length says')
     return record
 
 
