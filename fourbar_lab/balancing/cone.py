@@ -227,7 +227,7 @@ def front(sites: Places, names: Iterable[str], masses: Iterable[float]) -> list[
     balances = []
     for mass in masses:
         weights, bound = _least(sites, root[None], number('mass', mass, 'must be zero or more',
-                                                           least=0.0))
+                                                          least=0.0))
         moments = sites.moments(weights)
         balances.append(Balance(weights, float(np.linalg.norm(root @ moments)), bound, moments))
     return balances
@@ -297,7 +297,7 @@ def full_force_balance(sites: Places) -> Balance:
     first_moments = np.array([i for i in np.nonzero(added)[0] if i % MOMENTS in (1, 2)], int)
     for _ in range(3):                      # takes the solver's tolerance out of these moments
         added[first_moments] += np.linalg.lstsq(matrix[:, first_moments], target - matrix @ added,
-                                          rcond=None)[0]
+                                                rcond=None)[0]
     m, x, y, _ = added.reshape(-1, MOMENTS).T                   # forces depend on no inertia
     added[MOMENTS - 1::MOMENTS] = np.divide(x * x + y * y, m, out=np.zeros(m.shape), where=m > 0.0)
     weights = sites.counterweights(added, whole)

@@ -121,7 +121,7 @@ def _bounds_row(result: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...
     of_drawn = drawn[measure.name]
     assert not isinstance(value, str)           # tolerances() leaves the class out
     values = (value, value - result.first_order, value + result.first_order, result.corners.least,
-               result.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
+              result.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
     return (measure.name, measure.unit, *map(_text, values))
 
 

@@ -51,7 +51,7 @@ def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
             lines[name] = middle - distance * normal + np.outer([-reach, reach], along)
     with np.errstate(divide='ignore', invalid='ignore'):
         poles = {letter: unit * pole[:2] / pole[2]
-                  for letter, pole in (('P_{13}', axis.p13), ('P_{24}', axis.p24))}
+                 for letter, pole in (('P_{13}', axis.p13), ('P_{24}', axis.p24))}
     return lines, {letter: pole for letter, pole in poles.items()
                    if (low <= pole).all() and (pole <= high).all()}
 

@@ -253,7 +253,7 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     turned = curves.units[0] == 'deg'
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
             for x in (np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0) if turned
-                          else [first])]
+                      else [first])]
     rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
     figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':

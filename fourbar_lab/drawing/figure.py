@@ -113,7 +113,7 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
         heading = 'mechanism'
         if loads:
             heading += ('   $F$: force on the link that hangs at the joint' if letters
-                     else '   $F_{ij}$: force of link $i$ on link $j$')
+                        else '   $F_{ij}$: force of link $i$ on link $j$')
         draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, heading)
         draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed,
                      names)

@@ -22,8 +22,8 @@ OnChange = Callable[[str, float], None]       # takes a parameter's name and new
 
 
 def number_field(label: str, value: float, read: Callable[[str], float],
-           change: Callable[[float], None], name: str = '',
-           span: tuple[float, float, float] | None = None) -> ui.input:
+                 change: Callable[[float], None], name: str = '',
+                 span: tuple[float, float, float] | None = None) -> ui.input:
     """
     Build a field for a number with or without a unit; it takes effect on Enter or on leaving it.
 
