@@ -106,9 +106,10 @@ def _control(parameter: Parameter, shown: Shown, change: OnChange) -> None:
             f'dense no-caps aria-label="{name}"')
     else:
         unit = unit_in(parameter, shown.scene.values)
-        made = number_field(f'{name.split(".", 1)[1]}{f" [{unit}]" if unit else ""}', float(value),
-                      lambda text: as_number(name, text, unit), lambda new: change(name, new),
-                      name, _span(parameter, float(value), shown)).classes('fb-number')
+        label = f'{name.split(".", 1)[1]}{f" [{unit}]" if unit else ""}'
+        made = number_field(label, float(value), lambda text: as_number(name, text, unit),
+                            lambda new: change(name, new), name,
+                            _span(parameter, float(value), shown)).classes('fb-number')
     text = parameter.text.partition('; for the sliders')[0]         # a page has no docs
     with made:                          # on its right: below is the next one
         ui.tooltip(text[0].upper() + text[1:]).props(

@@ -65,7 +65,7 @@ class Shown:
                 or any(low <= position <= high for low, high in self.ranges)):
             position = counted(self.linkage, remainder(position, tau))
         low, high = min(self.ranges, key=lambda ends: max(ends[0] - position,
-                                                           position - ends[1]))
+                                                          position - ends[1]))
         margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
         return min(max(position, low + margin), high - margin)
 

@@ -389,7 +389,7 @@ def method() -> Section:
                                 for name in ('omega4', 'alpha4'))
     return Section('Slides, steps 1 to 9 of the method and items 1 to 17 of Example 7.7', [
         *published.steps(linkage, speed, ('step 1: theta4 of theta1 alone', 'step 2: its rate',
-                                'steps 3, 4, 5: its acceleration at constant rate')),
+                         'steps 3, 4, 5: its acceleration at constant rate')),
         equal('steps 6, 7: the derivative at the extrema of alpha4', '',
               published.slope(linkage, 'alpha4', by_acceleration.theta1), 0.0,
               why='over the largest alpha4, both at 1 rad/s'),

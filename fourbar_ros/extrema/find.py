@@ -334,9 +334,10 @@ def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
     """
     Return the indices of the lowest (``sense`` -1) or highest extrema (1), and of those in doubt.
 
-    Values are equal that differ by their last bits, or by what a rounding of the lengths changes in
-    them: by symmetry a radial engine has ten equal minima. Where errors may be larger than that,
-    ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not known.
+    Values are equal that differ by their last bits, or by what a rounding of the lengths changes
+    in them: by symmetry a radial engine has ten equal minima. Where errors may be larger than
+    that, ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not
+    known.
     """
     values = {i: sense * extremum.value for i, extremum in enumerate(extrema)
               if extremum.sense != -sense and not isnan(extremum.value)}

@@ -135,7 +135,8 @@ def check(linkage, per_decade, points, certify):
                 value = exact(linkage, one.input).get(name)
                 if not one.value and value is not None:     # a kink: a machine's step may be worse
                     known = float(value)
-                tolerance = EPS * (64 + 10 * min(one.value_condition, 1e13)) * abs(known) + rounding
+                condition = min(one.value_condition, 1e13)
+                tolerance = EPS * (64 + 10 * condition) * abs(known) + rounding
                 assert abs(one.value - known) <= tolerance, (linkage, one, known)
                 if value is not None and 'interval bounds' in one.proof:
                     assert abs(one.value - value) <= (2.0**-30 * abs(value) + 2.0 * rounding

@@ -156,7 +156,7 @@ def test_charts_mark_the_extrema_of_the_core():
     extrema = found.extrema(names)
     assert [(e.quantity, e.value) for e in extrema] == [
         (e.quantity, e.value) for e in find_extrema(found.linkage, names, found.rate,
-                                                         conditions=False)]
+                                                    conditions=False)]
     options = charts.over_input(found, names, extrema)
     marks = [mark for series in options['series']
              for mark in series.get('markPoint', {}).get('data', [])]
