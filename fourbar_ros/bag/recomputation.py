@@ -122,19 +122,21 @@ class Recomputation:
         self._bag, self._origin = bag, origin
         self._names = {topic: name for name, topic in origin.topics.items()}
         self._comparison = OutputComparison(bag, origin)
-        self._inputs = 0
+        self._motion_count = 0                      # messages of the motion so far
         # not yet computed: motions (log time, message); what acts from a motion on, with its index
         self._motions: list[tuple[int, Any]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
         self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
         self._changes: list[int] = []           # log times [ns] of new scenes and acting inputs
+        # a later file of a split bag may hold values of the one before, until a motion is valid
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about)
         self._joints: SceneJoints | None = None
+        # a joint in a bag without this key jumps by a turn where its angle wraps
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
-        self._joints_have_begun = False
+        self._joints_have_begun = False             # the turns of the first joint states are taken
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
         self._begin(origin.scene)
 
@@ -162,12 +164,12 @@ class Recomputation:
         if name in self._topics:
             if name == JOINT_STATES and self._joints and not self._joints_have_begun:
                 self._begin_joints(self._joints, self._bag.decode(raw))
-            self._comparison.add(name, self._inputs, raw)
+            self._comparison.add(name, self._motion_count, raw)
         elif name == DRIVEN.name:
             message = self._bag.decode(raw)
             self._check_frame(name, message)
             self._motions.append((raw.time, message))
-            self._inputs += 1
+            self._motion_count += 1
             if len(self._motions) >= 2 * self._block:
                 self._compare(self._block)
         elif name == SCENE.name:
@@ -203,7 +205,7 @@ class Recomputation:
         if acting != self._acting.get(name):
             self._note_change(time)
         self._acting[name] = acting
-        self._acts.append((self._inputs, name, acting))
+        self._acts.append((self._motion_count, name, acting))
         if self._drive_states:
             self._drive_states.act(name, acting)
 
@@ -244,7 +246,7 @@ class Recomputation:
 
     def _compare(self, count: int) -> None:
         """Compare the outputs of the first ``count`` motions; outputs of later motions wait."""
-        first = self._inputs - len(self._motions)       # motions before them in the bag
+        first = self._motion_count - len(self._motions)       # motions before them in the bag
         block, self._motions = self._motions[:count], self._motions[count:]
         self._comparison.compare(self._evaluated(first, block))
         if block:
@@ -266,7 +268,7 @@ class Recomputation:
         self._compare(len(self._motions))
         comparison, counts = self._comparison, self._comparison.counts
         compared = sum(counts.values())
-        counts[DRIVEN.name] = self._inputs
+        counts[DRIVEN.name] = self._motion_count
         if self._drive_states:
             counts[DRIVE_STATE.name] = self._drive_states.compared
             for field, value in self._drive_states.largest.items():
@@ -275,7 +277,7 @@ class Recomputation:
         return Recomputed(
             [Difference(topics[name], field, counts[name], value)
              for (name, field), value in comparison.largest.items()],
-            self._inputs, compared, comparison.unmatched, *comparison.missing_and_doubled(),
+            self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
             dict(comparison.skipped),
             self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
             software_of(self._bag.about).get('fourbar_ros', ''))
