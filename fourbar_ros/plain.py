@@ -5,13 +5,14 @@ The four-bar linkage in two hundred lines: read this file first.
 
 It is the paper of Hayes, Hninn and Irani in numpy, one equation after the other, in its letters:
 angles, rates, accelerations, joint forces, shaking force and moment, extrema. The rest of the
-library computes the same for any planar linkage by formulas that keep their digits everywhere;
-these lose some beside toggles and change points (docs/accuracy.md says how many).
+library computes the same for planar linkages built of dyads, by formulas that keep their digits;
+these lose some beside toggles and change points (docs/bench/accuracy.md says how many).
 
 Links: 1 crank O1-A, 2 coupler A-B, 3 output link O4-B, 4 ground O1-O4; a1 to a4 are their lengths
 [m]. theta1 and theta4 are the angles of links 1 and 3 to the x axis, which runs from O1 to O4.
 theta2 turns from link 1 to link 2, theta3 from link 2 to link 3 taken from B to O4. beta is the
-angle of link 2 to the x axis. Every angle, rate and force may be an array, one entry a sample.
+angle of link 2 to the x axis: theta1 + theta2. Joints 1 to 4 are O1, A, B and O4. Every angle,
+rate and acceleration may be a numpy array, one entry a sample; so are the results then.
 
 >>> from fourbar_ros import round_rod
 >>> lengths = 0.4, 1.2, 0.8, 1.0
@@ -83,12 +84,12 @@ def solved(equation: IOEquation, sign: float, theta1: Any, omega: Any,
     ``sign``: of the square root, which the assembly mode decides.
     """
     both, first, second, mixed, constant = equation
-    s, c = np.cos(0.5 * theta1), -np.sin(0.5 * theta1)      # of x/2 = (theta1 + pi)/2
+    s, c = np.cos(0.5 * theta1), -np.sin(0.5 * theta1)      # sin, cos of x/2 = (theta1 + pi)/2
     cos_x, sin_x = -np.cos(theta1), -np.sin(theta1)
     # (1) to (3) times cos^2(x/2): p vj^2 - 2 m vj + r = 0, with the root vj = g/h
     p, m, r = both * s**2 + second * c**2, -0.5 * mixed * s * c, first * s**2 + constant * c**2
     root = sign * np.sqrt(m**2 - p * r)
-    adds = m.real * root.real >= 0.0        # of its two forms the one without a difference
+    adds = m.real * root.real >= 0.0        # g/h = (m + root)/p = r/(m - root): what adds
     g, h = np.where(adds, m + root, r), np.where(adds, p, m - root)
     cos_y, sin_y = (h**2 - g**2) / (g**2 + h**2), 2.0 * g * h / (g**2 + h**2)
     # F = ... + of_x cos x + of_y cos y + of_xy cos x cos y + mixed sin x sin y
@@ -110,13 +111,14 @@ def motion(lengths: Sequence[float], theta1: Any, omega1: Any = 0.0, alpha1: Any
     """
     Return angles [rad], rates [rad/s] and accelerations [rad/s^2] at theta1, omega1, alpha1.
 
-    ``mode``: the assembly mode, 2 (open) where sin(theta4 - beta) > 0, or 1 (crossed). Where the
-    links do not close, results are NaN; at a toggle rates are infinite.
+    ``mode``: the assembly mode, 2 (open) where sin(theta4 - beta) > 0, or 1 (crossed). Results
+    are NaN where the links do not close, and 0/0 at the flat position of a change point. Towards
+    a toggle rates grow without bound and lose their digits.
     """
     sign, crank = (1.0 if mode == 2 else -1.0), (theta1, omega1, alpha1)
     with np.errstate(divide='ignore', invalid='ignore'):
         theta2, omega2, alpha2 = solved(io_equation(lengths, 1, 2), sign, *crank)
-        third = solved(io_equation(lengths, 1, 3), -sign, *crank)
+        third = solved(io_equation(lengths, 1, 3), -sign, *crank)      # it turns the other way
         fourth = solved(io_equation(lengths, 1, 4), sign, *crank)
     return Motion._make((*crank, theta2, omega2, alpha2, *third, *(-each for each in fourth),
                          theta1 + theta2, omega1 + omega2, alpha1 + alpha2))
@@ -125,10 +127,10 @@ def motion(lengths: Sequence[float], theta1: Any, omega1: Any = 0.0, alpha1: Any
 def loads(lengths: Sequence[float], bodies: Sequence[Any], m: Motion,
           gravity: tuple[float, float] = (0.0, 0.0)) -> Loads:
     """
-    Return joint forces [N], torque, shaking force and moment about O1 [N m] of a motion.
+    Return joint forces [N], torque, shaking force and moment about O1 [N m], weight included.
 
     ``bodies``: three of :class:`fourbar_ros.Body`; ``gravity``: x and y [m/s^2]. F_ij is the force
-    of link i on link j, T41 the torque of the drive on the crank. Vectors are complex, x + i y.
+    of link i on link j, T41 the drive's torque on the crank. Vectors are complex, x + i y.
     """
     def turning(angle: Any, omega: Any, alpha: Any) -> tuple[Any, Any]:
         """Return the direction of a link, and its second derivative by time."""
@@ -176,9 +178,13 @@ def extrema(lengths: Sequence[float], name: str, omega1: float, mode: int = 2,
     Return (theta1, value) at the extrema of 'omega4' or 'alpha4', for a crank that turns fully.
 
     Both algorithms of extreme values of the paper: :func:`motion` gives omega4 and alpha4 as
-    functions of theta1 alone; the extrema are where the derivative by theta1 is zero (step 3, and
-    step 5). Intervals in which its sign changes are halved until no number is left inside.
+    functions of theta1 alone, at constant omega1; extrema are where the derivative by theta1, by a
+    complex step, is zero (steps 3 and 5). Intervals in which its sign changes are halved; two
+    extrema between two samples are missed.
     """
+    if name not in ('omega4', 'alpha4'):
+        raise ValueError(f"name = {name!r} must be 'omega4' or 'alpha4'")
+
     def function(theta1: Any) -> Any:
         return getattr(motion(lengths, theta1 + 1j * STEP, omega1, 0.0, mode), name)
 

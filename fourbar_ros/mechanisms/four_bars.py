@@ -3,9 +3,15 @@
 """
 The four-bar: names, classes, ranges and dead points. Driven at A or B: :mod:`.moving_joint`.
 
-How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. The
-condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths -> its
-error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the rods of the dyad:
+How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. To
+read how ``step`` gets theta4: mechanism.py runs a generated function, the trace of
+:meth:`.Kind.pose`; that places the coupler and the output link by ``rrr_pair`` of
+machine/solve/pairs.py, and (M1) to (M3) of :mod:`.loop` are the quadratic of plain.py without its
+differences. (D1) to (D3) of machine/solve/dyads.py are for other machines.
+
+The condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths ->
+its error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the rods of the
+dyad:
 
     (C1)  condition = (p |cos c| + r1 + r2 |cos m| + q |cos b|) / (r2 |sin m|),   c from driven
           link to r1, m from r1 to r2, b from frame to r1
