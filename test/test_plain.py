@@ -84,6 +84,11 @@ def test_extrema_are_those_of_find_extrema(name):
                                               rel=64.0 * EPS * max(extremum.value_condition, 10.0))
 
 
+def test_extrema_of_other_results_are_refused_not_empty():
+    with pytest.raises(ValueError, match="'omega4' or 'alpha4'"):
+        plain.extrema((0.4, 1.2, 0.8, 1.0), 'theta4', 25.0)
+
+
 def test_it_needs_numpy_alone():
     program = ('import sys, fourbar_ros.plain; '
                'print(*sorted(name for name in sys.modules if name.startswith(("fourbar_ros.", '
