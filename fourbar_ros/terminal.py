@@ -14,7 +14,15 @@ LEAST_WIDTH = 100       # below it a terminal breaks the lines of a table itself
 
 
 class PlainConsole(Console):
-    """A console that prints no blanks at the end of a line into a pipe or file."""
+    """
+    A console that prints no blanks at the end of a line into a pipe or file.
+
+    A reader that ends early is told as BrokenPipeError; rich would exit with 1.
+    """
+
+    def on_broken_pipe(self) -> None:
+        """Leave the error to the verb's caller."""
+        raise BrokenPipeError
 
     def print(self, *objects: Any, **options: Any) -> None:      # noqa: A003
         """Print as the base class does."""

@@ -1,8 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """One's own linkage on the command line: new, list, table, plot, describe, units; no ROS."""
+from contextlib import suppress
 import csv
 from math import degrees, pi
+import os
 from pathlib import Path
 import subprocess
 import sys
@@ -11,6 +13,7 @@ from xml.etree import ElementTree
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.terminal import PlainConsole
 import numpy as np
 import pytest
 
@@ -161,6 +164,17 @@ def test_a_reader_that_ends_early_is_no_error():
         process.stdout.close()
         assert process.stderr.read() == b''
     assert process.returncode == 0
+
+
+def test_a_reader_that_ends_while_a_table_is_printed_is_no_error():
+    """Rich meets the closed pipe in a flush of its own, and exits with 1."""
+    reader, writer = os.pipe()
+    with suppress(BrokenPipeError), open(writer, 'w', encoding='utf-8') as file:
+        console = PlainConsole(file=file)
+        console.print('one')
+        os.close(reader)
+        with pytest.raises(BrokenPipeError):
+            console.print('two')
 
 
 @pytest.mark.parametrize('words, root', [
