@@ -21,7 +21,7 @@ from typing import Any
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.ros.node.clock_input import CATCH_UP
 from fourbar_ros.scene import topics
@@ -177,7 +177,7 @@ class LockStep:
 
         InvalidParameter for a time that must rise and does not, or by more than ``longest`` [s].
         """
-        stamp = round(number('time', time, 'must be above zero: a stamp of 0 is none',
+        stamp = round(finite('time', time, 'must be above zero: a stamp of 0 is none',
                              above=0.0) * 1e9)
         last = f'the last one, {self._asked * 1e-9:.9g}'
         if why_it_must_rise and stamp <= self._asked:

@@ -34,8 +34,8 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.newton import halve
 import numpy as np
 from numpy.typing import ArrayLike
@@ -322,7 +322,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     output turns back just there.
     """
     coordinate = mechanism.input_coordinate
-    start = number('start', start)
+    start = finite('start', start)
     low, high = mechanism.range_around(start)
     inputs = np.linspace(low, high, SAMPLES)
     turning_points = _turning_points(mechanism, inputs)

@@ -26,8 +26,8 @@ from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS, without_we
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quadrature import nodes
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import number
 import numpy as np
 
 # Tolerance of the solver; gap that a result may have, relative; rounding, of radius or mass.
@@ -226,7 +226,7 @@ def front(sites: Places, names: Iterable[str], masses: Iterable[float]) -> list[
     root = sites.loads.root(names)
     balances = []
     for mass in masses:
-        weights, bound = _least(sites, root[None], number('mass', mass, 'must be zero or more',
+        weights, bound = _least(sites, root[None], finite('mass', mass, 'must be zero or more',
                                                           least=0.0))
         moments = sites.moments(weights)
         balances.append(Balance(weights, float(np.linalg.norm(root @ moments)), bound, moments))
@@ -240,7 +240,7 @@ def least_peak(sites: Places, name: str, mass: float) -> Balance:
     The counterweights are the best for some inputs. If the extrema of the mechanism with them are
     larger, the inputs of these extrema are added, and the programme is solved again.
     """
-    loads, mass = sites.loads, number('mass', mass, 'must be zero or more', least=0.0)
+    loads, mass = sites.loads, finite('mass', mass, 'must be zero or more', least=0.0)
     if loads.mechanism.flat_inputs:
         loads.root((name,))                 # a BalanceError if the load has no bound there
     x, _ = nodes(loads.mechanism, INPUTS)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from urllib.parse import urlencode
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.scene import files, parameters
 from fourbar_ros.scene.settings import ParameterValues
 
@@ -53,7 +53,7 @@ def read(query: Mapping[str, str], title: str, values: ParameterValues) -> PageA
             raise InvalidParameter(SCENE, scene, f'this page shows {title}: fourbar live {scene}')
         values = parameters.check(files.read_values(shipped[scene]))
     changes = {name: files.parse(text) for name, text in query.items() if name != SCENE}
-    drive = {name: number(name, changes.pop(name)) for name in (AT, ACCELERATION)
+    drive = {name: finite(name, changes.pop(name)) for name in (AT, ACCELERATION)
              if name in changes}
     return PageAddress(scene, values, {**values, **changes}, drive.get(AT),
                        drive.get(ACCELERATION, 0.0))

@@ -16,8 +16,8 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.mechanisms.quantities import QUANTITIES
+from fourbar_ros.numerics.arguments import array, FASTEST
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import array, FASTEST
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 from numpy.typing import ArrayLike

@@ -17,8 +17,8 @@ from fourbar_lab.studies import variation
 from fourbar_lab.studies.measures import CLASS, Measure, Measures
 from fourbar_lab.studies.variation import METHODS, MOST_ROWS, TOLERANCES, Variation, Yaml
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import number
 from fourbar_ros.scene.files import document_of, find, PlainYaml
 from fourbar_ros.scene.parameters import as_number
 from fourbar_ros.scene.scene import from_values, load, Scene
@@ -146,7 +146,7 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         values=dict(scene.values), vary=vary, method=method,
         rows=levels if method == 'grid' else rows,
         seed=integer_of('seed', document.get('seed', 0), 0, 2**63 - 1),
-        acceleration=number('acceleration', as_number(
+        acceleration=finite('acceleration', as_number(
             'acceleration', document.get('acceleration', 0.0), unit)),
         measures=columns, bounds=bounds, objectives=objectives,
         keeps_all=choice_of('keep', document.get('keep', KEEP[0]), KEEP) == 'all',
@@ -181,7 +181,7 @@ def _bound(measure: Measure, value: Yaml) -> Bound:
                                                  '[crank-rocker]')
         return Bound(measure, -inf, inf, tuple(map(str, texts)))
     limits = mapping_of(entry, value, ('least', 'most'))
-    sides = {side: number(f'{entry}.{side}', as_number(f'{entry}.{side}', limit, measure.unit))
+    sides = {side: finite(f'{entry}.{side}', as_number(f'{entry}.{side}', limit, measure.unit))
              for side, limit in limits.items()}
     least, most = sides.get('least', -inf), sides.get('most', inf)
     if least > most or not sides:

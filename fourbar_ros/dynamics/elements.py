@@ -23,8 +23,8 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.curves import LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_fields import check_quantities, quantity
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 import numpy as np
@@ -350,7 +350,7 @@ class PositionForce:
         if not isinstance(value, ForceTable):
             def force(s: float | Array) -> Any:
                 if isinstance(s, float):
-                    return factor * number('value', value(s), f'at {s!r} must be a finite number')
+                    return factor * finite('value', value(s), f'at {s!r} must be a finite number')
                 return np.vectorize(lambda x: factor * value(float(x)), otypes=[float])(s)
             return force
         is_angle = (not mechanism.is_driven_by_slide if self.over == INPUT

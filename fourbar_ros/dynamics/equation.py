@@ -53,8 +53,8 @@ from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPL
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, Value
-from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import rounding_bound, slope_of
 from fourbar_ros.numerics.trace import flat, Trace
@@ -261,7 +261,7 @@ class Equation:
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         self.mechanism, self.elements = mechanism, tuple(elements)
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
-        self.extra_inertia = number('extra_inertia', extra_inertia, 'must be zero or more',
+        self.extra_inertia = finite('extra_inertia', extra_inertia, 'must be zero or more',
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies

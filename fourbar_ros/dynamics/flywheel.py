@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import FASTEST, number, rate_of_input
 from fourbar_ros.numerics.newton import halve
 import numpy as np
 
@@ -53,7 +53,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
     rate = rate_of_input('rate', rate)
-    fluctuation = number('fluctuation', fluctuation, 'must be a positive number', above=0.0)
+    fluctuation = finite('fluctuation', fluctuation, 'must be a positive number', above=0.0)
     if abs(rate) < 1.0 / FASTEST:
         raise InvalidParameter('rate', rate, 'must not be zero, at least '
                                f'{1.0 / FASTEST:g} in size')

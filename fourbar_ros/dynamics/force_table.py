@@ -18,8 +18,8 @@ from functools import cached_property
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 
@@ -66,7 +66,7 @@ class ForceTable:
         for name in ('places', 'values'):
             column = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
-                number(f'{name}[{i}]', value) for i, value in enumerate(column, 1)]))
+                finite(f'{name}[{i}]', value) for i, value in enumerate(column, 1)]))
         places, values, count = self.places, self.values, len(self.places)
         if not 2 <= count <= MOST_POINTS:
             raise InvalidParameter('places', count, f'must be 2 to {MOST_POINTS} points')

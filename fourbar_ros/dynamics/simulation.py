@@ -31,8 +31,8 @@ from fourbar_ros.dynamics.forces import loads_with
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.numerics.arguments import array, finite
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import array, number
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -353,8 +353,8 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     """
     if not isinstance(system, System):
         raise InvalidParameter('system', system, 'must be a System')
-    until = number('until', until, 'must be a positive number', above=0.0)
-    if not 0.0 < number('tolerance', tolerance) < 1.0:
+    until = finite('until', until, 'must be a positive number', above=0.0)
+    if not 0.0 < finite('tolerance', tolerance) < 1.0:
         raise InvalidParameter('tolerance', tolerance, 'must lie between 0 and 1')
     if method not in METHODS:
         raise InvalidParameter('method', method, f'must be one of {", ".join(METHODS)}')
@@ -417,7 +417,7 @@ def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, shar
 
 
 def _most(name: str, value: float) -> float:
-    return inf if value == inf else number(name, value, 'must be a positive number', above=0.0)
+    return inf if value == inf else finite(name, value, 'must be a positive number', above=0.0)
 
 
 def _check_start(system: System) -> None:
@@ -632,7 +632,7 @@ def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
 
 def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
     """Return a function of time and state of the input as one of the state in a coordinate."""
-    return lambda time, state: number('stop_when', stop_when(
+    return lambda time, state: finite('stop_when', stop_when(
         time, coordinate.states_of_input(np.asarray(state))))
 
 

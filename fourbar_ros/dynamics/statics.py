@@ -31,8 +31,8 @@ from fourbar_ros.dynamics.equation import Equation, flat_positions
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS, Value
-from fourbar_ros.numerics.given import number
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -70,7 +70,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     """
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
-    drive, mechanism = number('drive', drive), equation.mechanism
+    drive, mechanism = finite('drive', drive), equation.mechanism
     results = list[Equilibrium]()
 
     def push(q: Value) -> Value:

@@ -21,7 +21,7 @@ from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Function
 
 State = Sequence[float]
@@ -47,7 +47,7 @@ class System:
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
-        motion = (mechanism.checked_input('position', position), number('rate', rate))
+        motion = (mechanism.checked_input('position', position), finite('rate', rate))
         self.elements = tuple(elements)
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation

@@ -25,8 +25,8 @@ from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
+from fourbar_ros.numerics.arguments import finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.given import number, rate_of_input
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
@@ -58,8 +58,8 @@ class Extremum(NamedTuple):
     value : float
         In the quantity's unit; +-inf at an end where the quantity is unbounded.
     is_global : bool
-        No other minimum (maximum) of the quantity in this mode is lower (higher), as far as
-        rounding lets tell.
+        No other minimum (maximum) of the quantity in this mode is lower (higher). Values within
+        4 eps of their condition, at most 1e-12 of them, count as equal.
     place : str
         'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
         or one of ``within``; 'one-sided': the value towards the flat position of a change point,
@@ -251,7 +251,7 @@ class Search:
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
     """Return the lowest and the highest input of a search [rad or m]."""
     try:
-        low, high = (number('within', value) for value in within)
+        low, high = (finite('within', value) for value in within)
     except (TypeError, ValueError):
         raise InvalidParameter('within', within, 'must be two finite inputs') from None
     if not low < high:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, KW_ONLY
 from typing import NamedTuple, TypeVar
 
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Scalar
 
 _Kind = TypeVar('_Kind', bound='Body | Applied')
@@ -40,11 +40,11 @@ class Body:
     def __post_init__(self) -> None:
         """Check the four numbers and store them as floats."""
         for name in ('mass', 'inertia'):
-            value = number(name, getattr(self, name), 'must be a finite number, zero or more',
+            value = finite(name, getattr(self, name), 'must be a finite number, zero or more',
                            least=0.0)
             object.__setattr__(self, name, value)
         for name in ('cg_along', 'cg_across'):
-            object.__setattr__(self, name, number(name, getattr(self, name)))
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Applied:
 
     def __post_init__(self) -> None:
         for name in ('force_x', 'force_y', 'along', 'across', 'couple'):
-            object.__setattr__(self, name, number(name, getattr(self, name)))
+            object.__setattr__(self, name, finite(name, getattr(self, name)))
 
 
 NOT_APPLIED = Applied()

@@ -8,7 +8,7 @@ from math import pi
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Scalar
 
 
@@ -34,13 +34,13 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
 
 def _uniform(numbers_of: Callable[..., tuple[float, ...]], **values: float) -> Body:
     """Return the body of positive dimensions; refuse those of which mass or inertia overflows."""
-    given = [number(name, value, 'must be a positive number', above=0.0)
+    sizes = [finite(name, value, 'must be a positive number', above=0.0)
              for name, value in values.items()]
     try:
-        mass, along, across, inertia = numbers_of(*given)
+        mass, along, across, inertia = numbers_of(*sizes)
         return Body(mass, cg_along=along, cg_across=across, inertia=inertia)
     except (OverflowError, InvalidParameter):
-        raise InvalidParameter(', '.join(values), given, 'so large that mass or inertia '
+        raise InvalidParameter(', '.join(values), sizes, 'so large that mass or inertia '
                                                          'overflows') from None
 
 

@@ -12,8 +12,8 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.evaluation import Constants, limits_at_zero, MOST_STRUCTURES
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.numerics.arguments import array, FARTHEST
 from fourbar_ros.numerics.arrays import Array, Values
-from fourbar_ros.numerics.given import array, FARTHEST
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace

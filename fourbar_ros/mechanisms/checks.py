@@ -8,7 +8,7 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
 from fourbar_ros.mechanisms.parts import within_stroke
-from fourbar_ros.numerics.given import number, records
+from fourbar_ros.numerics.arguments import finite, records
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.geometry import MechanismGeometry
@@ -46,7 +46,7 @@ def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
     values = {}
     for name, _, is_signed in mechanism.LENGTHS:
         value = getattr(mechanism, name)
-        values[name] = number(name, value) if is_signed else number(
+        values[name] = finite(name, value) if is_signed else finite(
             name, value, 'a length must be a positive number', above=0.0)
         if abs(values[name]) >= LONGEST:
             raise InvalidParameter(name, value, f'must be shorter than {LONGEST:.3g} m: sums '
@@ -79,7 +79,7 @@ def checked_stroke(mechanism: MechanismGeometry) -> tuple[float, float] | None:
 def checked_gravity(gravity: Any) -> Gravity:
     """Return a field of gravity as two floats, or a base of floats."""
     if isinstance(gravity, Base):
-        return Base._make([number(name, value) for name, value in gravity._asdict().items()])
+        return Base._make([finite(name, value) for name, value in gravity._asdict().items()])
     return two_numbers('gravity', gravity, 'must be two finite numbers (x, y), or a Base')
 
 
@@ -90,4 +90,4 @@ def two_numbers(name: str, pair: Any,
         x, y = pair
     except (TypeError, ValueError):
         raise InvalidParameter(name, pair, allowed) from None
-    return number(name, x, allowed), number(name, y, allowed)
+    return finite(name, x, allowed), finite(name, y, allowed)

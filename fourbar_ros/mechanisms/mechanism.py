@@ -22,8 +22,8 @@ from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import line_of, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.parts import NamedFields, OPEN
+from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.given import NOT_SO_FAR, number
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from numpy.typing import ArrayLike
 
@@ -167,7 +167,7 @@ class Mechanism(MechanismGeometry):
             return self._only(fields, (position, rate, acceleration), False)
         if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                position, rate, acceleration = map(number, self.input_coordinate,
+                position, rate, acceleration = map(finite, self.input_coordinate,
                                                    (position, rate, acceleration))
                 return self.motion(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
@@ -234,7 +234,7 @@ class Mechanism(MechanismGeometry):
         line, as_motion, as_loads = self._step_line
         if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
-                position, rate, acceleration = map(number, self.input_coordinate,
+                position, rate, acceleration = map(finite, self.input_coordinate,
                                                    (position, rate, acceleration))
                 return self.step(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
@@ -267,7 +267,7 @@ class Mechanism(MechanismGeometry):
 
     def checked_input(self, name: str, value: Any) -> float:
         """Return an input as a float; refuse an angle that is too far, and what is no number."""
-        position = number(name, value)
+        position = finite(name, value)
         if not isfinite(position * self.overflowing):
             raise InvalidParameter(name, value, NOT_SO_FAR)
         return position

@@ -14,7 +14,7 @@ from math import atan2, nan
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanisms.curves import LinkFields, point_of, PointMotion
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL, Scalar
 import numpy as np
 
@@ -79,7 +79,7 @@ def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: fl
     (2, 2)
 
     """
-    along, across = number('along', along), number('across', across)
+    along, across = finite('along', along), finite('across', across)
     shape = np.shape(motion[0])
     if not shape:
         return PointMotion(*make_point(REAL, mechanism, link, along, across)(motion))

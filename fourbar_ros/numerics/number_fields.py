@@ -10,7 +10,7 @@ from numbers import Real
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 
 
 class NumberField(NamedTuple):
@@ -35,7 +35,7 @@ class NumberField(NamedTuple):
         if self.instead is not MISSING and (value is None or isinstance(value, Real)) and (
                 value == self.instead):
             return value
-        result = number(name, value, self._allowed, self.least, self.above)
+        result = finite(name, value, self._allowed, self.least, self.above)
         if self.is_not_zero and result == 0.0:
             raise InvalidParameter(name, result, 'must not be zero')
         if self.is_whole and result != int(result):

@@ -23,7 +23,7 @@ from fourbar_ros.dynamics.sources import (
 )
 from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
 from fourbar_ros.mechanisms.parts import GROUND, Length
-from fourbar_ros.numerics.given import FARTHEST, FASTEST
+from fourbar_ros.numerics.arguments import FARTHEST, FASTEST
 from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.scene.topics import (
     BASES,

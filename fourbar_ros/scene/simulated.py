@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_ros.dynamics.sources import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.quantities import known_quantities
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.given import number
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import SOURCES
 from fourbar_ros.scene.topics import TORQUE
@@ -126,7 +126,7 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
         name = scene.acting[0]
         raise InvalidParameter('base.topic' if name == 'base' else f'external.{name}.from_topic',
                                True, 'what acts by topic is known to the node alone')
-    until = number('until', until, 'must be a positive number', above=0.0)
+    until = finite('until', until, 'must be a positive number', above=0.0)
     count = int(until * scene.drive.rate * (1.0 + 1e-12))     # 0.29 s * 100 Hz = 28.99... is 29
     if count < 1:
         raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '

@@ -46,7 +46,7 @@ NUMBER = re.compile(r'([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*
 COMMA = re.compile(r'[-+]?[0-9]*,[0-9]+.*')
 
 
-class Quantity(float):
+class ValueInSI(float):
     """A value in SI and its SI unit, a key of UNITS; empty if the text had no unit."""
 
     unit = ''
@@ -61,7 +61,7 @@ def units_of(unit: str) -> dict[str, str | float]:
     return UNITS.get(unit, {unit: '1'})
 
 
-def quantity(text: str, *units: str, plain_angle: str = 'rad') -> Quantity:
+def quantity(text: str, *units: str, plain_angle: str = 'rad') -> ValueInSI:
     """
     Return the number of a text such as ``50mm`` in SI, or an angle in ``plain_angle`` (rad, deg).
 
@@ -83,20 +83,20 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> Quantity:
                             f'{allowed}' if units else 'must be a number without a unit')
     if si == 'rad' and plain_angle == 'deg':
         size = float(size) / DEGREE
-    value = Quantity(Decimal(repr(float(digits))) * Decimal(size))
+    value = ValueInSI(Decimal(repr(float(digits))) * Decimal(size))
     if not isfinite(value):
         raise WrongQuantity('must be a finite number')
     value.unit = si
     return value
 
 
-def of(*units: str, above: float = -inf, least: float = -inf) -> Callable[[str], Quantity]:
+def of(*units: str, above: float = -inf, least: float = -inf) -> Callable[[str], ValueInSI]:
     """
     Return the ``type=`` of an argument: numbers in one of these SI units, angles in degrees.
 
     They must be more than ``above`` and at least ``least``.
     """
-    def read(text: str) -> Quantity:
+    def read(text: str) -> ValueInSI:
         try:
             value = quantity(text, *units, plain_angle='deg')
         except WrongQuantity as error:
@@ -110,7 +110,7 @@ def of(*units: str, above: float = -inf, least: float = -inf) -> Callable[[str],
 
 
 def require(name: str, value: float, unit: str) -> None:
-    """Raise WrongQuantity if a :class:`Quantity` has a unit that does not measure the same."""
+    """Raise WrongQuantity if a :class:`ValueInSI` has a unit that does not measure the same."""
     si = getattr(value, 'unit', '')
     if si not in ('', unit):
         raise WrongQuantity(f'{name} has a unit of the kind {si}; this mechanism takes '

@@ -12,7 +12,7 @@ from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_ros.dynamics.node_step import DriveValues, Mover
 from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.points import make_point
-from fourbar_ros.numerics.given import FASTEST
+from fourbar_ros.numerics.arguments import FASTEST
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import (
     evaluate,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number
-from fourbar_ros.numerics.given import FARTHEST, rate_of_input
+from fourbar_ros.numerics.arguments import FARTHEST, rate_of_input
 from fourbar_ros.pipeline import stepper
 from fourbar_ros.pipeline.stepper import OK
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp

@@ -27,7 +27,7 @@ from fourbar_ros.mechanisms.machine.structure import (
     OF_ONE_MODE,
 )
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
-from fourbar_ros.numerics.given import number
+from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import direction
 
 # Squares and fourth powers of lengths are computed without scaling.
@@ -125,7 +125,7 @@ class Dyad:
         for name, value in values.items():
             if value is None:
                 raise InvalidParameter(f'{where}.{name}', value, f'a dyad {self.kind} needs it')
-            values[name] = (number(f'{where}.{name}', value) if name in ANGLES
+            values[name] = (finite(f'{where}.{name}', value) if name in ANGLES
                             else checked_length(f'{where}.{name}', value, name == 'offset'))
         return values
 
@@ -197,7 +197,7 @@ def require_name(parameter: str, name: Any) -> None:
 
 def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
     """Return a length [m] as a float, positive unless signed, whose square does not overflow."""
-    result = number(name, value) if is_signed else number(
+    result = finite(name, value) if is_signed else finite(
         name, value, 'a length must be a positive number', above=0.0)
     if not (SHORTEST < abs(result) < LONGEST or is_signed and result == 0.0):
         raise InvalidParameter(name, value, f'must be between {SHORTEST:.3g} and {LONGEST:.3g} m: '

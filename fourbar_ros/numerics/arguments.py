@@ -21,7 +21,7 @@ FARTHEST = 2.0**54  # [rad] angles of an input are smaller: floats there are 4 r
 NOT_SO_FAR = f'must be less than {FARTHEST:.3g} rad in size: floats there are 4 rad apart'
 
 
-def number(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,
+def finite(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,
            above: float = -inf) -> float:
     """
     Return a finite number as a float, if it is at least ``least`` and more than ``above``.
@@ -49,7 +49,7 @@ def number(name: str, value: Any, allowed: str = 'must be a finite number', leas
 
 def rate_of_input(name: str, value: Any) -> float:
     """Return a rate as a float, so small that its square, times masses, does not overflow."""
-    rate = number(name, value)
+    rate = finite(name, value)
     if abs(rate) > FASTEST:
         raise InvalidParameter(name, value, f'must be at most {FASTEST:g} in size, or its square '
                                             'may overflow')
