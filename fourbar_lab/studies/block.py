@@ -33,7 +33,7 @@ TRIED = 100         # designs, for one that can be built
 # Designs that are computed together: their samples stay in the cache of the processor.
 TOGETHER = 128
 # Samples of a turn: more of them for designs that few do not resolve.
-SAMPLES = (96, 192, 512)
+SAMPLES = (96, 192, 512, 1536)
 # Nearer to a change point, relative to the sum of lengths, a type is left to exact sums.
 NEAR = 1e-9
 # The mean squares of all samples and of every second differ by less: the error of the former is
