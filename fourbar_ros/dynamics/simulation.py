@@ -477,7 +477,9 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     """
     Yield the legs of one integration from time 0, to the end or to where the run stops.
 
-    ``is_finer``: it also restarts between jumps of the torque, so that two runs differ.
+    A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
+    force table ends, or the run stops. ``is_finer``: legs between jumps of the torque are cut in
+    two, so that the run whose error is estimated and the finer one do not take the same steps.
     """
     system, stop_when = work.system, work.stop_when
     breaks = _restarts(system, work.until, is_finer)
@@ -500,13 +502,13 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
         leg = _leg(coordinate, (first, last), state, method, tolerance, work, events, step)
-        # two coordinates that hand over to each other at one time: nothing goes on
+        # a leg without length, as two coordinates handing over to each other: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
             leg = leg._replace(end=LIMIT)
         yield leg
-        # the next piece of a table takes about as long; a step that ends exactly at its end stops
-        # scipy before 1.12
+        # The first step into the next piece of a table, which takes about as long. Were it as long
+        # as the piece, it would end exactly at its end, and scipy before 1.12 would stop there.
         step = LONGER * float(leg.time[-1] - first) if leg.end == AT_KINK else None
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
