@@ -169,7 +169,7 @@ class Sampler:
         sampler, sampler.flats = copy(self), {}
         sampler._values = step_of_arrays(
             self.linkage, self._has_loads, wanted=self._wanted,
-            data=self.linkage.constants_of(lengths, ARRAYS['hypot']))
+            data=self.linkage.constants_of(lengths))
         return sampler
 
     def fold(self, x: Value) -> Value:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms.evaluation import Constants, limits_at_zero, MOST_STRUCTURES
+from fourbar_ros.mechanisms.evaluation import Constants, MOST_STRUCTURES
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arguments import array, FARTHEST
 from fourbar_ros.numerics.arrays import Array, Values
@@ -23,23 +23,6 @@ from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
-
-
-def _set_limits(mechanism: Mechanism, inputs: Sequence[Array], rows: Sequence[Array],
-                wanted: Sequence[int], with_loads: bool) -> None:
-    """
-    Overwrite samples at input 0, a flat position (0/0 in the formulas), by the limits there.
-
-    ``inputs``: position, rate and acceleration; ``rows``: of the fields ``wanted``, each of shape
-    (n,). Limits are computed once for each pair of finite rates.
-    """
-    at_zero = np.flatnonzero(inputs[0] == 0.0)
-    rates = np.stack([v[at_zero] for v in inputs[1:]])
-    for rate, acceleration in np.unique(rates[:, np.isfinite(rates).all(axis=0)], axis=1).T:
-        fields = limits_at_zero(mechanism, float(rate), float(acceleration), with_loads)
-        samples = at_zero[(rates[0] == rate) & (rates[1] == acceleration)]
-        for row, i in zip(rows, wanted):
-            row[samples] = fields[i]
 
 
 def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
@@ -75,8 +58,6 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
                                        else mechanism.record_of_motion)
             wanted = range_of(trace) if wanted is None else wanted
             rows = program(trace, wanted, zeros)(flattened, constants)
-            if mechanism.is_flat_at_zero:
-                _set_limits(mechanism, flattened, rows, wanted, with_loads)
     if is_known is not None:            # the position itself is known out of reach too
         of_input = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
         for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):

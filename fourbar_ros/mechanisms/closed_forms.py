@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import asin, asinh, atan2, atanh, fsum, log1p, pi, sqrt
+from math import asin, asinh, atan2, atanh, log1p, pi, sqrt
 
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import power_of_two
+from fourbar_ros.numerics.number_types import exact_sum, power_of_two
 
 
 def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
@@ -97,9 +97,9 @@ def rod_ranges(a1: float, a2: float, e: float) -> Ranges:
     (-pi, pi) of one that turns fully. At other ends the rod is square to the line: toggles.
     """
     a1, a2, e = scaled((a1, a2, e))
-    below, above = fsum((a2, -e, -a1)), fsum((a2, e, -a1))      # of a2 -+ n at x = -+ pi/2
-    low = atan2(e - a2, sqrt(-below * fsum((a2, -e, a1)))) if below < 0.0 else None
-    high = atan2(e + a2, sqrt(-above * fsum((a2, e, a1)))) if above < 0.0 else None
+    below, above = exact_sum((a2, -e, -a1)), exact_sum((a2, e, -a1))    # a2 -+ n at x = -+ pi/2
+    low = atan2(e - a2, sqrt(-below * exact_sum((a2, -e, a1)))) if below < 0.0 else None
+    high = atan2(e + a2, sqrt(-above * exact_sum((a2, e, a1)))) if above < 0.0 else None
     if low is None:
         return ((-pi, pi),) if high is None else ((-pi - high, high),)
     return ((low, pi - low),) if high is None else ((low, high), (pi - high, pi - low))
@@ -114,7 +114,7 @@ def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
     angles = []
     for r in (a2, -a2):
         side = 1.0 if e + r > 0.0 else -1.0
-        excess = fsum((side * e, side * r, -a1)) / a1          # |sin x| - 1
+        excess = exact_sum((side * e, side * r, -a1)) / a1          # |sin x| - 1
         if excess >= 0.0:
             angles.append(complex(side * 0.5 * pi,
                                   log1p(excess + sqrt(excess * (2.0 + excess)))))

@@ -10,21 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
-from functools import lru_cache, partial
-from math import copysign, inf, isfinite
+from functools import lru_cache
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Gravity
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
-from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.numerics.write import lines_of
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
 
-# Inputs beside a flat position, in its unit, so near that the first term of a result is all of it.
-NEAR = Decimal('1e-22'), Decimal('1e-24')
 MOST_STRUCTURES = 256      # whose traces and lines are kept
 
 
@@ -102,7 +98,7 @@ def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
-    """Return data -> straight line, for a formula whose data at some places are zero."""
+    """Return data -> straight line, for a formula with steps, by index, that are zero or false."""
     name = 'motion and loads' if formula.with_loads else 'motion'
     return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {name}')
 
@@ -113,50 +109,18 @@ def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
 
     A Python function written from the trace: the operations of the formulas in their order, so
     with their bits, but without the calls between them. It is compiled once for a structure.
-    At a flat position it gives the limits, out of reach it raises ValueError; no other checks.
+    Out of reach it raises ValueError; no other checks.
     """
     formula, data = formula_of(mechanism, with_loads)
-    values = numbers_of(data)
-    zeros = frozenset([i for i, value in enumerate(values) if value == 0.0]
-                      if mechanism.LEAVES_OUT_ZEROS else ())
+    trace, values = trace_of(formula), numbers_of(data)
+    zeros = frozenset[int]()
+    if mechanism.LEAVES_OUT_ZEROS:
+        zeros = recorded(mechanism, with_loads).zeros | {
+            trace.count + i for i, value in enumerate(values) if value == 0.0}
+    elif mechanism.change_point_margin:
+        zeros = trace.switches
     line, reaches = _lines(formula, zeros)(values), mechanism.reaches
-    if mechanism.is_flat_at_zero:
-        line = _with_limits(mechanism, line, with_loads)
     return line if reaches is None else _within(line, reaches)
-
-
-def limits_at_zero(mechanism: Mechanism, rate: float, acceleration: float,
-                   with_loads: bool) -> list[float]:
-    """
-    Return the limits of all fields for an input that falls to 0, a flat position.
-
-    Both parts of a quotient vanish there, so they are computed with many digits at two places
-    beside it. What grows from one to the other is a pole, what falls is zero.
-    """
-    formula, data = formula_of(mechanism, with_loads)
-    trace, unit = trace_of(formula), Decimal(mechanism.input_unit)
-    from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS  # flat positions alone
-    with localcontext(MANY_DIGITS):
-        fields = in_decimals(trace, numbers_of(data), flat(trace.results))
-        far, near = [fields(unit * t, Decimal(rate), Decimal(acceleration)) for t in NEAR]
-        return [copysign(inf, b) if abs(b) > 8 * abs(a) else
-                float(b) if 8 * abs(b) > abs(a) else 0.0 for a, b in zip(far, near)]
-
-
-def _with_limits(mechanism: Mechanism, line: Function, with_loads: bool) -> Function:
-    """Return a line that gives the limits at 0; ZeroDivisionError where loads are unbounded."""
-    limits_of = lru_cache(maxsize=1)(partial(limits_at_zero, mechanism, with_loads=with_loads))
-    count = len(mechanism.MOTION._fields)
-
-    def line_with_limits(position: float, rate: float, acceleration: float) -> Any:
-        if position:
-            return line(position, rate, acceleration)
-        fields = limits_of(rate, acceleration)
-        motion, loads = tuple(fields[:count]), tuple(fields[count:])
-        if not all(map(isfinite, loads)):
-            raise ZeroDivisionError
-        return (motion, loads) if with_loads else motion
-    return line_with_limits
 
 
 def _within(line: Function, reaches: Function) -> Function:

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, fsum, sqrt
+from math import atan2, sqrt
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
@@ -45,7 +45,7 @@ from fourbar_ros.mechanisms.parts import (
     THETA4,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, Function, LEAST, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     """Return the numbers of RRR: rods from p and q, along the driven link and the frame [m]."""
-    return DyadLengths((p, 0.0), (q, 0.0), (first, second), (), (p, q, 1.0, 0.0, 1.0, 0.0))
+    return DyadLengths((p, 0.0), (q, 0.0), (first, second), (), (p, q, (1.0, 0.0), 1.0, 0.0))
 
 
 def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: Sequence[Scalar],
@@ -65,7 +65,7 @@ def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: S
     """
     p, q, r1, r2 = lengths
     condition: Scalar = ((p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b))
-                         / (r2 * fabs(m[1])))                                           # (C1)
+                         / (r2 * fabs(m[1]) + LEAST))                                      # (C1)
     return condition
 
 
@@ -124,10 +124,10 @@ class FourBarLinks(Kind):
         self._check()
         lengths = self.lengths
         longest = max(lengths)
-        if fsum(lengths + (-longest, -longest)) <= 0.0:
+        if exact_sum(lengths + (-longest, -longest)) <= 0.0:
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
-                                   f'three together ({fsum(lengths + (-longest,)):.12g})')
+                                   f'three together ({exact_sum(lengths + (-longest,)):.12g})')
 
 
 @dataclass(frozen=True)
@@ -198,8 +198,8 @@ class FourBar(FourBarLinks):
         points, (a1, a2, a3, a4) = [], self.lengths
         for stretched, coupler in ((True, a2), (False, -a2)):
             # 4 (a1 + coupler) a4 times sin^2, cos^2 of half the angle at O1
-            sine = fsum((a3, -a1, -coupler, a4)) * fsum((a3, a1, coupler, -a4))
-            cosine = fsum((a1, coupler, a4, -a3)) * fsum((a1, coupler, a4, a3))
+            sine = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
+            cosine = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
             if sine * cosine > 0.0:         # both are negative where B lies behind O1
                 side = self.sign if stretched else -self.sign
                 theta1 = side * 2.0 * atan2(sqrt(abs(sine)), sqrt(abs(cosine)))

@@ -28,7 +28,7 @@ from fourbar_ros.mechanisms.parts import (
 )
 from fourbar_ros.mechanisms.statement import StatedMechanism
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.number_types import Function, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, Function, power_of_two, Scalar
 import numpy as np
 
 _Self = TypeVar('_Self', bound='MechanismGeometry')
@@ -73,7 +73,7 @@ class MechanismGeometry(StatedMechanism):
     @cached_by_lengths
     def margins(self) -> tuple[float, ...]:
         """Return the differences of sums of lengths [m] that are zero at change points."""
-        return tuple([fsum([sign * abs(length) for sign, length in zip(signs, self.lengths)])
+        return tuple([exact_sum([sign * abs(length) for sign, length in zip(signs, self.lengths)])
                       for signs in self.MARGIN_SIGNS])
 
     @property
@@ -84,12 +84,6 @@ class MechanismGeometry(StatedMechanism):
         Zero is a change point: both assembly modes meet, and the linkage can leave its mode.
         """
         return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
-
-    @property
-    def is_flat_at_zero(self) -> bool:
-        """Return whether input 0 is a flat position of a change point: 0/0 in the formulas."""
-        return (self.change_point_margin == 0.0 and 0.0 in self.singular_inputs
-                and any(low < 0.0 < high for low, high in self.closing_ranges))
 
     @property
     def description(self) -> str:
@@ -275,7 +269,7 @@ class MechanismGeometry(StatedMechanism):
         """Return the same mechanism with other :attr:`lengths`."""
         return replace(self, **dict(zip(self.length_names, lengths)))
 
-    def constants_of(self, lengths: Sequence[Scalar], _hypot: Function) -> Constants:
+    def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         """Return its :attr:`constants` with other lengths, of any numbers."""
         return self.constants._replace(lengths=tuple(lengths))
 

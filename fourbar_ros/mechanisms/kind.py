@@ -23,7 +23,13 @@ from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kinds import all_loads, DERIVED
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, ORIGIN
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    crank_of_half,
+    Direction,
+    Driven,
+    DyadMotion,
+    ORIGIN,
+)
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.machine.structure import (
@@ -143,11 +149,10 @@ class DrivenMachine(NamedTuple):
         if self.start:
             x_0, y_0 = self.start(lengths)
             driven = Driven(LinkMotion(x + x_0, y_0, 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0),
-                            (x, 1.0, 0.0))
+                            slide=(x, 1.0, 0.0))
         else:
-            c, s = n.cos(x), n.sin(x)
-            c, s = (-c, -s) if self.turn < 0.0 else (c, s)
-            driven = Driven(LinkMotion(*ORIGIN, c, s, 1.0, 0.0), (0.0, 0.0))
+            c, s = n.cos(0.5 * x), n.sin(0.5 * x)
+            driven = crank_of_half(*((-s, c) if self.turn < 0.0 else (c, s)))
         poses, directions = Poses(hangings(layout, numbers), driven), {}
         moves, = make_moves(n, layout, numbers, [sign if self.sign > 0.0 else -sign])
         moved = moves(poses.hang(0))

@@ -49,20 +49,31 @@ or minus an angle of the triangle A-B-O4. With e = a1^2 - a4^2, f = a2^2 - a3^2:
 where the second form of rho is for large q, so for all where a1 = a4. Every difference in these is
 one that the data make: the error stays within a few eps times the condition at any link ratio.
 
-Change points. Where a sum of lengths is zero (parallelogram, kite, ...), so is s1 or s2 exactly; u
-or w is then one term, which the divisions cancel: no other path is needed. At the flat position
-both modes meet; each mode keeps its sign of sin mu on either side of it, so that its rates jump
-there, and the values returned at theta1 = 0 itself are the limits for theta1 -> 0 from above (y''
-= b'' = 0). At theta1 = pi there is no such case: no float is pi, each is on one side.
+Change points. Where s2 = 0, w contains s^2, with s = sin(x/2); where s1 = 0, u contains c^2, with
+c = cos(x/2). Then root, sin mu, sin x and one of each pair g, h, or both, vanish at x = 0 or x = pi
+with
+
+    (M13)  k = (s if s2 = 0) (c if s1 = 0),   root = R k,   R^2 = u w / k^2
+
+and R keeps its sign: the assembly mode. So the branch goes on through the flat position, where k
+changes its sign, without a jump and without 0/0, as k is left out of every quotient:
+
+    (M14)  sin x / k,  m / k and sin z / k in (M4) to (M7);   g = f^2 g2,   h = k h',
+           sin z = 2 k g2 h' / n,   cos z = side ((k h'/f)^2 - (f g2)^2) / n,
+           n = (f g2)^2 + (k h'/f)^2,   f = (s if g has it twice) (c if g has it twice)
+    (M15)  mu'' = 2 a1 a4 (s2 c (c/kc) u - s1 s (s/ks) w) / R^3 with k = ks kc, and with u, w
+           without kc^2, ks^2
+
+A parallelogram (s1 = s2 = 0) repeats after one turn, a kite after two. Where a1 = a4 and a2 = a3
+also q vanishes at x = 0, with (M11) and (M12) y'' = mu''/2 = -b''. Elsewhere k is 1.
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import fsum
 from typing import NamedTuple
 
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, INFINITESIMAL, NumberType, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, Function, is_zero, NumberType, Scalar
 
 # Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
 # Near a change point one of them cancels; as exact sums they keep all digits, and so do products.
@@ -82,7 +93,7 @@ class Factors(NamedTuple):
 
 
 def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
-                     exact_sum: Function = fsum) -> Factors:
+                     exact_sum: Function = exact_sum) -> Factors:
     """Return the eight sums of four lengths [m], rounded once: at a change point one is 0.0."""
     return Factors(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
                    B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
@@ -112,9 +123,12 @@ class _Shape(NamedTuple):
     c1: Scalar
     s2: Scalar
     c2: Scalar
-    # factors of sin^2(x/2), cos^2(x/2) in r of y, of y - x and of b - x; side = 1
-    if_adds: tuple[Scalar, ...]
-    if_not: tuple[Scalar, ...]        # the same in p; side = -1
+    C1: Scalar
+    D1: Scalar
+    # factors of sin^2(x/2), cos^2(x/2) in p, then in r, of y, y - x and b - x
+    of_y: tuple[Scalar, Scalar, Scalar, Scalar]
+    of_yx: tuple[Scalar, Scalar, Scalar, Scalar]
+    of_bx: tuple[Scalar, Scalar, Scalar, Scalar]
     # m / (sin(x/2) cos(x/2)) of y, y - x and, with the other sign, of b - x
     m_y: Scalar
     m_yx: Scalar
@@ -158,7 +172,7 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
 
     factors = bilinear_factors(a1, a2, a3, a4, exact_sum)
     # y - x has the coefficients of y, p and r of sin^2(x/2) exchanged
-    (p_s, r_s, p_c, r_c), (p_s_bx, r_s_bx, p_c_bx, r_c_bx) = half_angle_coefficients(factors)
+    (A, B, C, D), (A_bx, B_bx, C_bx, D_bx) = half_angle_coefficients(factors)
     f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
     # The odd one of three squares is paired with the larger of the others: the remaining
     # cancellation comes from the data.
@@ -170,59 +184,78 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
     b_far = where(is_far, squares(a2, 0.0, a1, a4) - a3 * a3, f - high)
     return _Shape(-factors.A1 * factors.B2, -factors.C2 * factors.D2,
                   factors.C1 * factors.D1, factors.A2 * factors.B1,
-                  (r_s, r_c, p_s, r_c, r_s_bx, r_c_bx, 1.0),
-                  (p_s, p_c, r_s, p_c, p_s_bx, p_c_bx, -1.0),
+                  factors.C1, factors.D1, (A, C, B, D), (B, C, A, D), (A_bx, C_bx, B_bx, D_bx),
                   4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2, (a1 - a4) * (a1 + a4), f,
                   0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
-def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, ss: Scalar, cc: Scalar,
-         sc: Scalar) -> LoopMotion:
+def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, s: Scalar,
+         c: Scalar) -> LoopMotion:
     """
     Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
 
-    ``ss``, ``cc``, ``sc``: sin^2, cos^2 and sin cos of half the crank's angle x, which keep their
-    digits near x = 0 and pi where cos x loses them. ``sign``: of sin(mu), the assembly mode.
+    ``s``, ``c``: sine and cosine of half the crank's angle x, which keep their digits near x = 0
+    and pi where cos x loses them. ``sign``: of R, the assembly mode.
     """
-    sqrt, where, unit = n.sqrt, n.where, n.power_of_two(*lengths)
+    where, unit = n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
     shape = _shape(n, a1, a2, a3, a4)
+    ss, cc = s * s, c * c
     u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
-    root = sign * sqrt(u * w)     # not real where the linkage cannot close
+    flat_at_0, flat_at_pi = is_zero(n, shape.s2), is_zero(n, shape.s1)
+    k_s, k_c = where(flat_at_0, s, 1.0), where(flat_at_pi, c, 1.0)                      # (M13)
+    s_left, c_left = where(flat_at_0, 1.0, s), where(flat_at_pi, 1.0, c)
+    u_left, w_left, k = where(flat_at_pi, shape.c1, u), where(flat_at_0, shape.c2, w), k_s * k_c
+    root = sign * n.sqrt(u_left * w_left)     # R, not real where the linkage cannot close
     # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
     per = 1.0 / (u + w + (root - root))
-    cos_mu, sin_mu = (u - w) * per, (root + root) * per
+    cos_mu, sin_mu_over_k, sc_left = (u - w) * per, (root + root) * per, s_left * c_left
     # m and root have equal signs for all three angles, or for none: the sum does not cancel
-    y_s, y_c, yx_s, yx_c, bx_s, bx_c, side = where(
-        ((sc + INFINITESIMAL * INFINITESIMAL) * root).real > 0.0, shape.if_adds, shape.if_not)
-    signed = side * root
-    g, h = y_s * ss + y_c * cc, shape.m_y * sc + signed                                 # (M1)
-    hh = h * h
-    per = 2.0 / (g * g + hh)
-    cos_y, sin_y = side * (hh * per - 1.0), g * h * per                                 # (M2)
-    g, h = yx_s * ss + yx_c * cc, shape.m_yx * sc + signed
-    sin_yx = 2.0 * g * h / (g * g + h * h)
-    g, h = bx_s * ss + bx_c * cc, shape.m_bx * sc - signed
-    hh = h * h
-    per = 2.0 / (g * g + hh)
-    cos_bx, sin_bx = side * (hh * per - 1.0), g * h * per
-    cos_x, sin_x = cc - ss, sc + sc
-    cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx, sin_x * cos_bx + cos_x * sin_bx
+    adds = (sc_left * root).real > 0.0
+    side = where(adds, 1.0, -1.0)
 
-    per = 1.0 / sin_mu
+    def angle(p_s: Scalar, p_c: Scalar, r_s: Scalar, r_c: Scalar, m: Scalar,
+              signed_root: Scalar) -> tuple[Scalar, Scalar]:
+        """Return cos z and sin(z)/k of an angle, from its p, r and m, (M14)."""
+        forms = []
+        for g_s, g_c in ((r_s, r_c), (p_s, p_c)):       # t = g/h, t = h/g
+            twice_s = is_zero(n, n.fabs(shape.s2) + n.fabs(g_c))
+            twice_c = is_zero(n, n.fabs(shape.s1) + n.fabs(g_s))
+            forms.append((g_s, g_c, where(twice_s, 1.0, ss), where(twice_c, 1.0, cc),
+                          where(twice_s, s, 1.0) * where(twice_c, c, 1.0),
+                          where(twice_s, 1.0, k_s) * where(twice_c, 1.0, k_c)))
+        g_s, g_c, ss_left, cc_left, f, k_over_f = where(adds, *forms)
+        g, h = g_s * ss_left + g_c * cc_left, m * sc_left + signed_root                 # (M1)
+        large, small = k_over_f * h, f * g
+        square = large * large
+        per = 2.0 / (small * small + square)
+        return side * (square * per - 1.0), g * h * per                                 # (M2)
+
+    signed = side * root
+    cos_y, sin_y = angle(*shape.of_y, shape.m_y, signed)
+    _, sin_yx = angle(*shape.of_yx, shape.m_yx, signed)
+    cos_bx, sin_bx = angle(*shape.of_bx, shape.m_bx, -signed)
+    cos_x, sin_x, sin_x_over_k = (c - s) * (c + s), 2.0 * (s * c), 2.0 * sc_left
+    sin_bx_k = sin_bx * k
+    cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx_k, sin_x * cos_bx + cos_x * sin_bx_k
+
+    per = 1.0 / sin_mu_over_k
     d_bx = -a4 / a2 * sin_y * per                                                       # (M4)
-    d_mu = a1 * a4 / (a2 * a3) * sin_x * per                                            # (M5)
+    d_mu = a1 * a4 / (a2 * a3) * sin_x_over_k * per                                     # (M5)
     d_y = -a1 / a3 * sin_bx * per                                                       # (M6)
     d_b = -a1 / a2 * sin_yx * per                                                       # (M7)
-    q = (a1 - a4)**2 + 4.0 * a1 * a4 * ss                                               # (M8)
+    meets = is_zero(n, n.fabs(shape.C1) + n.fabs(shape.D1))     # a1 = a4, a2 = a3
+    q = where(meets, 1.0, (a1 - a4)**2 + 4.0 * a1 * a4 * ss)                            # (M8)
     per, e = 1.0 / q, shape.e
     turn = a1 * a4 * sin_x * where(q.real > n.fabs(e), (e + shape.f * d_mu) * per,      # (M9)
                                    d_y + d_bx)
-    dd_mu = (2.0 * a1 * a4 * shape.s2 * cc * u                                          # (M10)
-             - 2.0 * a1 * a4 * shape.s1 * ss * w) / (u * w * root)
-    dd_y = ((shape.y_near * cc + shape.y_far * ss) * dd_mu - turn) * per                # (M11)
-    dd_b = ((shape.b_near * cc + shape.b_far * ss) * dd_mu - turn) * per                # (M12)
+    dd_mu = (2.0 * a1 * a4 * shape.s2 * (c * c_left) * u_left                    # (M10), (M15)
+             - 2.0 * a1 * a4 * shape.s1 * (s * s_left) * w_left) / (u_left * w_left * root)
+    dd_y = where(meets, 0.5 * dd_mu,                                                    # (M11)
+                 ((shape.y_near * cc + shape.y_far * ss) * dd_mu - turn) * per)
+    dd_b = where(meets, -0.5 * dd_mu,                                                   # (M12)
+                 ((shape.b_near * cc + shape.b_far * ss) * dd_mu - turn) * per)
     return LoopMotion(
-        cos_x=cos_x, sin_x=sin_x, cos_bx=cos_bx, sin_bx=sin_bx, cos_b=cos_b, sin_b=sin_b,
-        cos_y=cos_y, sin_y=sin_y, cos_mu=cos_mu, sin_mu=sin_mu, d_bx=d_bx, d_mu=d_mu, d_y=d_y,
-        d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)
+        cos_x=cos_x, sin_x=sin_x, cos_bx=cos_bx, sin_bx=sin_bx_k, cos_b=cos_b, sin_b=sin_b,
+        cos_y=cos_y, sin_y=sin_y * k, cos_mu=cos_mu, sin_mu=sin_mu_over_k * k, d_bx=d_bx,
+        d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)

@@ -286,7 +286,7 @@ class Mechanism(MechanismGeometry):
         name, unit = self.input_coordinate.position, self.input_coordinate.unit
         # A limit and the input compared with it are each rounded, and so is their distance.
         tolerance = 4.0 * EPS * abs(position)
-        is_flat = position == 0.0 and self.is_flat_at_zero
+        is_flat = any(self.distance(position, flat) == 0.0 for flat in self.flat_inputs)
         is_at_limit = any(abs(self.distance(position, end)) <= tolerance
                           for ends in self.closing_ranges for end in ends)
         if self.is_in_stroke(position) and (is_flat or is_at_limit):

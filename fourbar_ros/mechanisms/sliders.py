@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import atan2, fsum, pi, sqrt
+from math import atan2, pi, sqrt
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
@@ -63,12 +63,13 @@ from fourbar_ros.mechanisms.parts import (
     TRAVEL,
 )
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, LEAST, NumberType, power_of_two, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
 
 AT_O = (0.0, 0.0)      # as a place
+STRAIGHT = (1.0, 0.0)  # cosine and sine of half an angle of zero
 
 
 def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
@@ -79,12 +80,12 @@ def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
 def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> DyadLengths:
     """Return the numbers of RRP: a rod a2 from a crank a1 to a line at this height [m]."""
     return DyadLengths((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
-                       (a1, height, 1.0, 0.0, 0.0, 0.0, 0.0))
+                       (a1, height, STRAIGHT, 0.0, 0.0, 0.0))
 
 
 def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> DyadLengths:
     """Return the numbers of RPR: a block on a crank a1, on a bar from a4 on [m]."""
-    return DyadLengths((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, 1.0, 0.0, 1.0, 0.0))
+    return DyadLengths((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, STRAIGHT, 1.0, 0.0))
 
 
 class OffsetSlide(Kind):
@@ -97,7 +98,7 @@ class OffsetSlide(Kind):
         """Check what is given, and that both rods together reach over the offset e."""
         self._check()
         (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
-        if fsum((p, r, -abs(e))) <= 0.0:
+        if exact_sum((p, r, -abs(e))) <= 0.0:
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                    f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
@@ -174,7 +175,7 @@ class SliderCrank(OffsetSlide):
             {**FORWARD, 'guide_force': ('second_normal', 1.0),
              'guide_couple': ('second_couple', 1.0)},
             ('cos_b', 1.0), lambda f, a, d, _: (                                        # (C2)
-                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / f(d[BETA][0]),
+                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (f(d[BETA][0]) + LEAST),
             slides=(TRAVEL,)),
         SLIDE: DrivenMachine(
             (GROUND, 'output', 'coupler', 'crank'), 'RRR',
@@ -184,7 +185,8 @@ class SliderCrank(OffsetSlide):
              'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
              'guide_couple': ('base_couple', 1.0)},
             ('sin_2', 1.0), lambda f, a, d, _: (                                        # (C2)
-                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (a[0] * f(d[THETA2][1])),
+                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (
+                a[0] * f(d[THETA2][1]) + LEAST),
             lambda f, a, d: (f(d[THETA2][1]), d[THETA2][0]),
             reversed=('coupler',), start=lambda lengths: (0.0, lengths[2]))}
 
@@ -304,7 +306,8 @@ class InvertedSlider(OffsetSlide):
             {**FORWARD, 'guide_force': ('inner_normal', 1.0),
              'guide_couple': ('inner_couple', 1.0)},
             ('', 1.0), lambda f, a, d, s: (                                             # (C3)
-                a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / f(s[TRAVEL][0]),
+                a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / (
+                f(s[TRAVEL][0]) + LEAST),
             slides=(TRAVEL,)),
         SLIDE: DrivenCylinder(
             ('output', 'coupler', 'crank', GROUND), 'RRR',
@@ -315,7 +318,7 @@ class InvertedSlider(OffsetSlide):
              'guide_couple': ('base_couple', 1.0)},
             ('sin_x', -1.0), lambda f, a, d, _: (                                       # (C3)
                 a[0] * f(a[0] - a[1] * d[THETA1][0]) + a[1] * f(a[1] - a[0] * d[THETA1][0])
-                + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1])),
+                + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1]) + LEAST),
             lambda f, a, d: (a[1] * f(d[THETA1][1]), a[0] - a[1] * d[THETA1][0]),
             slides=(TRAVEL,), reversed=('crank', GROUND),
             start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
+from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
 
 class TriangleMotion(NamedTuple):
@@ -48,7 +48,11 @@ class RodMotion(NamedTuple):
 
 
 class BarMotion(NamedTuple):
-    """Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x, and 1/q."""
+    """
+    Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x.
+
+    ``sine``, ``cosine``: of the transmission angle, from the bar to A - O4.
+    """
 
     cos_y: Scalar
     sin_y: Scalar
@@ -60,7 +64,8 @@ class BarMotion(NamedTuple):
     d_theta2: Scalar
     dd_l: Scalar
     dd_y: Scalar
-    per_q: Scalar
+    sine: Scalar
+    cosine: Scalar
 
 
 def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
@@ -85,21 +90,24 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     different length both are small beside s^2: hence q + f = 2 a1 (a1 + a2) - u = 2 a1 (a1 - a2) +
     w, and K+ K- - s^4 = s^2 (u - w) - u w where s^2 > 4 a1 a2.
 
-    ``sign``: of sin(theta2). Lengths within a few powers of two of one. At s = 0 of a change point
-    the values are those for s -> 0 from above.
+    Where K- = 0 both rods fold onto the line at s = 0, a change point: w = s^2, root = R s, and R
+    keeps its sign, so that s is left out of each quotient; q too is s^2 where also e = 0.
+
+    ``sign``: of R, so that of sin(theta2) where the lengths make no change point. Lengths within a
+    few powers of two of one.
     """
     sqrt, where, ee = n.sqrt, n.where, e * e
     k_plus = difference_of_squares(a1, a2, e, 0.0, n.exact_sum)
     k_minus = difference_of_squares(a1, -a2, e, 0.0, n.exact_sum)
-    beside_0 = nudge(n, k_minus)
+    flat_at_0 = is_zero(n, k_minus)
+    meets = is_zero(n, n.fabs(n.exact_sum((a1, -a2, e))) + n.fabs(n.exact_sum((a1, -a2, -e))))
     f, k_product, u_plus_w = (a1 - a2) * (a1 + a2), k_plus * k_minus, 4.0 * a1 * a2
-    two_e, two_a1, two_a2 = 2.0 * e, 2.0 * a1, 2.0 * a2
+    f, e = where(meets, 0.0, f), where(meets, 0.0, e)
     per_a1_a2, half_per_a1, half_per_a2 = 0.25 / (a1 * a2), 0.5 / a1, 0.5 / a2
     plus_1, plus_2 = 2.0 * a1 * (a1 + a2), 2.0 * a2 * (a1 + a2)       # q + f + u, q - f + u
     minus_1, minus_2 = 2.0 * a1 * (a1 - a2), 2.0 * a2 * (a2 - a1)     # q + f - w, q - f - w
-    s = s + beside_0
-    ss = s * s
-    q = ss + ee
+    k, s_left, ss = where(flat_at_0, s, 1.0), where(flat_at_0, 1.0, s), s * s
+    q = where(meets, 1.0, ss + ee)
     u, w = k_plus - ss, ss - k_minus                                                    # (T1)
     # their sum is given: so the rounding of one is that of the other, as in the shape of a
     # triangle
@@ -107,20 +115,23 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
                                       (w, minus_1, minus_2, 1.0))
     large, change = u_plus_w - small, side * small
     uw, u_minus_w = small * large, side * (large - small)
-    root = sign * sqrt(uw)
-    cos_2, sin_2 = -u_minus_w * per_a1_a2 + (root - root), 2.0 * root * per_a1_a2
+    root = sign * sqrt(where(flat_at_0, where(side.real > 0.0, large, small), uw))      # R
+    cos_2, sin_2 = -u_minus_w * per_a1_a2 + (root - root), 2.0 * (root * k) * per_a1_a2
     per_q, per_root = 1.0 / q, 1.0 / root
-    # (q + f)/q, (q - f)/q, root/q
-    more, less, turn = (sum_1 + change) * per_q, (sum_2 + change) * per_q, root * per_q
-    # (T2)
-    cos_x, sin_x = (s * more + e * turn) * half_per_a1, (e * more - s * turn) * half_per_a1
-    # (T3)
-    cos_b, sin_b = (s * less - e * turn) * half_per_a2, (e * less + s * turn) * half_per_a2
-    d_x, d_b = two_a2 * cos_b * per_root, -two_a1 * cos_x * per_root                    # (T4)
-    d_2 = -2.0 * s * per_root                                                           # (T5)
-    bend = where(ss.real < u_plus_w, k_product - ss * ss, ss * u_minus_w - uw)
+    # (q + f)/q, (q - f)/q, R/q, s root/q
+    more, less = where(meets, (1.0, 1.0), ((sum_1 + change) * per_q, (sum_2 + change) * per_q))
+    turn, s_turn = root * per_q, where(meets, root, s * (root * k * per_q))
+    # 2 a1 cos x and 2 a2 cos b, over k
+    along_1, along_2 = s_left * more + e * turn, s_left * less - e * turn
+    e_turn = e * k * turn
+    cos_x, sin_x = (s * more + e_turn) * half_per_a1, (e * more - s_turn) * half_per_a1  # (T2)
+    cos_b, sin_b = (s * less - e_turn) * half_per_a2, (e * less + s_turn) * half_per_a2  # (T3)
+    d_x, d_b = along_2 * per_root, -along_1 * per_root                                  # (T4)
+    d_2 = -2.0 * s_left * per_root                                                      # (T5)
+    bend = where(flat_at_0, -s, where(ss.real < u_plus_w, k_product - ss * ss,
+                                      ss * u_minus_w - uw))
     dd_2 = 2.0 * bend * per_root * per_root * per_root                                  # (T6)
-    common, half = (two_e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
+    common, half = (2.0 * e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
     # (T7), (T8)
     dd_x, dd_b = common - half * less, common + half * more
     return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
@@ -128,7 +139,7 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
 
 
 def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, cos_x: Scalar,
-                sin_x: Scalar) -> RodMotion:
+                sin_x: Scalar, sin_v: Scalar, cos_v: Scalar) -> RodMotion:
     """
     Return where a rod that a crank carries meets a line, and its derivatives.
 
@@ -161,7 +172,18 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     because h of a long crank has an error of up to eps a1, which is much beside a2: u, w and b''
     then have the same error, and fit together.
 
-    Lengths within a few powers of two of one; ``sign``: of cos b.
+    Change points. With v = x/2 + pi/4, 1 + sin x = 2 sin^2 v and 1 - sin x = 2 cos^2 v. So where
+    a2 - e = a1, u = 2 a1 sin^2 v, and where a2 + e = a1, w = 2 a1 cos^2 v: root = R k with
+
+        (R10) k = (sin v if a2 - e = a1) (cos v if a2 + e = a1),   R keeps its sign,
+              gap = 4 a1 e k^2, -4 a1 e k^2 or 0,   b'' R^3 = 4 a1^2 e (the other one of sin v,
+              cos v)
+
+    and k is left out of every quotient. With both, a1 = a2 and e = 0, b = -x and s = 2 a1 cos x
+    (mode 2) all the way. Elsewhere k is 1.
+
+    Lengths within a few powers of two of one; ``sign``: of R, so that of cos b where k is 1.
+    ``sin_v``, ``cos_v``: of v.
     """
     sqrt, fabs, where, exact_sum = n.sqrt, n.fabs, n.where, n.exact_sum
 
@@ -185,22 +207,34 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     u, w, factor, sine, rest = where(                                                   # (R9)
         (h * h).real < level_square, (up, down, up * down, sin_x, at_x * h * cos_x),
         (u, w, factor, sine, rest))
-    root = sign * sqrt(u * w)                                                           # (R1)
+    flat_down, flat_up = is_zero(n, about_down[0]), is_zero(n, about_up[1])             # (R10)
+    k_s, k_c = where(flat_down, sin_v, 1.0), where(flat_up, cos_v, 1.0)
+    k, is_flat = k_s * k_c, is_zero(n, about_down[0] * about_up[1])
+    cos_x_left = where(is_flat, 2.0 * (where(flat_down, 1.0, sin_v) * where(flat_up, 1.0, cos_v)),
+                       cos_x)
+    u, w = where(flat_down, 2.0 * a1, u), where(flat_up, 2.0 * a1, w)
+    gap = where(flat_up, where(flat_down, 0.0, -4.0 * a1_e),
+                where(flat_down, 4.0 * a1_e, gap + two_a1_e * d))
+    bend = where(is_flat, where(flat_up, where(flat_down, 0.0, cos_v), sin_v) * (4.0 * a1_e),
+                 factor * sine + rest)
+    root = sign * sqrt(u * w)                                               # R of (R1), (R10)
     # NaN too where nothing is real
-    cos_b, sin_b = root * per_a2, h * per_a2 + (root - root)
+    cos_b, sin_b = root * k * per_a2, h * per_a2 + (root - root)
     cos_2, sin_2 = cos_b * cos_x + sin_b * sin_x, sin_b * cos_x - cos_b * sin_x
-    over, under = where((root * cos_x).real > 0.0, (at_x + root, 1.0),
-                        (gap + two_a1_e * d, root - at_x))
-    s, per = over / under, 1.0 / root                                                   # (R2)
-    d_b, d_theta2 = -at_x * per, -s * per                                         # (R3), (R4)
-    d_s = a1 * (e * cos_x - s * sin_x) * per                                            # (R5)
-    dd_b = a1 * (factor * sine + rest) * per * per * per                                # (R6)
+    at_x_left = a1 * cos_x_left
+    over, under = where((root * cos_x_left).real > 0.0, (at_x_left + root, 1.0),
+                        (gap, root - at_x_left))
+    s_left, per = over / under, 1.0 / root                                              # (R2)
+    s = s_left * k
+    d_b, d_theta2 = -at_x_left * per, -s_left * per                               # (R3), (R4)
+    d_s = a1 * (e * cos_x_left - s_left * sin_x) * per                                  # (R5)
+    dd_b = a1 * bend * per * per * per                                                  # (R6)
     dd_s = at_x * d_theta2 - h * dd_b                                                   # (R7)
     return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
 
 
-def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar, ss: Scalar,
-                 cc: Scalar, sc: Scalar) -> BarMotion:
+def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar, s: Scalar,
+                 c: Scalar) -> BarMotion:
     """
     Return the motion of a bar through a block on a crank.
 
@@ -216,27 +250,39 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
         (B5)  theta2' = y' - 1 = (a4 (a1 cos x - a4) + h l') / q
         (B6)  y'' = (a1 a4 sin x (a4^2 - a1^2 - 2 h l')/q + h l'') / q
 
-    ``ss``, ``cc``, ``sc``: sin^2, cos^2 and sin cos of x/2. Lengths within a few powers of two of
-    one; ``sign``: of l.
+    Where a1 - a4 = +-h, l = L sin(x/2): the block passes the foot, a change point. L keeps its
+    sign, and sin(x/2) is left out of the quotients, of those with q too where also h = 0.
+
+    ``s``, ``c``: sine and cosine of x/2. Lengths within a few powers of two of one; ``sign``: of
+    L, so that of l elsewhere.
     """
-    sqrt = n.sqrt
-    a1_a4, less, more, two_h = a1 * a4, a1 - a4, a1 + a4, 2.0 * h
+    where, ss, cc, sc = n.where, s * s, c * c, s * c
+    a1_a4, less, more = a1 * a4, n.exact_sum((a1, -a4)), a1 + a4
     # of squares
-    q_near, q_far, a4_minus_a1 = (a1 - a4)**2, (a1 + a4)**2, (a4 - a1) * (a4 + a1)
+    q_near, q_far, a4_minus_a1 = less * less, more * more, -less * more
     near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
-    sin_x = sc + sc
-    l = sign * sqrt(near * cc + far * ss)  # (B1)  # noqa: E741, the slides' letter
-    q = q_near * cc + q_far * ss
-    per_q, per_l = 1.0 / q, 1.0 / l
-    r_x, r_y = less * cc - more * ss, a1 * sin_x     # A - O4
-    ahead = less * cc + more * ss                    # a1 - a4 cos x
-    cos_y, sin_y = (r_x * l + r_y * h) * per_q, (r_y * l - r_x * h) * per_q
-    cos_2, sin_2 = (ahead * l + a4 * h * sin_x) * per_q, (a4 * l * sin_x - ahead * h) * per_q
-    pull = a1_a4 * sin_x
-    d_l = pull * per_l                                                                  # (B2)
-    dd_l = a1_a4 * (near * cc * cc - far * ss * ss) * per_l * per_l * per_l             # (B3)
-    d_y = (a1 * ahead + h * d_l) * per_q                                                # (B4)
-    d_theta2 = (a4 * r_x + h * d_l) * per_q                                             # (B5)
-    dd_y = (pull * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q              # (B6)
-    return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y, per_q)
+    flat_at_0 = is_zero(n, near)
+    meets = is_zero(n, n.fabs(n.exact_sum((a1, -a4, h))) + n.fabs(n.exact_sum((a1, -a4, -h))))
+    h = where(meets, 0.0, h)
+    two_h, k, k_q = 2.0 * h, where(flat_at_0, s, 1.0), where(meets, s, 1.0)
+    L = sign * n.sqrt(where(flat_at_0, far, near * cc + far * ss))                      # (B1)
+    l, l_left = L * k, where(meets, L, L * k)        # noqa: E741  (l is the slides' letter)
+    # over k_q^2: q, A - O4 = (x, y), a1 - a4 cos x; the last three over k_q too, sin x over k, k_q
+    q, x_left, ahead_left = where(meets, (q_far, -more, more), (
+        q_near * cc + q_far * ss, less * cc - more * ss, less * cc + more * ss))
+    sin_x, sin_x_k, sin_x_q = 2.0 * sc, 2.0 * where(flat_at_0, c, sc), 2.0 * where(meets, c, sc)
+    r_x, r_y, ahead = x_left * k_q, a1 * sin_x_q, ahead_left * k_q
+    per_q, per_l = 1.0 / q, 1.0 / L
+    cos_y, sin_y = (r_x * l_left + r_y * h) * per_q, (r_y * l_left - r_x * h) * per_q
+    cos_2, sin_2 = ((ahead * l_left + a4 * h * sin_x_q) * per_q,
+                    (a4 * l_left * sin_x_q - ahead * h) * per_q)
+    d_l = a1_a4 * sin_x_k * per_l                                                       # (B2)
+    dd_l = a1_a4 * where(flat_at_0, -far * s, near * cc * cc - far * ss * ss) * (       # (B3)
+        per_l * per_l * per_l)
+    d_y = (a1 * ahead_left + h * d_l) * per_q                                           # (B4)
+    d_theta2 = (a4 * x_left + h * d_l) * per_q                                          # (B5)
+    dd_y = (a1_a4 * sin_x * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q     # (B6)
+    per_distance = n.sqrt(per_q)
+    return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y,
+                     l_left * per_distance, h * per_distance)

@@ -9,7 +9,7 @@ import operator
 from threading import RLock
 from typing import Any
 
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, SNAP
 
 # Precision and the number of terms of series are the same for all threads.
 _SETTINGS = RLock()
@@ -76,13 +76,18 @@ def taylor_pairs() -> dict[str, Function]:
         """Return v or -v, by its sign in the middle."""
         return v if first(v[0]).mid() >= 0 else (-v[0], -v[1])
 
+    def exact(terms: Any) -> Any:
+        """Return a sum of lengths, zero where it is no more than the rounding of decimals."""
+        total, size = sum(terms, arb(0)), sum(map(abs, terms), arb(0))
+        return arb(0) if abs(total.mid()) <= SNAP * size.mid() else total
+
     return {'add': of_two(operator.add), 'sub': of_two(operator.sub),
             'mul': of_two(operator.mul), 'truediv': of_two(operator.truediv),
             'neg': of_one(operator.neg), 'pow': of_two(power),
             'sin': of_one(lambda v: v.sin()), 'cos': of_one(lambda v: v.cos()),
             'sqrt': of_one(lambda v: v.sqrt()), 'atan2': of_two(angle), 'fabs': size,
             'hypot': of_two(lambda x, y: (x * x + y * y).sqrt()),
-            'exact_sum': lambda *terms: tuple([sum(part, arb(0)) for part in zip(*terms)]),
+            'exact_sum': lambda *terms: tuple(map(exact, zip(*terms))),
             'where': lambda condition, if_true, if_false: if_true if condition[0] else if_false,
             'gt': is_greater, 'lt': lambda a, b: is_greater(b, a),
             'power_of_two': lambda *lengths: (arb(1), arb(1))}     # balls need no scaling

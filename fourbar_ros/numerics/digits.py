@@ -17,7 +17,7 @@ import math
 import operator
 from typing import Any
 
-from fourbar_ros.numerics.number_types import choose, INFINITESIMAL, power_of_two
+from fourbar_ros.numerics.number_types import choose, power_of_two, SNAP
 from fourbar_ros.numerics.tables import run, Table
 from fourbar_ros.numerics.trace import Trace
 
@@ -73,11 +73,16 @@ def _root(value: Decimal) -> Decimal:
     return value.sqrt()
 
 
+def _exact_sum(*terms: Decimal) -> Decimal:
+    total = sum(terms, Decimal(0))
+    return Decimal(0) if abs(total) <= Decimal(SNAP) * sum(map(abs, terms)) else total
+
+
 # Angles are results alone, so floats of exact components are enough.
 DECIMALS: Table = {
     'add': _sum, 'sub': lambda a, b: _sum(a, -b), 'mul': operator.mul,
     'truediv': operator.truediv, 'neg': operator.neg, 'pow': lambda a, b: a**int(b),
-    'gt': operator.gt, 'lt': operator.lt, 'where': choose, 'fabs': abs, 'exact_sum': _sum,
+    'gt': operator.gt, 'lt': operator.lt, 'where': choose, 'fabs': abs, 'exact_sum': _exact_sum,
     'sin': lambda a: sine_and_cosine(a)[0], 'cos': lambda a: sine_and_cosine(a)[1],
     'sqrt': _root, 'hypot': lambda x, y: (x * x + y * y).sqrt(),
     'atan2': lambda y, x: Decimal(math.atan2(y + 0, x)),        # 0, not -0
@@ -89,14 +94,13 @@ def in_decimals(trace: Trace, data: Sequence[float], indices: Sequence[int]
     """
     Return the function inputs -> numbers at some indices of a trace, all of them decimals.
 
-    To be made and called within the context :data:`MANY_DIGITS`. The ``INFINITESIMAL`` by which
-    formulas of floats avoid 0/0 is zero here.
+    To be made and called within the context :data:`MANY_DIGITS`.
     """
     order = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
     known: list[Any] = [None] * len(trace.steps)
     known[trace.count:trace.count + trace.size] = map(Decimal, data)
     for index, value in trace.literals().items():
-        known[index] = Decimal(value if abs(value) > INFINITESIMAL else 0.0)
+        known[index] = Decimal(value)
     run(trace, [i for i in order if i not in trace.varies], DECIMALS, known)
     order = [i for i in order if i in trace.varies]
 

@@ -16,14 +16,14 @@ numbers all have.
 """
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache, reduce
 import math
 from typing import Any, TypeVar
 
-from fourbar_ros.numerics.arrays import Array, Values
+from fourbar_ros.numerics.arrays import Array, EPS, Values
 import numpy as np
 
 Function = Callable[..., Any]
@@ -33,9 +33,12 @@ Scalar = float
 
 _Choice = TypeVar('_Choice')
 
-# Added at an exact change point to sin(x/2): nothing, except at x = 0 exactly, where 0/0 thereby
-# is the quotient for x -> 0+. Its third power is still a normal number.
-INFINITESIMAL = 2.0**-250
+# A sum of lengths below this part of their sizes is the rounding of decimals: zero.
+SNAP = 4.0 * EPS
+# No other product of sums of lengths of about one is below it.
+NOTHING = 2.0**-500
+# Added to a size by which is divided, so that no float is zero there: it changes no other one.
+LEAST = 2.0**-1074
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +54,7 @@ class NumberType:
         ``where(condition, if_true, if_false)``; both may be tuples of equal length. Both are
         computed, whatever the condition: neither may divide by zero.
     exact_sum : callable
-        Correctly rounded sum of a tuple of lengths, as :func:`math.fsum`.
+        Sum of a tuple of lengths, as :func:`exact_sum`.
     power_of_two : callable
         The power of two next above the largest of some lengths. Scaling by it rounds nothing.
     call : callable
@@ -71,21 +74,21 @@ class NumberType:
     call: Function = lambda function, x: function(x)
 
 
-def nudge(n: NumberType, *margins: Scalar) -> Scalar:
-    """
-    Return 0, or :data:`INFINITESIMAL` if one of some margins is zero: to be added to a number.
-
-    At an exact change point, where a margin is zero, that number must not be zero.
-    """
-    added = 0.0
-    for margin in margins:
-        added = n.where(n.fabs(margin).real > 0.0, added, INFINITESIMAL)
-    return added
-
-
 def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
     """Return ``if_true`` if ``condition`` else ``if_false``."""
     return if_true if condition else if_false
+
+
+def is_zero(n: NumberType, number: Scalar) -> bool:
+    """Return whether a number that data alone make is 0.0, as its complex step may not be."""
+    is_nothing: bool = n.fabs(number).real < NOTHING
+    return is_nothing
+
+
+def exact_sum(terms: Sequence[float]) -> float:
+    """Return the correctly rounded sum of lengths, 0.0 below SNAP of their sizes."""
+    total = math.fsum(terms)
+    return 0.0 if abs(total) <= SNAP * sum(map(abs, terms)) else total
 
 
 def power_of_two(*lengths: float) -> float:
@@ -144,9 +147,9 @@ def hypot_of_complex(x: Any, y: Any) -> Any:
 
 
 REAL = NumberType(math.sin, math.cos, math.sqrt, math.atan2, math.hypot, math.fabs,
-                  choose, math.fsum, power_of_two)
+                  choose, exact_sum, power_of_two)
 ARRAY = NumberType(np.sin, np.cos, np.sqrt, angle_of_complex, hypot_of_complex,
-                   size_of_complex, _choose_in_arrays, math.fsum, power_of_two)
+                   size_of_complex, _choose_in_arrays, exact_sum, power_of_two)
 
 
 def power_of_two_of_arrays(*lengths: Array) -> Array:

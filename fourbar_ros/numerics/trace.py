@@ -28,6 +28,7 @@ from typing import Any, NamedTuple, Union
 from fourbar_ros.numerics.number_types import (
     choose,
     converted,
+    exact_sum,
     Function,
     numbers_of,
     NumberType,
@@ -38,7 +39,7 @@ OPERATIONS: dict[str, Function] = {
     'add': operator.add, 'sub': operator.sub, 'mul': operator.mul, 'truediv': operator.truediv,
     'neg': operator.neg, 'pow': operator.pow, 'gt': operator.gt, 'lt': operator.lt,
     'sin': math.sin, 'cos': math.cos, 'sqrt': math.sqrt, 'atan2': math.atan2, 'fabs': math.fabs,
-    'hypot': math.hypot, 'where': choose, 'exact_sum': lambda *terms: math.fsum(terms),
+    'hypot': math.hypot, 'where': choose, 'exact_sum': lambda *terms: exact_sum(terms),
     'power_of_two': power_of_two}
 COMMUTES = ('add', 'mul')
 # operations that raise for some floats: a root of a negative number, a division by zero
@@ -256,6 +257,13 @@ class Trace:
         return [i for i in sorted(used.union(flat(self.results)) - self.varies)
                 if self.steps[i].operation != 'constant']
 
+    @cached_property
+    def switches(self) -> frozenset[int]:
+        """Return the indices of conditions of data alone that choose between what inputs move."""
+        return frozenset([step.arguments[0] for index, step in enumerate(self.steps)
+                          if step.operation == 'where' and index in self.varies
+                          and step.arguments[0] not in self.varies])
+
     def constants(self, data: Sequence[float]) -> list[float | None]:
         """Return, by index, the values that depend on data alone, for some data; else None."""
         values: list[Any] = [None] * len(self.steps)
@@ -366,6 +374,8 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     """
     operation, arguments = step.operation, step.arguments
     known = [values.get(i) for i in arguments]
+    if operation == 'where' and arguments[1] == arguments[2]:
+        return arguments[1]
     if operation == 'where' and known[0] is not None:
         return arguments[1] if known[0] else arguments[2]
     if all(value is not None for value in known):

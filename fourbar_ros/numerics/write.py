@@ -60,9 +60,10 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
     """
     Return data -> Python function of floats, for all data of one structure.
 
-    It is written and compiled once. ``zeros``: which of the data are zero in all of them:
-    their terms are left out. Without zeros nothing is known of the data, and the line has the bits
-    of the formula with floats, the signs of zeros too. ``name``: as for :func:`straight_line`.
+    It is written and compiled once. ``zeros``: indices of steps of data alone that are zero, or
+    false, for all of them: what they only add is left out. Without zeros nothing is known of the
+    data, and the line has the bits of the formula with floats, the signs of zeros too. ``name``:
+    as for :func:`straight_line`.
 
     Examples
     --------
@@ -72,7 +73,7 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
 
     """
     if zeros:
-        trace = trace.simplified({**trace.literals(), **{trace.count + i: 0.0 for i in zeros}})
+        trace = trace.simplified({**trace.literals(), **dict.fromkeys(zeros, 0.0)})
     return _lines(trace, name)
 
 

@@ -1,13 +1,15 @@
 // --- exact_sum
-/* Correctly rounded sum (Shewchuk 1997), as Python's math.fsum of finite terms: the sum is kept
-   as parts that do not overlap, their total rounded once, half to even. */
+/* Correctly rounded sum of lengths (Shewchuk 1997), as Python's math.fsum of finite terms: the sum
+   is kept as parts that do not overlap, their total rounded once, half to even. Below 2^-50 of the
+   sizes of the terms it is the rounding of decimals: zero. */
 static double exact_sum(int count, const double *terms)
 {
-  double parts[MOST_TERMS], sum, low = 0.0;
+  double parts[MOST_TERMS], sum, low = 0.0, size = 0.0;
   int i, j, used = 0;
   for (i = 0; i < count; ++i) {
     double x = terms[i];
     int kept = 0;
+    size += fabs(x);
     for (j = 0; j < used; ++j) {
       const double part = parts[j];
       const double large = fabs(x) < fabs(part) ? part : x;
@@ -33,7 +35,7 @@ static double exact_sum(int count, const double *terms)
     const double twice = 2.0 * low, total = sum + twice, back = total - sum;
     if (!(back < twice || back > twice)) sum = total;   /* a tie that the rest decides */
   }
-  return sum;
+  return fabs(sum) <= 8.881784197001252e-16 * size ? 0.0 : sum;
 }
 // --- hypot
 /* Length of a vector as Python's math.hypot gives it, to the last bit: libm's hypot differs from

@@ -3,13 +3,13 @@
 """
 Which dyads are solved as pairs, what follows from their lengths, and where they close.
 
-A dyad is a pair where the links on which it hangs are joined to each other and the general
-formulas would lose digits, see :mod:`.solve.pairs`.
+A dyad is a pair where the links on which it hangs are joined to each other, see
+:mod:`.solve.pairs`.
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, fsum, hypot, pi, remainder
+from math import atan2, pi, remainder
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends
@@ -21,15 +21,10 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
 )
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, is_zero, NumberType, power_of_two, Scalar
 
-# Pairs whose evenness is below this are solved in their own form. The others have all digits in
-# the general one too (:mod:`.dyads`), with a third fewer operations.
-CLOSE = 2.0**-6
-
-
-def _shape(stage: Stage, lengths: DyadLengths, joints: KnownJoints, length: Function
-           ) -> tuple[Scalar, ...]:
+def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: KnownJoints
+           ) -> tuple[Any, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
     frame, moving = stage.pair.frame, moving_link(stage)
@@ -42,54 +37,51 @@ def _shape(stage: Stage, lengths: DyadLengths, joints: KnownJoints, length: Func
     a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
     if stage.kind == 'RRP':
         t_x, t_y = lengths.sizes[1:]
-        a1 = length(a_x, a_y)
-        return (a1, g_y * t_x - g_x * t_y, (a_x * t_x + a_y * t_y) / a1,
-                (a_y * t_x - a_x * t_y) / a1, g_x * t_x + g_y * t_y, x, y)
-    a1, a4 = length(a_x, a_y), length(g_x, g_y)
+        a1 = n.hypot(a_x, a_y)
+        size = not_zero(n, a1)
+        half_0 = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size,
+                            True)
+        return a1, g_y * t_x - g_x * t_y, half_0, g_x * t_x + g_y * t_y, x, y
+    a1, a4 = n.hypot(a_x, a_y), n.hypot(g_x, g_y)
     scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
-    size = length(scalar, cross)
-    return a1, a4, scalar / size, cross / size, g_x / a4, g_y / a4
+    size, of_g = not_zero(n, n.hypot(scalar, cross)), not_zero(n, a4)
+    half_0 = half_angle(n, scalar / size, cross / size, True)
+    return a1, a4, half_0, g_x / of_g, g_y / of_g
 
 
-def shaped(layout: Layout, dyad_lengths: Sequence[DyadLengths],
-           length: Function = hypot) -> list[DyadLengths]:
+def not_zero(n: NumberType, length: Scalar) -> Scalar:
+    """Return a length, 1.0 of a point in the pin itself, whose direction then does not matter."""
+    return n.where(is_zero(n, length), 1.0, length)
+
+
+def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
+           ) -> list[DyadLengths]:
     """
     Return the lengths of all dyads with what follows from them once and for all.
 
-    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine from g to a,
-    of g), of RRP (|a|, distance of the line from O, cosine and sine from the line to a, distance
-    of Q along it from O, O); with a slide (sigma where the slide is zero, e, its cosine and sine).
+    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine of half the
+    angle from g to a, of g), of RRP (|a|, distance of the line from O, cosine and sine of half the
+    angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
+    slide is zero, e, its cosine and sine).
     """
     joints, with_shapes = KnownJoints(layout.driver), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
-        shape = _shape(stage, lengths, joints, length) if stage.pair else ()
-        if stage.name == CYLINDER:
-            shape = length(*lengths.p), length(*lengths.q)
-        with_shapes.append(lengths._replace(reach=(length(*lengths.p), length(*lengths.q)),
-                                            shape=shape))
+        reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
+        shape = (_shape(n, stage, lengths, joints) if stage.pair
+                 else reach if stage.name == CYLINDER else ())
+        with_shapes.append(lengths._replace(reach=reach, shape=shape))
         joints.add(stage, lengths)
     return with_shapes
 
 
 def with_pairs(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> Layout:
-    """Return a layout whose stages have a ``pair`` where the general formulas lose digits."""
+    """Return a layout whose stages have a ``pair`` where two links joined to each other carry them."""
     joints, stages = KnownJoints(layout.driver), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         pair = None if stage.name == CYLINDER else joints.pair_of(stage)
-        if pair and not _is_close(stage._replace(pair=pair), lengths, joints):
-            pair = None
         stages.append(stage._replace(pair=pair))
         joints.add(stage, lengths)
     return layout._replace(stages=tuple(stages))
-
-
-def _is_close(stage: Stage, lengths: DyadLengths, joints: KnownJoints) -> bool:
-    """Return whether a pair is near a change point or its lengths are unlike."""
-    try:
-        shape = _shape(stage, lengths, joints, hypot)
-    except ZeroDivisionError:       # hung on the pin that joins the links: it does not move
-        return False
-    return PairRange(stage, lengths._replace(shape=shape)).evenness < CLOSE
 
 
 # (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an
@@ -117,26 +109,16 @@ class PairRange:
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
         # sigma where the slide is zero, or the direction of the other link where the angle is
-        self._start: Any = lengths.shape[0] if self.slides else lengths.shape[2:4]
+        self._start: Any = (lengths.shape[0] if self.slides
+                            else turned_by(lengths.shape[2], lengths.shape[2]))
         self._factors = _factors(stage, lengths)
         self._arms: tuple[Scalar, ...] = lengths.shape[:2]
-        rods = lengths.sizes[:{'RRR': 2, 'RRP': 1, 'RPR': 0}[stage.kind]]
-        if not self.slides:         # with the arms of the pin, a and g; RRP has no g
-            rods += lengths.shape[:1 if self.is_sine else 2]
-        self._rods = min(rods, default=1.0), max(rods, default=1.0)     # [m]
         self.is_impossible = any(max(factor) <= 0.0 for factor in self._factors)
         self.has_limits = any(plus * minus < 0.0 for plus, minus in self._factors)
         self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
         # those that vanish at toggles, real or complex, and not at flat positions
         self._toggles = [factor for factor in self._factors if not self._flats_of(factor)]
         self.has_toggles = bool(self._toggles)
-
-    @property
-    def evenness(self) -> float:
-        """Return the least ratio, 0 to 1, of coefficients (0: a change point) or of rods."""
-        sizes = [sorted(map(abs, (1.0 if self.slides else plus, minus)))
-                 for plus, minus in self._factors]
-        return min([small / large if large else 0.0 for small, large in [*sizes, self._rods]])
 
     def _flats_of(self, factor: Factor) -> list[float]:
         """Return the directions in which a factor vanishes, as in ``flats``."""
@@ -166,7 +148,8 @@ class PairRange:
         sine, cosine = self.flatness(ends.relative)
         of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
         if not self.slides:
-            of_minus, of_plus, _ = half_angle(n, cosine, sine)
+            c, s = half_angle(n, cosine, sine, True)
+            of_minus, of_plus = s * s, c * c
         for plus, minus in self._toggles:
             size = abs(plus) * of_plus + 1.0 if self.slides else abs(plus) + abs(minus)
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
@@ -181,9 +164,9 @@ class PairRange:
         (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
         if self.slides:
             return beside * beside + arm_2 * arm_2
-        ss, cc, _ = half_angle(n, ahead, beside)
+        c, s = half_angle(n, ahead, beside, True)
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
-        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
+        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * (c * c) + s * s
 
     def input_at(self, flat: float, is_driven: bool) -> float:
         """
@@ -223,8 +206,8 @@ def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
                 (unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
     if stage.kind == 'RRP':
         r = sizes[0]
-        return [(fsum((r, -second, first)), fsum((r, -second, -first))),
-                (fsum((r, second, -first)), fsum((r, second, first)))]
+        return [(exact_sum((r, -second, first)), exact_sum((r, -second, -first))),
+                (exact_sum((r, second, -first)), exact_sum((r, second, first)))]
     near, far = (first, -second), (first, second)
     if stage.kind == 'RPR':
         return [(difference_of_squares(*near, sizes[0], 0.0),

@@ -167,7 +167,7 @@ class Machine(Mechanism):
     @cached_by_lengths
     def dyad_lengths(self) -> tuple[DyadLengths, ...]:
         """Return what the formulas of each dyad take."""
-        return tuple(shaped(self.layout, [dyad.lengths for dyad in self.stages]))
+        return tuple(shaped(REAL, self.layout, [dyad.lengths for dyad in self.stages]))
 
     # --- lengths and modes ----------------------------------------------------------------------
 
@@ -197,22 +197,17 @@ class Machine(Mechanism):
                           cylinder=cylinder)
 
     @property
-    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+    def numbers_of_lengths(self) -> tuple[str, ...]:
         """
         Return the meaning of each number of its dyads, see :attr:`.Mechanism.numbers_of_lengths`.
 
-        All '' where any dyad has the form of a pair, whose shape follows from several lengths.
         """
-        if any(stage.pair for stage in self.layout.stages):
-            return ('',) * sum(len(part) for lengths in self.dyad_lengths for part in lengths)
-        names: list[str | tuple[int, int]] = []
-        for dyad in self.stages:        # in the order of DyadLengths: p, q, sizes, reach, shape
-            p, q = (len(names), len(names) + 1), (len(names) + 2, len(names) + 3)
+        names: list[str] = []
+        for dyad in self.stages:        # in the order of DyadLengths: p, q, sizes
             names += [f'{dyad.name}.{end}.{name}' for end in ('first', 'second')
                       for name in ('along', 'across')]
             for name in DIMENSIONS[dyad.kind]:
                 names += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
-            names += (p, q, p, q) if dyad.name == CYLINDER else (p, q)
         return tuple(names)
 
     @property
@@ -416,13 +411,14 @@ class Machine(Mechanism):
     @cached_property
     def constants(self) -> Constants:
         """Return the lengths of each dyad for lengths, the modes of all for the mode."""
-        return Constants(self.dyad_lengths, self.signs, self.bodies, self.gravity, self.external)
+        return Constants(tuple([dyad.lengths for dyad in self.stages]), self.signs, self.bodies,
+                         self.gravity, self.external)
 
-    def constants_of(self, lengths: Sequence[Scalar], hypot: Function) -> Constants:
+    def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         """Return its :attr:`constants` with other lengths, of any kind of numbers."""
         by_name = dict(zip(self.length_names, lengths))
-        dyad_lengths = [with_lengths(dyad, by_name).lengths for dyad in self.stages]
-        return self.constants._replace(lengths=tuple(shaped(self.layout, dyad_lengths, hypot)))
+        return self.constants._replace(lengths=tuple([
+            with_lengths(dyad, by_name).lengths for dyad in self.stages]))
 
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
@@ -437,7 +433,8 @@ class Machine(Mechanism):
 
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
-        return partial(motion_of, n, self.layout, constants.lengths, constants.sign)
+        return partial(motion_of, n, self.layout, shaped(n, self.layout, constants.lengths),
+                       constants.sign)
 
     def loads_formula(self, n: NumberType, constants: Constants) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""

@@ -105,7 +105,7 @@ class SeenFromLink:
             driven = LinkMotion(*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
             at_b = point_of(driven, output, 0.0)
             first, arm, *_ = rrr(n, sign, (rod, length), Ends(
-                at_b, ORIGIN, between(at_b, ORIGIN), None, FIXED, FIXED))
+                at_b, ORIGIN, between(at_b, ORIGIN), None, None, FIXED, FIXED))
             crank = LinkMotion(*ORIGIN, arm.cosine * c0 + arm.sine * s0,
                                arm.sine * c0 - arm.cosine * s0, arm.omega, arm.alpha)
             coupler = LinkMotion(*point_of(crank, *pin), -first.cosine, -first.sine,

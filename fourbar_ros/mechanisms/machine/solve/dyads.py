@@ -84,6 +84,7 @@ class Ends(NamedTuple):
     q: Node
     apart: Any                  # D = Q - P, a Node; None of a pair and of a cylinder
     relative: Any               # of a pair angle or slide of its carriers; of a cylinder its drive
+    half: Any                   # cosine, sine of half that angle if the driven link has it; or None
     first: LinkMotion           # carrier of P
     second: LinkMotion          # carrier of Q
 
@@ -96,6 +97,8 @@ class Driven(NamedTuple):
 
     curve: LinkMotion
     errors: tuple[Scalar, Scalar]       # of place and angle, for relative errors of the lengths
+    # cosine and sine of half the angle of a crank, which tell its odd turns from the even ones
+    half: tuple[Scalar, Scalar] | None = None
     slide: tuple[Scalar, Scalar, Scalar] | None = None      # of a slider, and its derivatives
     # length of a cylinder, direction of its rod, sine and cosine of its transmission angle
     of_cylinder: tuple[Any, ...] | None = None
@@ -105,6 +108,12 @@ def between(at_p: Node, at_q: Node) -> Node:
     """Return D = Q - P."""
     return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
             at_q[4] - at_p[4], at_q[5] - at_p[5])
+
+
+def crank_of_half(c: Scalar, s: Scalar) -> Driven:
+    """Return a crank about the origin by cosine and sine of half its angle, the input."""
+    curve = LinkMotion(*ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
+    return Driven(curve, (0.0, 0.0), (c, s))
 
 
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

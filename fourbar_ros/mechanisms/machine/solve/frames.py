@@ -117,7 +117,7 @@ class Poses:
 
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
         """Start with the driven link (see :class:`.Driven`)."""
-        self._hanging, self._of_cylinder = hanging, driven.of_cylinder
+        self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half
         self._curves = [FIXED, driven.curve]
         # {(link, link it is pinned to): direction of the first seen from the second}
         self._relations: dict[tuple[int, int], Direction] = {}
@@ -135,10 +135,14 @@ class Poses:
             first, second = (moving, FIXED) if stage.second == frame else (FIXED, moving)
         p, q = point_of(first, *hanging.at_p), point_of(second, *hanging.at_q)
         if stage.pair:
-            return Ends(p, q, None, relative, first, second)
+            half = None
+            if self._half and {stage.first, stage.second} == {0, 1}:
+                c, s = self._half
+                half = (c, s) if moving_link(stage) == 1 else (c, -s)
+            return Ends(p, q, None, relative, half, first, second)
         if stage.name == CYLINDER:
-            return Ends(p, q, None, self._of_cylinder, first, second)
-        return Ends(p, q, between(p, q), None, first, second)
+            return Ends(p, q, None, self._of_cylinder, None, first, second)
+        return Ends(p, q, between(p, q), None, None, first, second)
 
     def _in_frame(self, hanging: Hanging) -> tuple[LinkMotion, Any]:
         """Return the curve of the moving carrier in the frame, and its angle or slide there."""

@@ -30,7 +30,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
-from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
+from fourbar_ros.mechanisms.machine.solve.dyads import crank_of_half, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
 from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
 from fourbar_ros.mechanisms.machine.structure import (
@@ -45,7 +45,7 @@ from fourbar_ros.mechanisms.machine.structure import (
 )
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
-from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.numerics.number_types import LEAST, NumberType, Scalar
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
 Errors = tuple[Scalar, Scalar]
@@ -59,8 +59,8 @@ def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
         return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
     if layout.driver == 'slide':
         return Driven(LinkMotion(x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), EXACT,
-                      (x, 1.0, 0.0))
-    return Driven(LinkMotion(*ORIGIN, n.cos(x), n.sin(x), 1.0, 0.0), EXACT)
+                      slide=(x, 1.0, 0.0))
+    return crank_of_half(n.cos(0.5 * x), n.sin(0.5 * x))
 
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
@@ -78,11 +78,12 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (V1)
     directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
                   turned_by((sides.cos_x, -sides.sin_x), of_base))
-    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / n.fabs(sides.sin_2)       # (V6)
+    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
+        n.fabs(sides.sin_2) + LEAST)                                                     # (V6)
     square = per * per
     return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
                              sides.dd_theta2 * square),
-                  (0.0, error), None,
+                  (0.0, error), None, None,
                   (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
                    sides.cos_b))
 
@@ -99,7 +100,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     fabs, (reach_p, reach_q), sizes = n.fabs, lengths.reach, lengths.sizes
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
-    both, per = at_p + at_q, 1.0 / fabs(moved.sine)
+    both, per = at_p + at_q, 1.0 / (fabs(moved.sine) + LEAST)
     if stage.kind == 'RRR':                                                               # (V2)
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
@@ -110,7 +111,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
         return (at_p, shift / r1), (at_p + r1 + shift, second[1])
     if stage.kind == 'RPR':                                                               # (V4)
         offset = sizes[0]
-        turn = (both + fabs(offset)) / fabs(slide)
+        turn = (both + fabs(offset)) / (fabs(slide) + LEAST)
         return (at_p, turn), (at_q, turn)
     other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
     turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V5)

@@ -11,9 +11,9 @@ change points. The first dyad of every machine is one of these, and so are many 
 
 One link of the pair is the frame. On it, O is the pin that joins both, Q the point of the dyad, g
 = Q - O; on the other a = P - O. With x the angle of a seen from g, or from the line of RRP, the
-half-angle is
+half-angle is that of the driven link, which counts its turns, or else
 
-    (P1)  sin^2(x/2), cos^2(x/2):  the larger one (1 + |cos x|)/2, the other sin^2 x / 4 over it
+    (P1)  cos(x/2), sin(x/2):  the larger one |(1 + |cos x|, sin x)|/2, the other sin x / 2 over it
 
 and primes, derivatives with respect to the input of the machine, follow by
 
@@ -25,6 +25,8 @@ With a slide, sigma + i e is the place of P seen from Q, along and across the sl
           + e^2
     (P4)  l' = sigma/l,   l'' = k/l^3,   k = (e - h)(e + h),   y'' = (h l'' - 2 sigma y')/q,
           y' = (h sigma - e l)/(l q) = -k/(l (h sigma + e l)), whichever does not cancel
+
+and where k = 0 the block passes the foot: l = +-sigma, sigma is left out of the quotients.
 
 Lengths that are not given, as |a|, are rounded once, as floats, and are data from there on: for
 every type of numbers a change point is one, or none.
@@ -44,12 +46,14 @@ from fourbar_ros.mechanisms.machine.solve.dyads import (
     MovesDyad,
 )
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Pair, Stage
-from fourbar_ros.numerics.number_types import nudge, NumberType, Scalar
+from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
 OnLink = tuple[Scalar, Scalar]       # along and across [m], a point of a link
 # Of a link that slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, OnLink, OnLink]
 FIRST_JOINT = (0.0, 0.0)             # a point of a link
+SQRT_HALF = 0.5**0.5                 # sine and cosine of pi/4
 
 
 def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
@@ -134,13 +138,21 @@ def moving_link(stage: Stage) -> int:
 Relations = dict[tuple[int, int], Direction]
 
 
-def half_angle(n: NumberType, cos_x: Scalar,
-               sin_x: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """Return sin^2(x/2), cos^2(x/2), sin(x/2) cos(x/2), without cancellation, (P1)."""
-    large = 0.5 * (1.0 + n.fabs(cos_x))
-    small = 0.25 * sin_x * sin_x / large
-    ss, cc = n.where(cos_x.real > 0.0, (small, large), (large, small))
-    return ss, cc, 0.5 * sin_x
+def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
+               is_cosine_positive: bool) -> tuple[Scalar, Scalar]:
+    """
+    Return cos(x/2), sin(x/2) of an angle that does not turn fully, without cancellation, (P1).
+
+    The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
+    """
+    where, is_ahead, is_left = n.where, cos_x.real > 0.0, sin_x.real > 0.0
+    large = 0.5 * n.hypot(1.0 + n.fabs(cos_x), sin_x)
+    small = 0.5 * sin_x / large
+    c, s = where(is_ahead, (large, small), (small, large))      # one of both is positive
+    sign_of_small = where(is_left, 1.0, -1.0)
+    sign = where(is_ahead, where(is_cosine_positive, 1.0, sign_of_small),
+                 where(is_cosine_positive, sign_of_small, 1.0))
+    return sign * c, sign * s
 
 
 def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
@@ -163,14 +175,15 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
     """
     angle = ends.relative
-    a1, a4, cos_0, sin_0, *of_g = lengths.shape
-    first = stage.turns_first
+    a1, a4, half_0, *of_g = lengths.shape
+    first, of_0 = stage.turns_first, turned_by(half_0, half_0)
     side, (a2, a3) = (1.0, lengths.sizes) if first else (-1.0, lengths.sizes[::-1])
-    beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, a2, -a3), (a1, -a4, -a2, a3),
-                                           (a1, a4, -a2, -a3))))
-    of_a, (cos_x, sin_x) = turned_by((cos_0, sin_0), of_g), turned_by(angle[:2], (cos_0, sin_0))
+    of_a = turned_by(of_0, of_g)
     rod_1, rod_2, moving = stage.link, stage.link + 1, moving_link(stage)
-    bars = loop(n, (a1, a2, a3, a4), side * sign, *half_angle(n, cos_x, sin_x + beside_0))
+    # of a flat position at x = pi, sin(x/2) keeps its sign there
+    c, s = turned_by(ends.half, half_0) if ends.half else half_angle(
+        n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
+    bars = loop(n, (a1, a2, a3, a4), side * sign, s, c)
     coupler: Direction = (*turned_by((bars.cos_b, bars.sin_b), of_g),
                           *by_input(angle, bars.d_b, bars.dd_b))
     output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
@@ -194,15 +207,18 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     """
     angle = ends.relative
     from fourbar_ros.mechanisms.slides import rod_on_line  # of these alone
-    (a1, e, cos_0, sin_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
-    unit, of_0 = n.power_of_two(a1, a2, e), (cos_0, sin_0)
+    (a1, e, half_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
+    unit, of_0 = n.power_of_two(a1, a2, e), turned_by(half_0, half_0)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
-    beside_0 = nudge(n, *map(n.exact_sum, ((a2, -e, a1), (a2, -e, -a1), (a2, e, a1),
-                                           (a2, e, -a1))))
     rod_link, moving = stage.link, stage.first
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
     cos_x, sin_x = turned_by(angle[:2], of_0)
-    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x + beside_0, sin_x)
+    if ends.half:       # v = x/2 + pi/4, with 2 v from -pi to pi or from 0 to 2 pi
+        c, s = turned_by(ends.half, half_0)
+        cos_v, sin_v = SQRT_HALF * (c - s), SQRT_HALF * (c + s)
+    else:
+        cos_v, sin_v = half_angle(n, -sin_x, cos_x, n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
+    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v, cos_v)
     s = unit * slider.s
     d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
     rod = LinkMotion(*ends.p, *turned_by((slider.cos_b, slider.sin_b), line),
@@ -230,23 +246,21 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     """Return how RPR moves as block and bar of an inverted slider-crank."""
     angle = ends.relative
     from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
-    (a1, a4, cos_0, sin_0, *of_g), (h,) = lengths.shape, lengths.sizes
-    unit = n.power_of_two(a1, a4, h)
-    beside_0 = nudge(n, *map(n.exact_sum, ((a1, -a4, h), (a1, -a4, -h), (a1, a4, h),
-                                           (a1, a4, -h))))
-    h, of_a = h / unit, turned_by((cos_0, sin_0), of_g)
+    (a1, a4, half_0, *of_g), (h,) = lengths.shape, lengths.sizes
+    unit, of_0 = n.power_of_two(a1, a4, h), turned_by(half_0, half_0)
+    h, of_a = h / unit, turned_by(of_0, of_g)
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
     pinned = link, moving_link(stage)
-    cos_x, sin_x = turned_by(angle[:2], (cos_0, sin_0))
-    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, *half_angle(n, cos_x, sin_x + beside_0))
-    per = n.sqrt(block.per_q)
+    c, s = turned_by(ends.half, half_0) if ends.half else half_angle(
+        n, *turned_by(angle[:2], of_0), True)
+    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, s, c)
     bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
                       *by_input(angle, block.d_y, block.dd_y))
     on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
                             *by_input(angle, block.d_theta2, block.dd_y))
     return _bar(stage, ends, bar,
                 (unit * block.l, *by_input(angle, unit * block.d_l, unit * block.dd_l)),
-                block.l * per, h * per, {pinned: on_moving})
+                block.sine, block.cosine, {pinned: on_moving})
 
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
@@ -282,23 +296,27 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     slide = ends.relative
     (shift, e, *line), (h,) = lengths.shape, lengths.sizes
     unit = n.power_of_two(e, h, shift)
-    per, sqrt, where = 1.0 / unit, n.sqrt, n.where
+    per, where = 1.0 / unit, n.where
     shift, e, h = shift * per, e * per, h * per
-    k = (e - h) * (e + h)
-    beside_0 = nudge(n, k)
-    x = slide[0] * per + shift + beside_0
-    q = x * x + e * e
-    l = sign * sqrt(x * x + k)  # noqa: E741                                            # (P3)
-    per_l, per_q, h_x, e_l = 1.0 / l, 1.0 / q, h * x, e * l
-    d_l, dd_l = x * per_l, k * per_l * per_l * per_l                                    # (P4)
+    k = difference_of_squares(e, 0.0, h, 0.0, n.exact_sum)
+    passes_foot = is_zero(n, k)
+    meets = is_zero(n, n.fabs(e) + n.fabs(h))       # P and Q, where sigma is zero
+    x = slide[0] * per + shift
+    sigma, x_left = where(passes_foot, (x, 1.0), (1.0, x))
+    q = where(meets, 1.0, x * x + e * e)
+    l_left = sign * n.sqrt(where(passes_foot, 1.0, x * x + k))      # over sigma        # (P3)
+    l = l_left * sigma      # noqa: E741
+    per_l, per_q, h_x, e_l = 1.0 / l_left, 1.0 / q, h * x_left, e * l_left
+    d_l, dd_l = x_left * per_l, k * per_l * per_l * per_l                               # (P4)
     over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
-    d_y = over / (l * under)
+    d_y = over / (l_left * under)
     dd_y = (h * dd_l - 2.0 * x * d_y) * per_q
-    scaled, root = (slide[1] * per, slide[2] * per), sqrt(per_q)
-    bar: Direction = (*turned_by(((l * x + h * e) * per_q, (l * e - h * x) * per_q), line),
-                      *by_input(scaled, d_y, dd_y))
+    scaled, root = (slide[1] * per, slide[2] * per), n.sqrt(per_q)
+    toward = where(meets, (l_left, 0.0), ((l * x + h * e) * per_q, (l * e - h * x) * per_q))
+    bar: Direction = (*turned_by(toward, line), *by_input(scaled, d_y, dd_y))
     d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
-    return _bar(stage, ends, bar, (unit * l, d_l, dd_l), l * root, h * root, {})
+    return _bar(stage, ends, bar, (unit * l, d_l, dd_l), where(meets, l_left, l * root), h * root,
+                {})
 
 
 # {(kind, whether a slide, not a pin, joins the links it hangs on): how it moves}
