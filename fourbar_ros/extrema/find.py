@@ -5,9 +5,9 @@ All extrema of motion and loads over the input, for any linkage and mode.
 
 Tests check that none is missed. ``certify`` proves it, or the result says that it is not proved.
 
-The search is :mod:`fourbar_ros.extrema.path_search`. The ends of the input
-range count too: toggles, where quantities are unbounded, and the flat positions of change points,
-where they have one-sided values.
+The search is :mod:`fourbar_ros.extrema.path_search`. The ends of the input range count too:
+toggles, where quantities are unbounded, as joint reactions are at the flat positions of change
+points. Quantities that go on there are searched through them.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
-from fourbar_ros.extrema.input_paths import input_paths, unresolved
+from fourbar_ros.extrema.input_paths import input_paths, InputPath, unresolved
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
@@ -32,12 +32,12 @@ import numpy as np
 
 INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
-INTERIOR, LIMIT, ONE_SIDED = 'interior', 'limit', 'one-sided'
+INTERIOR, LIMIT = 'interior', 'limit'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
 
 SAMPLES = 256       # points of a full turn, at least
 
-# A condition larger than this belongs to a change point, where values on both sides differ.
+# A condition larger than this is that of a linkage that is nearly a change point.
 TRUSTED = 1e6
 # Values that differ by more than this, times eps, are told apart, whatever their condition.
 MOST_ALIKE = 4000.0
@@ -54,7 +54,7 @@ class Extremum(NamedTuple):
     kind : str
         'minimum', 'maximum', or 'constant': the same value over a whole range, from ``theta1`` on.
     theta1 : float
-        Crank angle [rad], in [0, 2 pi).
+        Crank angle [rad], in [0, 2 pi), or to 4 pi of a change point that repeats after two turns.
     value : float
         In the quantity's unit; +-inf at an end where the quantity is unbounded.
     is_global : bool
@@ -62,13 +62,13 @@ class Extremum(NamedTuple):
         4 eps of their condition, at most 1e-12 of them, count as equal.
     place : str
         'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
-        or one of ``within``; 'one-sided': the value towards the flat position of a change point,
-        where the quantity jumps.
+        or one of ``within``, or where a load has a pole, at a flat position of a change point.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float
         If each link length is wrong by a relative eps, the input moves by up to eps * condition
-        [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends.
+        [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends, and of
+        a change point, which linkages of other lengths are not.
     proof : str
         Whether it is proved that no extremum inside the range is missing: '' if not asked,
         'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide extrema
@@ -177,6 +177,14 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                                      search.unresolved, partial(search.exact, row))]
 
 
+class _Group(NamedTuple):
+    """Quantities that are searched together, as they have poles at the same inputs, if any."""
+
+    sampler: Sampler
+    rows: list[int]             # where its quantities stand in the order asked
+    paths: list[InputPath]
+
+
 class Search:
     """
     The search, and its proof, for some quantities of a mechanism at rate and acceleration.
@@ -192,9 +200,20 @@ class Search:
         rough = [row for row, quantity in enumerate(quantities)
                  if isinstance(quantity, Function) and not quantity.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
-        self._groups = [(kind(linkage, [quantities[row] for row in rows], rates), rows)
-                        for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)) if rows]
-        self.paths, self.unresolved = input_paths(linkage, SAMPLES, within), unresolved(linkage)
+        self._groups, self.unresolved = list[_Group](), unresolved(linkage)
+        for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
+            by_poles: dict[tuple[float, ...], list[int]] = {}
+            if linkage.flat_inputs and rows:
+                for row, poles in zip(rows, kind(linkage, [quantities[row] for row in rows],
+                                                 rates).poles()):
+                    by_poles.setdefault(poles, []).append(row)
+            elif rows:
+                by_poles[()] = rows
+            self._groups += [_Group(kind(linkage, [quantities[row] for row in of_poles], rates,
+                                         poles), of_poles,
+                                    input_paths(linkage, SAMPLES, within, poles))
+                             for poles, of_poles in by_poles.items()]
+        self.paths = [path for group in self._groups for path in group.paths]
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
@@ -205,15 +224,15 @@ class Search:
         further samples, in the unit of the input.
         """
         extrema: list[list[PathExtremum]] = [[] for _ in self._quantities]
-        for sampler, rows in self._groups:       # rows: where its quantities stand in the order
-            for path in self.paths:
+        for sampler, rows, paths in self._groups:
+            for path in paths:
                 for extremum in search_path(sampler, path, with_conditions, more):
                     extrema[rows[extremum.quantity]].append(extremum)
         return extrema
 
     def exact(self, quantity: int, x: Sequence[float]) -> Array:
         """Return a quantity at inputs, in the unit of the input, as :meth:`.Sampler.exact`."""
-        sampler, rows = next(group for group in self._groups if quantity in group[1])
+        sampler, rows, _ = next(group for group in self._groups if quantity in group.rows)
         return sampler.exact(np.array(x), np.full(len(x), rows.index(quantity)))
 
     def proved(self, extrema: list[list[PathExtremum]], with_conditions: bool,
@@ -244,8 +263,14 @@ class Search:
     def prove(self, extrema: list[list[PathExtremum]], check: Callable[[float], None],
               seconds: float) -> list[Proof]:
         """Return a proof of each quantity, see :func:`fourbar_ros.extrema.proof.prove`."""
-        return prove(self._linkage, self._quantities, self._rates, self.paths, extrema, check,
-                     seconds)
+        proofs: dict[int, Proof] = {}
+        for sampler, rows, paths in self._groups:
+            done, part = len(proofs) / len(extrema), len(rows) / len(extrema)
+            proofs |= zip(rows, prove(
+                self._linkage, sampler.quantities, self._rates, paths,
+                [extrema[row] for row in rows],
+                lambda share, done=done, part=part: check(done + part * share), seconds))
+        return [proofs[row] for row in range(len(extrema))]
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
@@ -256,8 +281,9 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
         raise InvalidParameter('within', within, 'must be two finite inputs') from None
     if not low < high:
         raise InvalidParameter('within', within, 'must be two inputs, the lower one first')
-    if not linkage.is_driven_by_slide and high - low > 2.0 * pi:
-        raise InvalidParameter('within', within, 'must span a turn at most')
+    if high - low > linkage.period:
+        raise InvalidParameter('within', within, 'must span a turn at most, two of a change point '
+                                                 'that repeats after two')
     return linkage.checked_input('within', low), linkage.checked_input('within', high)
 
 
@@ -322,8 +348,7 @@ def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], p
     angles = _crank_angles(linkage, extrema) if is_slide else [extremum.x for extremum in extrema]
     return [Extremum(name, symbol, mode, _KINDS[extremum.sense], theta1, extremum.value,
                      i in first,
-                     INTERIOR if not extremum.side or not extremum.sense
-                     else ONE_SIDED if extremum.is_flat else LIMIT,
+                     INTERIOR if not extremum.side or not extremum.sense else LIMIT,
                      extremum.side, unit * extremum.condition, extremum.value_condition, text,
                      unit * extremum.x if is_slide else nan)
             for i, (extremum, theta1, text) in enumerate(zip(extrema, angles, proofs))]

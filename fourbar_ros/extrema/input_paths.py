@@ -20,6 +20,7 @@ from math import inf, pi
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.geometry import BESIDE_FLAT_LIMITS
 from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, sine_between
@@ -30,17 +31,17 @@ PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
 # The same of machines of dyads, whose complex singular inputs are known less well.
 NARROWEST_OF_MACHINE = 2.0**-28
 NODES = 32                          # of each kernel, to solve t(phi) = t
-# Points added towards a toggle, each twice as close as the one before, and towards a flat
-# position, every second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x
-# from either, where x itself has four digits left. How many others a path has at least.
-TOGGLE_POINTS, FLAT_POINTS, LEAST = 14, 64, 12
+# Points added towards a toggle, each twice as close as the one before, and towards a pole, every
+# second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where
+# x itself has four digits left. How many others a path has at least.
+TOGGLE_POINTS, POLE_POINTS, LEAST = 14, 64, 12
 
 
 class End(NamedTuple):
-    """End of an input path: a toggle, a flat position, or where a stroke or a search ends."""
+    """End of an input path: a toggle, a pole, or where a stroke or a search ends."""
 
     x: float                     # input, in the mechanism's unit
-    is_flat: bool                # the flat position of a change point
+    is_pole: bool                # a flat position of a change point, where quantities have poles
     is_regular: bool = False     # the end of a stroke or a search, where nothing is singular
 
 
@@ -52,15 +53,16 @@ class InputPath(NamedTuple):
     added next to ``low`` and ``high``.
     """
 
-    x: Array             # (n,), rising inputs; of a full turn in [-pi, pi]
-    low: End | None      # where it begins; None for full turns: after the last point is the first
+    x: Array             # (n,), rising inputs; of a full period from half of it below zero on
+    low: End | None      # where it begins; None: after the last point is the first
     high: End | None     # where it ends
     first: int           # index of the point half a step from ``low``
     last: int            # index of the point half a step from ``high``
+    period: float = inf  # after which the input begins again [rad]
 
     @property
     def is_closed(self) -> bool:
-        """Return whether the path is a full turn."""
+        """Return whether the path is a full period."""
         return self.low is None
 
     def ends(self) -> list[tuple[int, End]]:
@@ -75,11 +77,12 @@ class InputPath(NamedTuple):
         """Return the path with those of more inputs, in any order, that lie between its ends."""
         start, end = self.x[[0, -1]]
         if self.is_closed:
-            points = points - 2.0 * pi * (points > pi)
+            points = points - self.period * (points > 0.5 * self.period)
         else:
             points = points[(points > start) & (points < end)]
         x = np.concatenate((self.x, points))
-        order = np.unique(x + 2.0 * pi * (x < start), return_index=True)[1]
+        turn = self.period if self.is_closed else 2.0 * pi
+        order = np.unique(x + turn * (x < start), return_index=True)[1]
         first, last = (order.tolist().index(i % self.x.size) for i in (self.first, self.last))
         return self._replace(x=x[order], first=first, last=last)
 
@@ -93,12 +96,11 @@ def closer_points(end: End | None, count: int) -> Array:
     Return the parameters t of points added at an end at t = 0, ever closer to it.
 
     Among ``count`` equal steps of [0, 1] the first point is half a step away: these are at 1/2,
-    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a flat position; none for no
-    end.
+    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end.
     """
     if end is None:
         return np.zeros(0)
-    octaves = (0.5 * np.arange(1, 1 + FLAT_POINTS) if end.is_flat
+    octaves = (0.5 * np.arange(1, 1 + POLE_POINTS) if end.is_pole
                else np.arange(1.0, 1 + TOGGLE_POINTS))
     return 0.5 / count * 2.0**-octaves
 
@@ -154,26 +156,33 @@ class Range(NamedTuple):
         return float(np.arcsin((x - self.middle) / self.half))
 
 
-def input_paths(mechanism: Mechanism, points: int,
-                within: tuple[float, float] | None = None) -> list[InputPath]:
+def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] | None = None,
+                poles: Sequence[float] = ()) -> list[InputPath]:
     """
     Return the paths that make up the motion of a mechanism in its mode.
 
     ``points`` is the least number of points of a full turn, without those added at the ends.
-    ``within``: the inputs [rad or m] between which paths are wanted, of angles at most a turn
-    apart. A slide is given in units of :attr:`input_unit`.
+    ``within``: the inputs [rad or m] between which paths are wanted, of angles at most a period
+    apart. ``poles``: those of the mechanism's ``flat_inputs`` at which quantities have poles, so
+    that paths end there. A slide is given in units of :attr:`input_unit`.
     """
     unit = mechanism.input_unit
-    singular = np.array(mechanism.singular_inputs, complex) / unit
+    passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
+    singular = np.array([z for z in mechanism.singular_inputs
+                         if z.imag or z.real in poles or z.real not in passed], complex) / unit
     if mechanism.turns_fully:
-        return _of_turns(singular, points, within)
+        return _of_turns(singular, points, within, mechanism.period)
     paths = []
     for low, high in mechanism.closing_ranges:
         bounds = Range(low / unit, high / unit)
         inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
-        ends = [End(end, end * unit in mechanism.flat_limits) for end in bounds]
-        for cut in _cuts(mechanism, within):
-            paths += _between(bounds, ends, inside, points, [end / unit for end in cut])
+        # beside these there are no results
+        first, last = (2.0 * BESIDE_FLAT_LIMITS * (end in mechanism.flat_limits)
+                       for end in (low, high))
+        for begin, end in _cuts(mechanism, within):
+            cut = (max(begin / unit, bounds.low + first if first else -inf),
+                   min(end / unit, bounds.high - last if last else inf))
+            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut)
     return paths
 
 
@@ -181,7 +190,7 @@ def unresolved(mechanism: Mechanism) -> str:
     """
     Return where a quantity may change faster than samples can follow, in words, '' if nowhere.
 
-    That is next to singular inputs that are nearly, but not, one flat position.
+    That is next to singular inputs that are nearly, but not, one.
     """
     unit, coordinate = mechanism.input_unit, mechanism.input_coordinate
     least = unit * (NARROWEST if isinstance(mechanism, Kind) else NARROWEST_OF_MACHINE)
@@ -209,24 +218,27 @@ def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tupl
             for turn in range(turns - 2, turns + 3)]
 
 
-def _of_turns(singular: Array, points: int,
-              within: tuple[float, float] | None) -> list[InputPath]:
+def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
+              period: float) -> list[InputPath]:
     """
     Return the paths of a crank that turns fully.
 
-    They are a whole turn, or lead from one flat position or end of ``within`` to the next.
+    They are a whole period, or lead from one pole or end of ``within`` to the next.
     """
-    flat = np.unique(singular.real[singular.imag == 0.0])
+    poles = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
-    ends = {x: End(float(x), True) for turn in (-2.0 * pi, 0.0, 2.0 * pi) for x in flat + turn}
+    turns = np.arange(-2, 3) * (2.0 * pi)
+    ends = {float(x): End(float(x), True) for x in np.add.outer(turns, poles).ravel()}
     if within:
-        turn = 2.0 * pi * round(sum(within) / (4.0 * pi))
+        turn = period * round(sum(within) / (2.0 * period))
         ends = _within(ends, [x - turn for x in within], Range(-inf, inf), float)
-    elif flat.size:
-        ends = {x: ends[x] for x in (*flat, flat[0] + 2.0 * pi)}
+    elif poles.size:
+        first = float(poles[0])
+        ends = {x: end for x, end in ends.items() if first <= x <= first + period}
     else:
-        return [InputPath(_spread(kernels, (-pi, pi), ())[0], None, None, 0, -1)]
-    return _paths(kernels, ends, lambda phi: phi)
+        phi = _spread(kernels, (-0.5 * period, 0.5 * period), ())[0]
+        return [InputPath(phi, None, None, 0, -1, period)]
+    return _paths(kernels, dict(sorted(ends.items())), lambda phi: phi)
 
 
 def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
@@ -242,17 +254,17 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
 def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
              cut: Sequence[float]) -> list[InputPath]:
     """
-    Return the paths of a range between two toggles: two, if a flat position lies between them.
+    Return the paths of a range between two toggles: two, if a pole lies between them.
 
     ``limits``: the ends of the range; ``cut``: the two inputs to which paths are cut.
     """
     scaled = (singular - bounds.middle) / bounds.half
-    is_flat = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
-    angles = np.arcsin(scaled[~is_flat])
+    is_pole = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
+    angles = np.arcsin(scaled[~is_pole])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    flat = {float(np.arcsin(sine)): End(float(x), True)
-            for sine, x in zip(scaled.real[is_flat], singular.real[is_flat])}
-    ends = {-0.5 * pi: limits[0], **dict(sorted(flat.items())), 0.5 * pi: limits[1]}
+    poles = {float(np.arcsin(sine)): End(float(x), True)
+             for sine, x in zip(scaled.real[is_pole], singular.real[is_pole])}
+    ends = {-0.5 * pi: limits[0], **dict(sorted(poles.items())), 0.5 * pi: limits[1]}
     return _paths(kernels, _within(ends, cut, bounds, bounds.phi), bounds.to_input)
 
 
@@ -261,9 +273,9 @@ def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range,
     """
     Return {phi: End} of the part of a range between two inputs, which are regular ends.
 
-    Next to a flat position, that is the end.
+    Next to a pole, that is the end.
     """
-    slack = {phi: NARROWEST if end.is_flat else 0.0 for phi, end in ends.items()}
+    slack = {phi: NARROWEST if end.is_pole else 0.0 for phi, end in ends.items()}
     low, high = cut
     inside = {phi: end for phi, end in ends.items()
               if low - slack[phi] <= end.x <= high + slack[phi]}
@@ -335,7 +347,7 @@ def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:
     """
     half = 0.5 * (-pi + 2.0 * pi / NODES * np.arange(NODES))
     centres = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
-    nodes = np.add.outer((-2.0 * pi, 0.0, 2.0 * pi), centres).ravel()
+    nodes = np.add.outer(np.arange(-2, 3) * (2.0 * pi), centres).ravel()
     nodes = np.unique(np.concatenate((nodes[(nodes > bounds[0]) & (nodes < bounds[1])], bounds)))
     targets, slope = kernels.samples(nodes)
     i = np.clip(np.searchsorted(targets, t) - 1, 0, nodes.size - 2)

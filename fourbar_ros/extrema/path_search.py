@@ -73,7 +73,6 @@ class PathExtremum(NamedTuple):
     value: float
     sense: int                       # +1 maximum, -1 minimum, 0 constant from here on
     side: int = 0                    # as in :class:`~fourbar_ros.extrema.find.Extremum`
-    is_flat: bool = False            # at the flat position of a change point
     condition: float = nan           # as in Extremum, of the input
     value_condition: float = nan
     noise: float = 0.0               # least error of the value, of a constant a bound
@@ -98,20 +97,21 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
         extrema += _interior(sampler, inside, rows, with_conditions)
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, (side, end), rows)
-    return _with_gaps(extrema, path, 0.0 if sampler.linkage.is_driven_by_slide else 2.0 * pi)
+    return _with_gaps(extrema, path, sampler.linkage.period)
 
 
 def _with_gaps(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
     """
     Return extrema along a path, those of quantities whose kinds do not take turns marked.
 
-    One without a value is left out. ``turn``: after which the input is the same, 0 if never.
+    One without a value is left out. ``turn``: after which the input is the same, inf if never.
     """
     def along(extremum: PathExtremum) -> float:
         """Return where an extremum is on the path."""
         if extremum.side:
             return -extremum.side * inf
-        return extremum.x if path.low is None or not turn else (extremum.x - path.low.x) % turn
+        return (extremum.x if path.low is None or turn == inf
+                else (extremum.x - path.low.x) % turn)
 
     by_quantity: dict[int, list[PathExtremum]] = {}
     for extremum in extrema:
@@ -135,9 +135,7 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
 
     That is, of those whose samples differ by no more than their last bits, error 0, or than their
     rounding errors may: then the error is the bound of these, and the value is zero if all samples
-    are within it. Where a path ends at a flat position of a change point, formulas are next to
-    0/0 and their rounding unknown; there 80 digits tell whether a quantity is constant, and that
-    counts for the whole path.
+    are within it.
     """
     value = np.median(samples.values, axis=1)
     away = np.abs(samples.values - value[:, None])
@@ -145,11 +143,6 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
     is_noise = ~is_exact & (away <= samples.noise).all(axis=1)
     is_zero = is_noise & (np.abs(samples.values) <= samples.noise).all(axis=1)
     value = np.where(is_zero, 0.0, value)
-    for side in sampler.flats:
-        is_constant = ~sampler.varies_next_to(side)
-        limits = sampler.same_turn(value, sampler.limits(side), np.arange(value.size))
-        value = np.where(is_constant, limits, value)
-        is_exact |= is_constant
     error = np.where(is_exact, 0.0, samples.noise.max(axis=1))
     return {row: (float(value[row]), float(error[row]))
             for row in np.flatnonzero(is_exact | is_noise).tolist()}
@@ -165,7 +158,7 @@ class Roots(NamedTuple):
     spacing: Array      # distance of the samples there
     value: Array        # of the quantity at the input as it is reported
     rounding: Array     # its least rounding error
-    noise: Array        # a bound of that; 0 at a change point, where none is known
+    noise: Array        # a bound of that
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
@@ -175,7 +168,8 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     turn = rises(np.unwrap(x)[:, None], False)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]), f,
-                                              rises(f, is_closed), is_closed)
+                                              rises(f, is_closed), is_closed,
+                                              sampler.linkage.period)
     row, spacing = rows[row], xb - xa
     # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
@@ -212,9 +206,8 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
         value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
-    rounding, noise = (np.zeros(row.size) if sampler.flats else PART_OF_NOISE * np.maximum(
-        errors[row, i], errors[row, (i + 1) % x.size])
-        for errors in (samples.rounding, samples.noise))
+    rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
+                       for errors in (samples.rounding, samples.noise))
     return Roots(row, i, sense, root, spacing, value, rounding, noise)
 
 
@@ -236,9 +229,8 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
         np.abs(roots.value) <= np.maximum(roots.noise, DEEP * near)))
     if is_small.size:
         roots.value[is_small[_is_kink(sampler, roots, is_small)]] = 0.0
-    if not sampler.flats:       # else no bound is known
-        kept = _beyond_noise(sampler, samples, roots)
-        roots = Roots(*(v[kept] for v in roots))
+    kept = _beyond_noise(sampler, samples, roots)
+    roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
     unknown: Array = np.full(roots.quantity.size, nan)
@@ -374,8 +366,7 @@ def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
     At a toggle derivatives have poles of that power; without them sign changes show between
     samples. A positive factor moves no root.
     """
-    sine = np.abs(sampler.linkage.transmission_sine(samples.state[0]))
-    values = samples.values[rows]
+    sine, values = samples.sine, samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),
                      sine**POLE)
     return np.asarray(samples.slopes[rows].T * scale.T)
@@ -386,14 +377,14 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     """
     Return the limits of the quantities ``rows`` at one end of a path as extrema.
 
-    ``where``: (side, end), side +1 if the path lies above the end. A limit is infinite, or it is
-    one-sided: a minimum if the quantity rises inward, else a maximum.
+    ``where``: (side, end), side +1 if the path lies above the end. A limit is infinite, or a
+    minimum if the quantity rises inward, else a maximum.
     """
     side, end = where
     if end.is_regular:
         limits = sampler.values(np.array([end.x]))[:, 0]
-    elif end.is_flat:
-        limits = sampler.limits(side)
+    elif end.is_pole:
+        limits = np.copysign(inf, samples.values[:, samples.path.inward(side)[0]])
     else:
         limits = _limits_at_toggle(sampler, samples, where, rows)
     nearest = samples.path.inward(side)[0]
@@ -402,7 +393,7 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     falls = slopes * side > 0.0        # seen from inside
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     x = sampler.fold(end.x)
-    return [PathExtremum(row, x, float(limits[row]), int(sense[row]), side, end.is_flat)
+    return [PathExtremum(row, x, float(limits[row]), int(sense[row]), side)
             for row in rows.tolist()]
 
 
@@ -465,8 +456,12 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     Return the conditions of the input and of the relative value of n extrema and the values, (n,).
 
     They come from derivatives by the lengths beside each: see the top of this file. ``x``: inputs
-    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there.
+    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there. Those of a
+    change point, which other lengths are not, are NaN.
     """
+    if sampler.linkage.change_point_margin == 0.0:
+        unknown = np.full(x.size, nan)
+        return unknown, unknown, sampler.values(x)[row, np.arange(row.size)]
     turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
     around, rows = np.concatenate((x - turn, x, x + turn)), np.concatenate((row, row, row))
     (_, value, _), (before, _, after) = (

@@ -42,7 +42,7 @@ ORDER, BITS = 8, 96
 # the middle, as extrema like that.
 STRIDE, CUT = 4, 0.47
 NARROWEST = 2.0**-44            # of a piece, over its input or 1
-# Nearer than this to a flat position, in the input's unit, enclosures of 0/0 take too many pieces.
+# Nearer than this to a pole, in the input's unit, enclosures take too many pieces.
 LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
@@ -91,11 +91,14 @@ class Proof(NamedTuple):
             exist = len(left) + len(interior) - len(inside)
             return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
         coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, TOLERANCE
-        turns = (0,) if self.linkage.is_driven_by_slide else (-1, 0, 1)     # paths may go beyond
+        # paths may go beyond
+        turns = (0.0,) if self.linkage.is_driven_by_slide else (-2.0 * pi, 0.0, 2.0 * pi)
+        if self.linkage.period > 2.0 * pi:
+            turns = (*turns, -4.0 * pi, 4.0 * pi)
         for extremum in inside:
             part = next((part for part in left for turn in turns
                          if part.sense == extremum.sense and part.low - TOLERANCE <= extremum.x
-                         + 2.0 * pi * turn <= part.high + TOLERANCE), None)
+                         + turn <= part.high + TOLERANCE), None)
             around = self._width(extremum) if part else inf
             if part is None or around == inf:
                 kind = 'minimum' if extremum.sense < 0 else 'maximum'
@@ -191,20 +194,20 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
 
 
 def _away_from_ends(path: InputPath) -> InputPath:
-    """Return a path without its samples next to flat positions and limits."""
+    """Return a path without its samples next to poles and limits."""
     if path.is_closed:
         return path
     ends = [end for _, end in path.ends()]
     limit = LEFT_OUT_AT_LIMIT * (ends[1].x - ends[0].x)
     return path._replace(x=path.x[[
-        all(abs(x - end.x) > (LEFT_OUT if end.is_flat else limit) for end in ends)
+        all(abs(x - end.x) > (LEFT_OUT if end.is_pole else limit) for end in ends)
         for x in path.x.tolist()]])
 
 
 def _pieces(path: InputPath) -> list[tuple[float, float]]:
     """Return the pieces (low, high) between every fourth sample of a path."""
     x = path.x.tolist()
-    x += [x[0] + 2.0 * pi] if path.is_closed else []
+    x += [x[0] + path.period] if path.is_closed else []
     edges = x[:-1:STRIDE] + x[-1:]
     return list(zip(edges, edges[1:]))
 

@@ -15,12 +15,11 @@ from math import pi
 from typing import Any, ClassVar, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies
-from fourbar_ros.extrema.flat_positions import FlatSide, REACH
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.evaluation import formula_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields, NoLoads, Quantity
+from fourbar_ros.mechanisms.parts import NamedFields, NoLoads
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
@@ -30,16 +29,12 @@ from fourbar_ros.numerics.tables import ARRAYS
 from fourbar_ros.numerics.trace import flat
 import numpy as np
 
+# Distances from a flat position, in the unit of the input: a quantity that grows from the first to
+# the second as one over them has a pole there. No size of a float is below the last.
+FAR, NEAR, SMALLEST = 2.0**-30, 2.0**-36, 2.0**-1022
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
-# from a toggle or a flat position.
+# from a toggle or a pole.
 STEP = 2.0**-200
-
-
-def _replaced(fields: Sequence[Array], chosen: Array, values: Array) -> Array:
-    """Return fields, numbers or arrays, as rows (fields, n) with the ``chosen`` ones replaced."""
-    whole = np.stack(np.broadcast_arrays(*fields, chosen)[:-1]).astype(values.dtype)
-    whole[:, chosen] = values
-    return whole
 
 
 State = tuple[NamedFields, Union[NamedFields, NoLoads]]     # motion and loads of floats or arrays
@@ -53,7 +48,8 @@ class Samples(NamedTuple):
     slopes: Array       # their derivatives with respect to the input in its unit
     state: State        # motion and loads from which they come: fields of shape (n,), or floats
     rounding: Array     # the least rounding errors of the values
-    noise: Array        # bounds of them, large where the dyad is nearly in line
+    noise: Array        # bounds of them, large next to toggles and poles
+    sine: Array         # of the transmission angle, but for the factors of flat positions passed
 
 
 def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
@@ -84,19 +80,18 @@ class Sampler:
     """
     Values and derivatives of some quantities of a mechanism in its mode.
 
-    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`. Next
-    to the flat positions at the ends of the path that was given to :meth:`along` motion and loads
-    are those of :mod:`fourbar_ros.extrema.flat_positions`.
+    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`.
 
-    ``rates``: rate and acceleration of the input. Raises MissingBodies if a quantity needs loads
-    and the linkage has no masses.
+    ``rates``: rate and acceleration of the input. ``poles``: those flat positions of a change
+    point at which the quantities have poles, as joint reactions may [rad or m]. Raises
+    MissingBodies if a quantity needs loads and the linkage has no masses.
     """
 
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
-                 rates: tuple[float, float]) -> None:
+                 rates: tuple[float, float], poles: Sequence[float] = ()) -> None:
         """Make the function of motion and loads of real and complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.needs_loads = any(q.is_load for q in quantities)
@@ -104,7 +99,7 @@ class Sampler:
             raise MissingBodies
         self.unit: float = linkage.input_unit
         self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
-        self.flats: dict[int, FlatSide] = {}
+        self._passed = np.array([x for x in linkage.flat_inputs if x not in poles]) / self.unit
         # of published quantities no other field is needed for their values
         known = linkage.MOTION._fields + linkage.LOADS._fields
         self._wanted = ([known.index(q.name) for q in quantities]
@@ -116,15 +111,13 @@ class Sampler:
 
     def along(self, path: InputPath) -> Samples:
         """Return the samples of a path; refuse functions that are NaN, rates that overflow."""
-        self.flats = {side: FlatSide(self.linkage, self.rates, end.x, side, self._has_loads)
-                      for side, end in path.ends() if end.is_flat}
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes, state = self.sample(path.x)
         self._refuse_nan(path.x, values)
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates,
                                    'too large: quantities overflow')
-        return Samples(path, self._continuous(values), slopes, state, *self.errors(state))
+        return Samples(path, self._continuous(values), slopes, state, *self.errors(path.x, state))
 
     def _refuse_nan(self, x: Array, values: Array) -> None:
         """Refuse functions of users that are NaN somewhere; the message names the input."""
@@ -155,8 +148,7 @@ class Sampler:
         """
         Return by how much quantity ``row[i]`` at x[i] changes with relative changes of lengths.
 
-        Shape (n, lengths): its derivatives by the logarithms of lengths. Flat positions do
-        not count.
+        Shape (n, lengths): its derivatives by the logarithms of lengths.
         """
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
@@ -166,15 +158,15 @@ class Sampler:
 
     def _with(self, lengths: Sequence[Any]) -> Sampler:
         """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
-        sampler, sampler.flats = copy(self), {}
+        sampler = copy(self)
         sampler._values = step_of_arrays(
             self.linkage, self._has_loads, wanted=self._wanted,
             data=self.linkage.constants_of(lengths))
         return sampler
 
     def fold(self, x: Value) -> Value:
-        """Return inputs as they are reported: angles in [0, 2 pi)."""
-        return x if self.linkage.is_driven_by_slide else fold(x)
+        """Return inputs as they are reported: angles from zero to the period."""
+        return x if self.linkage.is_driven_by_slide else fold(x, self.linkage.period)
 
     def state(self, x: Array, step: Function | None = None) -> State:
         """Return motion and loads at real or complex x; all fields, or those of ``step``."""
@@ -183,38 +175,20 @@ class Sampler:
             position = np.where(reaches(position), position, np.nan)
         with np.errstate(all='ignore'):
             fields = (step or self._step)(position, *self.rates)
-        for flat_side in self.flats.values():
-            t = flat_side.distance(x)
-            near = (t.real > 0.0) & (t.real < REACH)
-            if near.any():
-                fields = _replaced(fields, near, flat_side.state(t[near]))
-        return self._named(fields)
-
-    def _named(self, fields: Sequence[Array] | Array) -> State:
-        """Return motion and loads as the records of the mechanism."""
         count = len(self.linkage.MOTION._fields)
         return (self.linkage.MOTION(*fields[:count]),
                 self.linkage.LOADS(*fields[count:]) if self._has_loads else NoLoads())
 
-    def limits(self, side: int) -> Array:
-        """
-        Return the limits of the quantities at the flat position on this side; poles are infinite.
-
-        At 2^-60 and 2^-80 of the scale only first powers of t count: a quantity that grows by more
-        than 2^10 from one to the other is a pole, one that falls so is zero.
-        """
-        t = np.array((2.0**-60, 2.0**-80))
-        state = self._named(self.flats[side].state(t))
-        with np.errstate(all='ignore'):
-            farther, nearer = self._rows(state, t).T
-            growth = np.abs(nearer / farther)
-        return np.where(growth > 2.0**10, np.copysign(np.inf, nearer),
-                        np.where(growth > 2.0**-10, nearer, 0.0))
-
-    def varies_next_to(self, side: int) -> Array:
-        """Return which quantities vary next to the flat position on this side, or may vary."""
-        varies = self.flats[side].varies
-        return np.array([not isinstance(q, Quantity) or varies[q.name] for q in self.quantities])
+    def poles(self) -> list[tuple[float, ...]]:
+        """Return for each quantity the flat positions of a change point at which it has a pole."""
+        flats = np.array(self.linkage.flat_inputs)
+        x = (flats[:, None] / self.unit + np.array((FAR, -FAR, NEAR, -NEAR))).ravel()
+        _, noise, _ = type(self)(self.linkage, self.quantities, self.rates,
+                                 self.linkage.flat_inputs).errors(x, self.state(x))
+        size, noise = (part.reshape(-1, flats.size, 4)
+                       for part in (np.abs(self.values(x)), noise))
+        grows = (size[..., 2:] > 4.0 * size[..., :2]) & (size[..., 2:] > 16.0 * noise[..., 2:])
+        return [tuple(flats[is_pole].tolist()) for is_pole in grows.any(axis=-1)]
 
     def values(self, x: Array) -> Array:
         """Return the quantities at x, shape (quantities, *x.shape)."""
@@ -288,17 +262,21 @@ class Sampler:
                                                               *self.rates)))
         return values
 
-    def errors(self, state: State) -> tuple[Array, Array]:
+    def errors(self, x: Array, state: State) -> tuple[Array, Array, Array]:
         """
         Return the least rounding errors of each quantity, and a bound of them, (quantities, n).
 
         They follow from the sizes of the terms in its sum. Example: the shaking force of a
         balanced linkage is zero, and its computed value the rounding of joint reactions that
-        cancel. Beside some change points the bound is far too large.
-        ``state``: a real one, as :meth:`sample` returns it.
+        cancel. And the sine that the bound is over, without its zeros at the flat positions that
+        quantities pass. ``state``: a real one at x, as :meth:`sample` returns it.
         """
         motion, loads = state
-        sine = self.linkage.transmission_sine(motion).real
+        sine = np.broadcast_to(np.abs(self.linkage.transmission_sine(motion).real), x.shape)
+        for flat_x in self._passed:
+            away = x.real - flat_x
+            size = np.abs(away if self.linkage.is_driven_by_slide else np.sin(0.5 * away))
+            sine = np.where(size > 0.0, sine / np.maximum(size, SMALLEST), 1.0)
         scales = _term_sizes(self.linkage, motion)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
@@ -307,4 +285,4 @@ class Sampler:
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
         least = 64.0 * EPS * np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
                                        for q in self.quantities])
-        return least, least / np.minimum(np.abs(sine), 1.0)
+        return least, least / np.minimum(sine, 1.0), sine

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
-from decimal import Decimal
 from functools import cached_property
 from math import fsum, inf, nan, pi, remainder
 from typing import TypeVar
@@ -36,6 +35,8 @@ _T = TypeVar('_T')
 # Nearer to a limit that is a change point than this, in units of the input, accelerations are
 # noise: their error is some eps over the third power of the distance.
 BESIDE_FLAT_LIMITS = 2.0**-17
+# A singular input so near to the end of a range is this end [in the unit of the input].
+AT_END = 1e-12
 
 
 class cached_by_lengths(cached_property[_T]):     # noqa: N801  (used as cached_property is)
@@ -99,10 +100,10 @@ class MechanismGeometry(StatedMechanism):
         """
         Return the range of the input with a position, shifted by whole turns so that it holds it.
 
-        Of an input that turns fully, half a turn to both sides. OutOfRange outside all ranges.
+        Of an input that turns fully, half a period to both sides. OutOfRange outside all ranges.
         """
         if self.turns_fully:
-            return position - pi, position + pi
+            return position - 0.5 * self.period, position + 0.5 * self.period
         rounding = 4.0 * EPS * abs(position)
         for low, high in self.input_ranges:
             turns = (0.0 if self.is_driven_by_slide
@@ -171,6 +172,22 @@ class MechanismGeometry(StatedMechanism):
         """Return whether the input is an angle that makes full turns."""
         return not self.is_driven_by_slide and self.input_ranges == ((-pi, pi),)
 
+    @cached_by_lengths
+    def period(self) -> float:
+        """
+        Return after how much of the input everything repeats [rad]; inf of a slide.
+
+        A turn; two of a change point that passes an odd number of flat positions in one, as the
+        branch is then on its other side.
+        """
+        if self.is_driven_by_slide:
+            return inf
+        return 4.0 * pi if self.turns_fully and self._has_odd_turns else 2.0 * pi
+
+    @property
+    def _has_odd_turns(self) -> bool:
+        return len(self.flat_inputs) % 2 == 1
+
     def is_in_stroke(self, position: float) -> bool:
         """Return whether an input is in the stroke, if there is one."""
         return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
@@ -213,11 +230,11 @@ class MechanismGeometry(StatedMechanism):
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
-        """Return the modes between which a motion goes on at toggles and flat positions."""
-        return tuple(sorted(self.modes))
+        """Return the modes between which a motion goes on at toggles."""
+        return (self.mode,) if self.turns_fully else tuple(sorted(self.modes))
 
     def mode_beyond(self, _limit: float) -> int:
-        """Return the mode into which quantities go on smoothly at a toggle at a limit."""
+        """Return the mode into which quantities go on smoothly at a toggle, a limit."""
         return 3 - int(self.mode)
 
     @property
@@ -225,16 +242,20 @@ class MechanismGeometry(StatedMechanism):
         """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
         return ()
 
-    @property
+    @cached_by_lengths
     def flat_inputs(self) -> tuple[float, ...]:
-        """Return the flat positions inside the ranges, and limits of the ranges [rad or m]."""
-        return tuple([z.real for z in self.singular_inputs if z.imag == 0.0])
+        """
+        Return the inputs inside the ranges at which a change point lies flat [rad or m], in order.
 
-    def flat_place(self, position: float) -> Decimal:
-        """Return the input of a flat position [rad or m] in many digits."""
-        from fourbar_ros.numerics.digits import MANY_DIGITS, quarter_turn  # searches alone
-        quarters = 0 if self.is_driven_by_slide else round(position / (0.5 * pi))
-        return MANY_DIGITS.multiply(quarter_turn(), quarters)
+        Both assembly modes meet there; the motion goes on in its own, and joints may bear any
+        load. Angles are in (-pi, pi].
+        """
+        if self.change_point_margin:
+            return ()
+        ends = [] if self.turns_fully else [end for ends in self.closing_ranges for end in ends]
+        flats = {pi if z.real == -pi else z.real for z in self.singular_inputs if z.imag == 0.0}
+        return tuple(sorted(x for x in flats if all(
+            abs(self.distance(x, end)) > AT_END * self.input_unit for end in ends)))
 
     def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
         """Return a motion with the input alone and NaN else: a sample that cannot be computed."""

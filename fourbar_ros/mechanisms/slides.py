@@ -101,11 +101,13 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     k_minus = difference_of_squares(a1, -a2, e, 0.0, n.exact_sum)
     flat_at_0 = is_zero(n, k_minus)
     meets = is_zero(n, n.fabs(n.exact_sum((a1, -a2, e))) + n.fabs(n.exact_sum((a1, -a2, -e))))
-    f, k_product, u_plus_w = (a1 - a2) * (a1 + a2), k_plus * k_minus, 4.0 * a1 * a2
+    # a1 - a2 is as large as e there, which may have more digits
+    less_a2 = where(flat_at_0, where((a1 - a2).real > 0.0, n.fabs(e), -n.fabs(e)), a1 - a2)
+    f, k_product, u_plus_w = less_a2 * (a1 + a2), k_plus * k_minus, 4.0 * a1 * a2
     f, e = where(meets, 0.0, f), where(meets, 0.0, e)
     per_a1_a2, half_per_a1, half_per_a2 = 0.25 / (a1 * a2), 0.5 / a1, 0.5 / a2
     plus_1, plus_2 = 2.0 * a1 * (a1 + a2), 2.0 * a2 * (a1 + a2)       # q + f + u, q - f + u
-    minus_1, minus_2 = 2.0 * a1 * (a1 - a2), 2.0 * a2 * (a2 - a1)     # q + f - w, q - f - w
+    minus_1, minus_2 = 2.0 * a1 * less_a2, -2.0 * a2 * less_a2     # q + f - w, q - f - w
     k, s_left, ss = where(flat_at_0, s, 1.0), where(flat_at_0, 1.0, s), s * s
     q = where(meets, 1.0, ss + ee)
     u, w = k_plus - ss, ss - k_minus                                                    # (T1)
@@ -257,14 +259,15 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
     L, so that of l elsewhere.
     """
     where, ss, cc, sc = n.where, s * s, c * c, s * c
-    a1_a4, less, more = a1 * a4, n.exact_sum((a1, -a4)), a1 + a4
-    # of squares
-    q_near, q_far, a4_minus_a1 = less * less, more * more, -less * more
+    a1_a4, more = a1 * a4, a1 + a4
     near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
     flat_at_0 = is_zero(n, near)
     meets = is_zero(n, n.fabs(n.exact_sum((a1, -a4, h))) + n.fabs(n.exact_sum((a1, -a4, -h))))
     h = where(meets, 0.0, h)
+    # a1 - a4 is as large as h there, which may have more digits
+    less = where(flat_at_0, where((a1 - a4).real > 0.0, n.fabs(h), -n.fabs(h)), a1 - a4)
+    q_near, q_far, a4_minus_a1 = less * less, more * more, -less * more
     two_h, k, k_q = 2.0 * h, where(flat_at_0, s, 1.0), where(meets, s, 1.0)
     L = sign * n.sqrt(where(flat_at_0, far, near * cc + far * ss))                      # (B1)
     l, l_left = L * k, where(meets, L, L * k)        # noqa: E741  (l is the slides' letter)

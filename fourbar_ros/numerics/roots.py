@@ -23,18 +23,18 @@ DEEP = 0.25
 HALVINGS = 26      # of a dip before it is taken for a touching point without a sign change
 
 
-def turn_after(x: Array, start: Array) -> Array:
-    """Return the angle x as the one that comes after ``start``, less than half a turn away."""
-    return np.asarray(x + 2.0 * pi * (x < start - pi))
+def turn_after(x: Array, start: Array, period: float = 2.0 * pi) -> Array:
+    """Return the angle x as the one that comes after ``start``, less than half a period away."""
+    return np.asarray(x + period * (x < start - 0.5 * period))
 
 
-def fold(x: Value) -> Value:
-    """Return angles, an array or a float of at most a turn less or more, in [0, 2 pi)."""
+def fold(x: Value, period: float = 2.0 * pi) -> Value:
+    """Return angles, an array or a float of at most a period less or more, in [0, period)."""
     if isinstance(x, float):
-        x = x + 2.0 * pi if x < 0.0 else x - 2.0 * pi if x >= 2.0 * pi else x + 0.0
-        return x if x < 2.0 * pi else 0.0      # a tiny negative angle rounds to the full turn
-    x = np.where(x < 0.0, x + 2.0 * pi, np.where(x >= 2.0 * pi, x - 2.0 * pi, x + 0.0))
-    return np.where(x < 2.0 * pi, x, 0.0)
+        x = x + period if x < 0.0 else x - period if x >= period else x + 0.0
+        return x if x < period else 0.0      # a tiny negative angle rounds to the full period
+    x = np.where(x < 0.0, x + period, np.where(x >= period, x - period, x + 0.0))
+    return np.where(x < period, x, 0.0)
 
 
 def turns_back(f: Array, rise: Array) -> Array:
@@ -175,8 +175,8 @@ def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
     return np.where((x > xa) & (x < xb), x, secant)
 
 
-def find_brackets(function: Function, x: Function, f: Array, rise: Array,
-                  is_closed: bool) -> Sequence[Array]:
+def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_closed: bool,
+                  period: float = 2.0 * pi) -> Sequence[Array]:
     """
     Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
 
@@ -190,6 +190,8 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
     f, rise, is_closed
         As in :func:`changes_and_doubts`; ``i`` counts the interval after the last sample as the
         last.
+    period : float
+        After which the angles x begin again.
 
     """
     changes, doubtful = changes_and_doubts(f, rise, is_closed)
@@ -197,7 +199,7 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array,
     is_plain = ~doubtful[i, row]
     j = (i + 1) % len(f)
     (xa, turn_a), (xb, turn_b) = x(i, row), x(j, row)
-    xb = turn_after(xb, xa)
+    xb = turn_after(xb, xa, period)
     here, there = i * f.shape[1] + row, j * f.shape[1] + row
     fa, fb, rise_a, rise_b = f.take(here), f.take(there), rise.take(here), rise.take(there)
     with np.errstate(all='ignore'):
