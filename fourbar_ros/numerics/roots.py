@@ -25,7 +25,7 @@ HALVINGS = 26      # of a dip before it is taken for a touching point without a 
 
 def turn_after(x: Array, start: Array, period: float = 2.0 * pi) -> Array:
     """Return the angle x as the one that comes after ``start``, less than half a period away."""
-    return np.asarray(x + period * (x < start - 0.5 * period))
+    return np.asarray(np.where(x < start - 0.5 * period, x + period, x))
 
 
 def fold(x: Value, period: float = 2.0 * pi) -> Value:

@@ -3,8 +3,9 @@
 """
 A fuzz of change points: all extrema of all quantities against dense scans in 60 digits.
 
-Lengths in decimals, whose sums are zero but for their rounding, and at margins from 1e-16 to 1e-3.
-The reference is that of Cartesian coordinates, which shares no formula with the library.
+Exact change points, of lengths whose sums floats make exactly, over their one or two turns, and
+linkages beside them, at margins from 1e-14 to 1e-3. The reference is that of Cartesian
+coordinates, which shares no formula with the library.
 """
 from math import inf, isfinite, isnan, pi
 
@@ -33,7 +34,7 @@ def body(rng):
 
 
 def lengths_near_a_change_point(rng, count):
-    """Return lengths with a signed sum that is zero in decimals, or off by a margin."""
+    """Return lengths with a signed sum that is exactly zero, or off by a margin."""
     while True:
         sides = rng.integers(1, 100, count).tolist()
         signs = rng.permutation(([1, 1, -1, -1], [1, 1, 1, -1])[int(rng.integers(2))])
@@ -43,8 +44,8 @@ def lengths_near_a_change_point(rng, count):
         if all(sides[:2]) and (count == 3 or all(sides)):
             break
     if rng.random() < 0.4:
-        return [side / 100 for side in sides]
-    scale, margin = rng.uniform(0.01, 0.04), 10.0**rng.uniform(-16.0, -3.0)
+        return [side / 64 for side in sides]
+    scale, margin = rng.uniform(0.01, 0.04), 10.0**rng.uniform(-14.0, -3.0)
     sides = [scale * side for side in sides]
     sides[int(rng.integers(count))] += margin * sum(sides) * rng.choice((-1.0, 1.0))
     return sides
@@ -85,14 +86,16 @@ def scan(linkage, per_decade, points):
     """Return inputs of a dense scan: equal steps, and steps that crowd to singular inputs."""
     unit, turn = linkage.input_unit, 0.0 if linkage.is_driven_by_slide else 2.0 * pi
     away = unit * 10.0**-np.arange(0.5, 11.0, 1.0 / per_decade)
-    x = [low + (high - low) * (np.arange(points) + 0.5) / points
-         for low, high in linkage.input_ranges]
+    ranges = linkage.input_ranges
+    if linkage.turns_fully:
+        ranges = [(-0.5 * linkage.period, 0.5 * linkage.period)]
+    x = [low + (high - low) * (np.arange(points) + 0.5) / points for low, high in ranges]
     centres = {complex(z).real + around for z in linkage.singular_inputs
                for around in (-turn, 0.0, turn)}
     x += [centre + side * away for centre in sorted(centres) for side in (-1.0, 1.0)]
     found = np.unique(np.concatenate(x))
     return [at for at in found.tolist() if any(
-        low + 1e-11 * unit < at < high - 1e-11 * unit for low, high in linkage.input_ranges)]
+        low + 1e-11 * unit < at < high - 1e-11 * unit for low, high in ranges)]
 
 
 def exact(linkage, x):
@@ -100,6 +103,9 @@ def exact(linkage, x):
     with ctx.workprec(BITS):
         try:
             given = tuple(map(cartesian.number, (x, RATE, 0.0)))
+            if linkage.change_point_margin == 0.0:      # in which mode depends on the flat positions
+                return cartesian.values_of(cartesian.Cartesian(
+                    cartesian.reference_of(linkage), given, cartesian.pose_of(linkage, x)))
             return cartesian.values_of(cartesian.exact(linkage, given))
         except (ArithmeticError, ZeroDivisionError):
             return {}
