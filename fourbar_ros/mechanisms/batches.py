@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms.evaluation import Constants, MOST_STRUCTURES
+from fourbar_ros.mechanisms.evaluation import Constants, formula_of, MOST_STRUCTURES, trace_of
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arguments import array, FARTHEST
 from fourbar_ros.numerics.arrays import Array, Values
@@ -126,14 +126,20 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     """
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     count = len(range_of(trace))
-    wanted = range_of(trace) if wanted is None else wanted
-    indices, once, steps, done = order_of(trace, tuple(wanted))
+    wanted = range_of(trace) if wanted is None else tuple(wanted)
     if data is not None:
-        known = [trace.steps[i].value for i in range(len(known))]
-        known[trace.count:trace.count + trace.size] = numbers_of(
-            data if with_loads else data._replace(bodies=None))
+        columns = numbers_of(data if with_loads else data._replace(bodies=None))
+        trace = trace_of(formula_of(mechanism, with_loads)[0])
+        known = [step.value for step in trace.steps]
+        known[trace.count:trace.count + trace.size] = columns
         with np.errstate(all='ignore'):
-            run(trace, once, ARRAYS, known)
+            run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)
+            if not any([np.any(known[i]) for i in trace.switches]):
+                trace = trace.unswitched
+            for index, value in trace.literals().items():
+                known[index] = value
+            run(trace, [i for i in order_of(trace, wanted)[1] if known[i] is None], ARRAYS, known)
+    indices, _, steps, done = order_of(trace, wanted)
 
     def step(*inputs: Values) -> list[Values]:
         values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)

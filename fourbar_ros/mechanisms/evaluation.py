@@ -90,17 +90,28 @@ class Recorded(NamedTuple):
 def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
     """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
     formula, data = formula_of(mechanism, with_loads)
-    trace = trace_of(formula)
-    constants = trace.constants(numbers_of(data))
+    trace, values = trace_of(formula), numbers_of(data)
+    if not _is_switched(mechanism, trace, values):
+        trace = trace.unswitched
+    constants = trace.constants(values)
     return Recorded(trace, constants, frozenset([
         i for i in trace.used_constants if constants[i] == 0.0]))
 
 
+def _is_switched(mechanism: Mechanism, trace: Trace, values: Sequence[float]) -> bool:
+    """Return whether formulas of a mechanism take what they have for change points."""
+    return (mechanism.change_point_margin == 0.0 if mechanism.MARGIN_SIGNS
+            else trace.is_switched(values))
+
+
 @lru_cache(maxsize=MOST_STRUCTURES)
-def _lines(formula: Formula, zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
+def _lines(formula: Formula, is_switched: bool,
+           zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
     """Return data -> straight line, for a formula with steps, by index, that are zero or false."""
     name = 'motion and loads' if formula.with_loads else 'motion'
-    return lines_of(trace_of(formula), zeros, f'{formula.mechanism.TITLE}: {name}')
+    trace = trace_of(formula)
+    return lines_of(trace if is_switched else trace.unswitched, zeros,
+                    f'{formula.mechanism.TITLE}: {name}')
 
 
 def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
@@ -113,13 +124,11 @@ def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
     """
     formula, data = formula_of(mechanism, with_loads)
     trace, values = trace_of(formula), numbers_of(data)
-    zeros = frozenset[int]()
+    is_switched, zeros = _is_switched(mechanism, trace, values), frozenset[int]()
     if mechanism.LEAVES_OUT_ZEROS:
         zeros = recorded(mechanism, with_loads).zeros | {
             trace.count + i for i, value in enumerate(values) if value == 0.0}
-    elif mechanism.change_point_margin:
-        zeros = trace.switches
-    line, reaches = _lines(formula, zeros)(values), mechanism.reaches
+    line, reaches = _lines(formula, is_switched, zeros)(values), mechanism.reaches
     return line if reaches is None else _within(line, reaches)
 
 

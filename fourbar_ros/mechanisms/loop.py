@@ -141,6 +141,25 @@ class _Shape(NamedTuple):
     b_far: Scalar
 
 
+class HalfAngle(NamedTuple):
+    """
+    Half an angle x: sine and cosine of x/2, which tell odd turns of x from even ones.
+
+    And their squares and product, which keep their digits near x = 0 and pi.
+    """
+
+    sine: Scalar
+    cosine: Scalar
+    ss: Scalar
+    cc: Scalar
+    sc: Scalar
+
+    @classmethod
+    def of(cls, cosine: Scalar, sine: Scalar) -> HalfAngle:
+        """Return the half angle of this cosine and sine."""
+        return cls(sine, cosine, sine * sine, cosine * cosine, sine * cosine)
+
+
 class LoopMotion(NamedTuple):
     """Where the rods of a loop are, and the derivatives of their angles with respect to x."""
 
@@ -189,27 +208,25 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
                   0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
-def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, s: Scalar,
-         c: Scalar) -> LoopMotion:
+def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle) -> LoopMotion:
     """
     Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
 
-    ``s``, ``c``: sine and cosine of half the crank's angle x, which keep their digits near x = 0
-    and pi where cos x loses them. ``sign``: of R, the assembly mode.
+    ``half``: of the crank's angle x. ``sign``: of R, the assembly mode.
     """
     where, unit = n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
     shape = _shape(n, a1, a2, a3, a4)
-    ss, cc = s * s, c * c
+    s, c, ss, cc, sc = half
     u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
     flat_at_0, flat_at_pi = is_zero(n, shape.s2), is_zero(n, shape.s1)
     k_s, k_c = where(flat_at_0, s, 1.0), where(flat_at_pi, c, 1.0)                      # (M13)
-    s_left, c_left = where(flat_at_0, 1.0, s), where(flat_at_pi, 1.0, c)
+    sc_left = where(flat_at_0, where(flat_at_pi, 1.0, c), where(flat_at_pi, s, sc))
     u_left, w_left, k = where(flat_at_pi, shape.c1, u), where(flat_at_0, shape.c2, w), k_s * k_c
     root = sign * n.sqrt(u_left * w_left)     # R, not real where the linkage cannot close
     # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
     per = 1.0 / (u + w + (root - root))
-    cos_mu, sin_mu_over_k, sc_left = (u - w) * per, (root + root) * per, s_left * c_left
+    cos_mu, sin_mu_over_k = (u - w) * per, (root + root) * per
     # m and root have equal signs for all three angles, or for none: the sum does not cancel
     adds = (sc_left * root).real > 0.0
     side = where(adds, 1.0, -1.0)
@@ -235,7 +252,7 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, s: Scalar,
     cos_y, sin_y = angle(*shape.of_y, shape.m_y, signed)
     _, sin_yx = angle(*shape.of_yx, shape.m_yx, signed)
     cos_bx, sin_bx = angle(*shape.of_bx, shape.m_bx, -signed)
-    cos_x, sin_x, sin_x_over_k = (c - s) * (c + s), 2.0 * (s * c), 2.0 * sc_left
+    cos_x, sin_x, sin_x_over_k = cc - ss, sc + sc, sc_left + sc_left
     sin_bx_k = sin_bx * k
     cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx_k, sin_x * cos_bx + cos_x * sin_bx_k
 
@@ -249,8 +266,9 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, s: Scalar,
     per, e = 1.0 / q, shape.e
     turn = a1 * a4 * sin_x * where(q.real > n.fabs(e), (e + shape.f * d_mu) * per,      # (M9)
                                    d_y + d_bx)
-    dd_mu = (2.0 * a1 * a4 * shape.s2 * (c * c_left) * u_left                    # (M10), (M15)
-             - 2.0 * a1 * a4 * shape.s1 * (s * s_left) * w_left) / (u_left * w_left * root)
+    dd_mu = (2.0 * a1 * a4 * shape.s2 * where(flat_at_pi, c, cc) * u_left        # (M10), (M15)
+             - 2.0 * a1 * a4 * shape.s1 * where(flat_at_0, s, ss) * w_left) / (
+                 u_left * w_left * root)
     dd_y = where(meets, 0.5 * dd_mu,                                                    # (M11)
                  ((shape.y_near * cc + shape.y_far * ss) * dd_mu - turn) * per)
     dd_b = where(meets, -0.5 * dd_mu,                                                   # (M12)

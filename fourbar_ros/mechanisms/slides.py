@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fourbar_ros.mechanisms.loop import HalfAngle
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
@@ -235,8 +236,8 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
 
 
-def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar, s: Scalar,
-                 c: Scalar) -> BarMotion:
+def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
+                 half: HalfAngle) -> BarMotion:
     """
     Return the motion of a bar through a block on a crank.
 
@@ -255,10 +256,10 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
     Where a1 - a4 = +-h, l = L sin(x/2): the block passes the foot, a change point. L keeps its
     sign, and sin(x/2) is left out of the quotients, of those with q too where also h = 0.
 
-    ``s``, ``c``: sine and cosine of x/2. Lengths within a few powers of two of one; ``sign``: of
-    L, so that of l elsewhere.
+    ``half``: of x. Lengths within a few powers of two of one; ``sign``: of L, so that of l
+    elsewhere.
     """
-    where, ss, cc, sc = n.where, s * s, c * c, s * c
+    where, (s, c, ss, cc, sc) = n.where, half
     a1_a4, more = a1 * a4, a1 + a4
     near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)

@@ -39,9 +39,11 @@ def exact_sum_of_four(terms: Sequence[Array]) -> Array:
     (first, e1), (second, e2) = _two_sum(a, b), _two_sum(c, d)
     total, e3 = _two_sum(first, second)
     total = np.asarray(total + (e3 + (e1 + e2)))
-    size = sum([abs(term.real) for term in terms])
-    nothing = 1j * total.imag if np.iscomplexobj(total) else 0.0       # a complex step stays
-    return np.where(abs(total.real) <= SNAP * size, nothing, total)
+    is_nothing = abs(total.real) <= SNAP * sum([abs(term.real) for term in terms])
+    if not is_nothing.any():
+        return total
+    # a complex step stays
+    return np.where(is_nothing, 1j * total.imag if np.iscomplexobj(total) else 0.0, total)
 
 
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:

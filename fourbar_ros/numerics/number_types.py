@@ -106,7 +106,7 @@ def direction(angle: float) -> tuple[float, float]:
 
 def _choose_in_arrays(condition: bool | Array, if_true: Any, if_false: Any) -> Any:
     """Choose element by element; of tuples, item by item."""
-    if isinstance(condition, bool):
+    if isinstance(condition, (bool, np.bool_)):
         return if_true if condition else if_false
     if isinstance(if_true, tuple):
         return tuple([np.where(condition, a, b) for a, b in zip(if_true, if_false)])
@@ -129,6 +129,8 @@ def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
 
 def size_of_complex(x: Any) -> Any:
     """Return x or -x, whichever has a positive real part: |x|, with its complex step if any."""
+    if isinstance(x, float):
+        return abs(x)
     return np.where(x.real < 0.0, -x, x) if np.iscomplexobj(x) else np.abs(x)
 
 

@@ -264,12 +264,38 @@ class Trace:
                           if step.operation == 'where' and index in self.varies
                           and step.arguments[0] not in self.varies])
 
-    def constants(self, data: Sequence[float]) -> list[float | None]:
-        """Return, by index, the values that depend on data alone, for some data; else None."""
+    def is_switched(self, data: Sequence[float]) -> bool:
+        """Return whether a switch is true for some data."""
+        values = self.constants(data, self.makes_switches)
+        return any([values[index] for index in self.switches])
+
+    @cached_property
+    def makes_switches(self) -> list[int]:
+        """Return the indices of the steps that data take to the switches, in order."""
+        return self.needed(self.switches)
+
+    @cached_property
+    def unswitched(self) -> Trace:
+        """Return the trace for data by which no switch is true, without what they choose then."""
+        simple = self.simplified({**self.literals(), **dict.fromkeys(self.switches, 0.0)},
+                                 keeps_nan=True)
+        needed = set(simple.needed(flat(simple.results)))
+        for index in self.needed(flat(self.results)):
+            if index not in needed and not simple.steps[index].is_given:
+                simple.steps[index] = NOTHING       # nor need it refuse its arguments
+        return simple
+
+    def constants(self, data: Sequence[float],
+                  indices: Iterable[int] | None = None) -> list[float | None]:
+        """
+        Return, by index, the values that depend on data alone, for some data; else None.
+
+        ``indices``: of those that are computed, in order; by default all.
+        """
         values: list[Any] = [None] * len(self.steps)
         values[self.count:self.count + self.size] = data
-        for index in range(self.count + self.size, len(values)):
-            if index not in self.varies:
+        for index in range(len(values)) if indices is None else indices:
+            if index >= self.count + self.size and index not in self.varies:
                 step = self.steps[index]
                 values[index] = step.value if step.is_given else step.of(
                     *[values[i] for i in step.arguments])
@@ -298,13 +324,15 @@ class Trace:
         return {index: step.value for index, step in enumerate(self.steps)
                 if step.operation == 'constant'}
 
-    def simplified(self, known: Mapping[int, float], end: int | None = None) -> Trace:
+    def simplified(self, known: Mapping[int, float], end: int | None = None,
+                   keeps_nan: bool = False) -> Trace:
         """
         Return the same trace, with the same indices, without what known numbers make needless.
 
         ``known``: {index: value}. Operations on known numbers become constants; products and sums
         with zero, factors of one and choices with a known condition are replaced by an argument.
-        An operation that refuses its arguments stays, and so do all from index ``end`` on.
+        An operation that refuses its arguments stays, and so do all from index ``end`` on; with
+        ``keeps_nan`` also x - x, which is NaN where x is.
         """
         simple = object.__new__(Trace)
         simple.steps, simple.count, simple.size = list(self.steps), self.count, self.size
@@ -320,7 +348,7 @@ class Trace:
                 simple.steps[index] = step
                 continue
             same_as = _passed(step, values)
-            if step.operation == 'sub' and len({*step.arguments}) == 1:     # NaN or nothing
+            if step.operation == 'sub' and len({*step.arguments}) == 1 and not keeps_nan:
                 values[index], step = 0.0, Step('constant', (), 0.0)
                 same_as = simple._index_of.setdefault(_key(step), index)
             if same_as is None:

@@ -39,14 +39,14 @@ def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: KnownJoint
         t_x, t_y = lengths.sizes[1:]
         a1 = n.hypot(a_x, a_y)
         size = not_zero(n, a1)
-        half_0 = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size,
-                            True)
+        half = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size, True)
+        half_0 = half.cosine, half.sine
         return a1, g_y * t_x - g_x * t_y, half_0, g_x * t_x + g_y * t_y, x, y
     a1, a4 = n.hypot(a_x, a_y), n.hypot(g_x, g_y)
     scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
     size, of_g = not_zero(n, n.hypot(scalar, cross)), not_zero(n, a4)
-    half_0 = half_angle(n, scalar / size, cross / size, True)
-    return a1, a4, half_0, g_x / of_g, g_y / of_g
+    half = half_angle(n, scalar / size, cross / size, True)
+    return a1, a4, (half.cosine, half.sine), g_x / of_g, g_y / of_g
 
 
 def not_zero(n: NumberType, length: Scalar) -> Scalar:
@@ -148,8 +148,7 @@ class PairRange:
         sine, cosine = self.flatness(ends.relative)
         of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
         if not self.slides:
-            c, s = half_angle(n, cosine, sine, True)
-            of_minus, of_plus = s * s, c * c
+            _, _, of_minus, of_plus, _ = half_angle(n, cosine, sine, True)
         for plus, minus in self._toggles:
             size = abs(plus) * of_plus + 1.0 if self.slides else abs(plus) + abs(minus)
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
@@ -164,9 +163,9 @@ class PairRange:
         (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
         if self.slides:
             return beside * beside + arm_2 * arm_2
-        c, s = half_angle(n, ahead, beside, True)
+        _, _, ss, cc, _ = half_angle(n, ahead, beside, True)
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
-        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * (c * c) + s * s
+        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
 
     def input_at(self, flat: float, is_driven: bool) -> float:
         """

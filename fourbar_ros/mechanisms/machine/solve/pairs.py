@@ -37,7 +37,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.mechanisms.loop import loop
+from fourbar_ros.mechanisms.loop import HalfAngle, loop
 from fourbar_ros.mechanisms.machine.solve.dyads import (
     Direction,
     DyadMotion,
@@ -139,20 +139,24 @@ Relations = dict[tuple[int, int], Direction]
 
 
 def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
-               is_cosine_positive: bool) -> tuple[Scalar, Scalar]:
+               is_cosine_positive: bool) -> HalfAngle:
     """
-    Return cos(x/2), sin(x/2) of an angle that does not turn fully, without cancellation, (P1).
+    Return half of an angle that does not turn fully, without cancellation, (P1).
 
     The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
     """
     where, is_ahead, is_left = n.where, cos_x.real > 0.0, sin_x.real > 0.0
-    large = 0.5 * n.hypot(1.0 + n.fabs(cos_x), sin_x)
+    size = 1.0 + n.fabs(cos_x)
+    large = 0.5 * size
+    small = 0.25 * sin_x * sin_x / large
+    ss, cc = where(is_ahead, (small, large), (large, small))
+    large = 0.5 * n.hypot(size, sin_x)
     small = 0.5 * sin_x / large
     c, s = where(is_ahead, (large, small), (small, large))      # one of both is positive
     sign_of_small = where(is_left, 1.0, -1.0)
     sign = where(is_ahead, where(is_cosine_positive, 1.0, sign_of_small),
                  where(is_cosine_positive, sign_of_small, 1.0))
-    return sign * c, sign * s
+    return HalfAngle(sign * s, sign * c, ss, cc, 0.5 * sin_x)
 
 
 def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
@@ -181,9 +185,9 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     of_a = turned_by(of_0, of_g)
     rod_1, rod_2, moving = stage.link, stage.link + 1, moving_link(stage)
     # of a flat position at x = pi, sin(x/2) keeps its sign there
-    c, s = turned_by(ends.half, half_0) if ends.half else half_angle(
+    half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
-    bars = loop(n, (a1, a2, a3, a4), side * sign, s, c)
+    bars = loop(n, (a1, a2, a3, a4), side * sign, half)
     coupler: Direction = (*turned_by((bars.cos_b, bars.sin_b), of_g),
                           *by_input(angle, bars.d_b, bars.dd_b))
     output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
@@ -217,7 +221,8 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
         c, s = turned_by(ends.half, half_0)
         cos_v, sin_v = SQRT_HALF * (c - s), SQRT_HALF * (c + s)
     else:
-        cos_v, sin_v = half_angle(n, -sin_x, cos_x, n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
+        sin_v, cos_v, *_ = half_angle(n, -sin_x, cos_x,
+                                      n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
     slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v, cos_v)
     s = unit * slider.s
     d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
@@ -251,9 +256,9 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     h, of_a = h / unit, turned_by(of_0, of_g)
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
     pinned = link, moving_link(stage)
-    c, s = turned_by(ends.half, half_0) if ends.half else half_angle(
+    half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
-    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, s, c)
+    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, half)
     bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
                       *by_input(angle, block.d_y, block.dd_y))
     on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
