@@ -158,8 +158,8 @@ class Transmission:
         """
         Return positions of the input or the output, moved to the turn in which the branch lies.
 
-        Drives may count an angle that swings from another turn, so the whole turns that bring the
-        first position into the branch are added to all. Raises CannotFollow if one lies beyond an
+        Drives may count an angle that swings from another turn, so the whole turns, of the input
+        periods, that bring the first position into the branch are added to all. Raises CannotFollow if one lies beyond an
         end, or is so large that floats tell no angle there.
         """
         is_angle = coordinate.unit == 'rad'
@@ -172,8 +172,9 @@ class Transmission:
         if self.branch.ends is None:
             return positions
         low, high = sorted(end.of(coordinate == self._output) for end in self.branch.ends)
+        turn = self.mechanism.period if coordinate == self._input else tau
         if is_angle and not low <= positions[0] <= high:
-            positions = positions + tau * np.round((0.5 * (low + high) - positions[0]) / tau)
+            positions = positions + turn * np.round((0.5 * (low + high) - positions[0]) / turn)
         slack = 4.0 * EPS * np.maximum(max(abs(low), abs(high)), np.abs(positions))
         outside = np.flatnonzero((positions < low - slack) | (positions > high + slack))
         if len(outside):
@@ -225,12 +226,12 @@ class Transmission:
         leaves the bracket, until no input moves by more than two of its last bits; a toggle, where
         roots are double, is met exactly.
         """
-        branch, turns = self.branch, np.zeros(len(targets))      # whole turns of the input
+        branch, periods = self.branch, np.zeros(len(targets))
         sense = branch.sense
-        if branch.ends is None:                  # solve in the one turn that has samples
+        if branch.ends is None:                  # solve in the one period that has samples
             first = sense * branch.outputs[0]
-            turns = np.floor((sense * targets - first) / tau)
-            targets = targets - sense * tau * turns
+            periods = np.floor((sense * targets - first) / branch.advance)
+            targets = targets - sense * branch.advance * periods
         rising = sense * branch.outputs
         # the samples before and after a target bracket its input
         before = np.clip(np.searchsorted(rising, sense * targets) - 1, 0, len(rising) - 2)
@@ -246,18 +247,19 @@ class Transmission:
             if (np.abs(new - x) <= 2.0 * EPS * np.maximum(np.abs(x), 1e-300)).all():
                 break
             x = new
-        inputs: Array = new + tau * turns
+        inputs: Array = new if branch.ends else new + self.mechanism.period * periods
         return inputs
 
     def _with_turns(self, inputs: Array, outputs: Array) -> Array:
         """Return outputs in [-pi, pi] with the whole turns that the branch has at the inputs."""
         if self._output.unit != 'rad':
             return outputs
-        branch, turns = self.branch, np.zeros(len(inputs))
+        branch, near = self.branch, 0.0
         if branch.ends is None:
-            turns = np.floor((inputs - branch.inputs[0]) / tau)
-        near = np.interp(inputs - tau * turns, branch.inputs, branch.outputs)
-        near = near + branch.sense * tau * turns
+            period = self.mechanism.period
+            periods = np.floor((inputs - branch.inputs[0]) / period)
+            inputs, near = inputs - period * periods, branch.sense * branch.advance * periods
+        near = near + np.interp(inputs, branch.inputs, branch.outputs)
         return outputs + tau * np.round((near - outputs) / tau)
 
     # --- rates and efforts ----------------------------------------------------------------------
@@ -302,6 +304,11 @@ class Branch(NamedTuple):
         """Return 1 if the output rises with the input, else -1."""
         return 1.0 if self.outputs[-1] > self.outputs[0] else -1.0
 
+    @property
+    def advance(self) -> float:
+        """Return by how much an output that turns on moves in a period of the input [rad]."""
+        return tau * round(abs(self.outputs[-1] - self.outputs[0]) / tau)
+
 
 def ratio_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:
     """Return d output / d input at inputs, for the first output of a mechanism."""
@@ -319,7 +326,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     Return the branch that contains ``start`` [rad or m]: up to where the output turns back.
 
     Raises OutOfRange where the mechanism does not close at ``start``, InvalidParameter where the
-    output turns back just there.
+    output turns back just there or stands still.
     """
     coordinate = mechanism.input_coordinate
     start = finite('start', start)
@@ -328,9 +335,13 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     turning_points = _turning_points(mechanism, inputs)
     if mechanism.turns_fully:
         if not turning_points:
-            return Branch(inputs, _continuous(mechanism, inputs, start), None)
-        # no end of the range ends the branch: the next turning point may lie a turn away
-        turning_points = [x + turn for x in turning_points for turn in (-tau, 0.0, tau)]
+            branch = Branch(inputs, _continuous(mechanism, inputs, start), None)
+            if branch.advance == 0.0:       # a kite whose crank turns about the pin at B
+                raise InvalidParameter(coordinate.position, start, 'the output stands still')
+            return branch
+        # no end of the range ends the branch: the next turning point may lie a period away
+        period = mechanism.period
+        turning_points = [x + turn for x in turning_points for turn in (-period, 0.0, period)]
         low, high = -inf, inf
     if start in turning_points:
         raise InvalidParameter(coordinate.position, start,

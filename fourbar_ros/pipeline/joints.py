@@ -43,12 +43,12 @@ class Scale(NamedTuple):
 SURE = 0.02            # [rad] so near to a whole turn is a step from rest that wraps
 
 
-class GearedJoint:
+class TurnCounter:
     """
-    Counts the turns of a joint behind a gear whose positions wrap, as those of many encoders.
+    Counts the turns of an input whose positions wrap, as those of many encoders.
 
-    Such a joint must count its turns: with joint = ratio * coordinate + offset a turn of it is
-    none of the coordinate. That it wraps shows where a step is a turn away from the one expected
+    Behind a gear, where a turn of the joint is none of the coordinate, and at a change point that
+    repeats after two turns it must count them. That it wraps shows where a step is a turn away from the one expected
     at the rate so far, to half of that, while all positions lie within a turn. From then on a
     position is in the turn nearest to the one expected. ``wraps`` tells whether it does.
     """
@@ -179,7 +179,7 @@ def first_angles(scene: Scene) -> list[float]:
     names = [joint.coordinate.position for joint in mechanism.JOINTS]
     at_start = mechanism.motion(start, 0.0, 0.0)
     angles = [float(getattr(at_start, name)) for name in names]
-    low, high = start - pi, start + pi
+    low, high = start - 0.5 * mechanism.period, start + 0.5 * mechanism.period
     if not mechanism.turns_fully:
         low, high = min(mechanism.input_ranges,
                         key=lambda ends: max(ends[0] - start, start - ends[1]))

@@ -304,14 +304,12 @@ def estimator_of(scene: Scene) -> RateEstimator:
     """
     Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
 
-    With joint = ratio crank, positions that wrap after a turn of the joint do not tell the crank,
-    unless the ratio is 1 or -1: others count their turns.
+    Where positions must count their turns, no step is taken for a turn.
     """
     drive, linkage = scene.drive, scene.linkage
-    is_geared = drive.source == 'joint_state' and abs(drive.joint_ratio) != 1.0
     is_slide = linkage.is_driven_by_slide
     return RateEstimator(drive.window, gap_of(drive.timeout), drive.jump,
-                         inf if is_slide or is_geared else tau,
+                         inf if is_slide or scene.must_count_turns else tau,
                          max(linkage.lengths) if is_slide else 1.0, drive.top_speed)
 
 

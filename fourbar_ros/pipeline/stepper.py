@@ -46,7 +46,8 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
 
     INVALID_INPUT: the input is NaN, infinite, an angle at which floats are 4 rad apart, or so
     fast that a result overflows. RATES_UNKNOWN: the rate or acceleration is NaN; fields that do
-    not depend on it are valid.
+    not depend on it are valid. TOGGLE: rates are unbounded, or at the flat position of a change
+    point the condition alone; there are no loads.
     """
     inputs = position, rate, acceleration
     if not isfinite(position * mechanism.overflowing) or isinf(rate) or isinf(acceleration):
@@ -56,18 +57,20 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
     try:
         if with_loads:
             motion, loads = mechanism.step(*inputs)
-            is_finite = isfinite(sum(motion) + sum(loads))
+            size = sum(motion) + sum(loads)
         else:
             motion, loads = mechanism.motion(*inputs), _none_of(mechanism.LOADS)
-            is_finite = isfinite(sum(motion))
-    except InvalidParameter:     # numbers overflow
-        is_finite = False
+            size = sum(motion)
+        if isfinite(size):
+            return OK, motion, loads
+        if isinf(motion.condition):     # a flat position
+            return _partly(TOGGLE, mechanism, *inputs)
     except OutOfRange:
         return OUT_OF_RANGE, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
     except Toggle:
         return _partly(TOGGLE, mechanism, *inputs)
-    if is_finite:
-        return OK, motion, loads
+    except InvalidParameter:     # numbers overflow
+        pass
     return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
 
 

@@ -12,7 +12,7 @@ from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.dynamics.node_step import KEY, SILENT
 from fourbar_ros.dynamics.node_step import OK as MOVES
 from fourbar_ros.errors import BagError
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.parts import LARGEST_MODE
 from fourbar_ros.pipeline.stepper import OK as KNOWN
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.ros.messages import resolve, sec_nanosec, to_stamp
@@ -47,7 +47,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     """
     scene, run = simulated.scene, simulated.run
     changes = (run.modes != scene.linkage.mode).nonzero()[0]
-    if changes.size and not _shows_modes(scene, run.modes):
+    if changes.size and run.modes.max() > LARGEST_MODE:
         raise BagError(f'{path}: the motion goes into the other assembly mode at '
                        f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
                        'until then, or without a bag')
@@ -72,18 +72,6 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     return writer.path
 
 
-def _shows_modes(scene: Scene, modes: Array) -> bool:
-    """
-    Return whether a bag can hold these assembly modes, one a sample, so that it recomputes.
-
-    The mode field of a message is a byte; and a linkage at its change point whose input has
-    toggles can go on in two ways that have the same mode.
-    """
-    linkage = scene.linkage
-    is_single = linkage.change_point_margin != 0.0 or linkage.turns_fully
-    return is_single and int(modes.max()) < 256
-
-
 def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[int, Messages]]:
     """
     Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node.
@@ -92,7 +80,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
     """
     scene, stepper = simulated.scene, Stepper(simulated.scene)
     wanted, layout = Wanted.of(scene), scene.layout
-    modes = [mode if mode < 256 else stepper.mode        # in a message it is a byte
+    modes = [mode if mode <= LARGEST_MODE else stepper.mode
              for mode in simulated.run.modes.tolist()]
     layouts = {DRIVE_STATE.name: drive_layout()}
     makers = {topic.name: writer_of(topic, scene, layouts.get(topic.name, layout)).pack

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import inf, isnan, radians, tau
+from math import inf, isnan, radians
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -292,8 +292,8 @@ def _thick(scene: Scene) -> Iterator[str]:
 
 
 def _angle(scene: Scene) -> Iterator[str]:
-    """Yield a line for a start of more than a turn: the user probably meant degrees."""
+    """Yield a line for a start beyond the first period: the user probably meant degrees."""
     start = scene.drive.start
-    if not scene.linkage.is_driven_by_slide and abs(start) > tau:
+    if abs(start) > scene.linkage.period:
         yield (f'drive.start = {start:g} rad is more than a turn: did you mean '
                f'{radians(start):.5g} ({start:g} degrees)?')

@@ -12,7 +12,6 @@ from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.kinds import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.describe.description import ANGLES, by_link, Cylinder, Dyad
-from fourbar_ros.mechanisms.machine.joined import shaped
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
@@ -20,7 +19,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import ParameterValues
-import numpy as np
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
 ROD_MODEL = 'rods'
@@ -63,9 +61,7 @@ def lengths_of(machine: Machine, values: ParameterValues,
                 else (arithmetic.cos(angle), arithmetic.sin(angle)))
 
     cylinder = machine.stages[0] if machine.cylinder else None
-    lengths = [_lengths(dyad, values, along, dyad is cylinder) for dyad in machine.stages]
-    with np.errstate(all='ignore'):       # sizes of points at the origin have no derivative
-        return tuple(shaped(machine.layout, lengths, arithmetic.hypot))
+    return tuple([_lengths(dyad, values, along, dyad is cylinder) for dyad in machine.stages])
 
 
 def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, float]]]:

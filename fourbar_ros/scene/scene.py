@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 import json
-from math import isfinite, isnan, lcm
+from math import inf, isfinite, isnan, lcm, tau
 from pathlib import Path
 from typing import cast, NoReturn, TYPE_CHECKING
 import warnings
@@ -194,6 +194,12 @@ class Scene:
                 raise
             low, high = self.linkage.input_ranges[0]
             return Transmission(self.linkage, 0.5 * (low + high))
+
+    @cached_property
+    def must_count_turns(self) -> bool:
+        """Return whether a turn of the incoming angle leads to another pose."""
+        is_geared = self.drive.source == 'joint_state' and abs(self.drive.joint_ratio) != 1.0
+        return is_geared or tau < self.linkage.period < inf
 
     @property
     def elements(self) -> tuple[Element, ...]:
@@ -470,9 +476,10 @@ def _check_together(scene: Scene) -> None:
     if not isnan(scene.drive.top_speed):
         if scene.linkage.is_driven_by_slide:
             refuse('drive.top_speed', 'is for positions that wrap after a turn: a slide has none')
-        if scene.drive.source == 'joint_state' and abs(scene.drive.joint_ratio) != 1.0:
+        if scene.must_count_turns:
             refuse('drive.top_speed', 'is for positions that wrap after a turn: with a '
-                   'drive.joint_ratio other than 1 and -1 they must count their turns')
+                   'drive.joint_ratio other than 1 and -1, and at a change point that repeats '
+                   'after two turns, they must count their turns')
     if len(set(scene.outputs)) != len(scene.outputs):
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
@@ -502,11 +509,3 @@ def _check_together(scene: Scene) -> None:
             _ = scene.transmission
         except FourBarError as error:
             refuse('drive.start', f'chooses the branch of trajectories, but {error}')
-
-
-def check_for_node(scene: Scene) -> None:
-    """Refuse a scene that can be computed, but not run by a node."""
-    if scene.dynamics and scene.linkage.change_point_margin == 0.0:
-        raise InvalidParameter('drive.source', scene.drive.source, 'at its change points this '
-                               'linkage goes on in the other assembly mode, which a node does not '
-                               'follow: use fourbar simulate')

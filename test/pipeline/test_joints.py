@@ -4,7 +4,7 @@
 import math
 
 from fourbar_ros.description.model import model_of
-from fourbar_ros.pipeline.joints import GearedJoint, Scale
+from fourbar_ros.pipeline.joints import TurnCounter, Scale
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given
@@ -157,7 +157,7 @@ def test_a_driven_joint_counts_turns_where_its_input_wraps():
     assert all(map(math.isfinite, positions(scene, [1e16, -1e16]).ravel()))
 
 
-# --- a geared input that wraps -------------------------------------------------------------------
+# --- an input that wraps ------------------------------------------------------------------------
 
 def wrapped(angles):
     return (np.asarray(angles) + np.pi) % (2.0 * np.pi) - np.pi
@@ -165,7 +165,7 @@ def wrapped(angles):
 
 def counted(angles, seconds, rates=None):
     """Return (joint, positions counted, how many were in doubt)."""
-    joint, rates = GearedJoint(1.0), [math.nan] * len(angles) if rates is None else rates
+    joint, rates = TurnCounter(1.0), [math.nan] * len(angles) if rates is None else rates
     found = [joint.counted(round(1e9 * t), float(x), float(v))
              for t, x, v in zip(seconds, angles, rates)]
     return joint, np.array([x for x, _ in found]), sum(is_in_doubt for _, is_in_doubt in found)

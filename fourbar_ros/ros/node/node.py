@@ -19,7 +19,7 @@ from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import find_parameter, of_name
-from fourbar_ros.scene.scene import check_for_node, from_values, naming_nan, Scene
+from fourbar_ros.scene.scene import from_values, naming_nan, Scene
 from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import SERVICES
 from rcl_interfaces.msg import (
@@ -96,7 +96,6 @@ class FourBarNode(GuardedNode):
 
     def _check(self, scene: Scene) -> None:
         """Refuse a scene that a node cannot run, or whose answers would be its own inputs."""
-        check_for_node(scene)
         received = {self.resolve_topic_name(topic.topic): topic for topic in scene.received}
         for topic in scene.published:
             name = self.resolve_topic_name(topic.topic)

@@ -79,7 +79,8 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         response.message = ('position, velocity, acceleration must be finite, an angle less than '
                             f'{FARTHEST:.3g} rad in size, and the result finite')
     elif status == stepper.TOGGLE:
-        response.message = 'toggle position: rates and loads are unbounded'
+        response.message = ('toggle position: rates and loads are unbounded; at the flat '
+                            'position of a change point the motion goes on, loads are not known')
     return response
 
 
@@ -202,7 +203,7 @@ def _message(extremum: Extremum) -> Message:
     message.quantity, message.unit = extremum.quantity, extremum.unit
     message.mode = mode_number(extremum.mode)
     message.kind = getattr(message, f'KIND_{extremum.kind.upper()}')
-    message.place = getattr(message, f'PLACE_{extremum.place.upper().replace("-", "_")}')
+    message.place = getattr(message, f'PLACE_{extremum.place.upper()}')
     message.side, message.is_global = int(extremum.side), bool(extremum.is_global)
     message.proof = extremum.proof
     for name in ('theta1', 'slide', 'value', 'condition', 'value_condition'):

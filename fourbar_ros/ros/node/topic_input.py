@@ -38,7 +38,7 @@ class TopicInput:
         self._counts = troubles.counts
         troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
                         'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
-                        'deadlines_missed', 'faults')
+                        'deadlines_missed', 'turns_in_doubt', 'faults')
         self._scene = scene = stream.scene   # of the last input whose rates were estimated
         self._settings = settings = scene.drive      # those that do not change
         self._topic = INPUTS[settings.source]
@@ -52,12 +52,9 @@ class TopicInput:
         # first messages, while the driven joint never came
         self._without_driven: list[Message] = []
         self._estimator = estimator_of(scene)
-        is_geared = settings.source == 'joint_state' and abs(settings.joint_ratio) != 1.0
-        self._geared = joints.GearedJoint(gap_of(settings.timeout)) if is_geared else None
-        takes_top_speed = not (is_geared or scene.linkage.is_driven_by_slide)
+        self._counter = joints.TurnCounter(gap_of(settings.timeout))
+        takes_top_speed = not (scene.must_count_turns or scene.linkage.is_driven_by_slide)
         self._restarted = RESTARTED.format(WRAPS if takes_top_speed else '')
-        if is_geared:
-            troubles.expect('turns_in_doubt')
         # since the last diagnostics: lists of names with the driven joint, and passive joints of
         # ours that others sent; whether there were messages of others without the driven joint
         self._name_lists: set[tuple[str, ...]] = set()
@@ -154,8 +151,10 @@ class TopicInput:
                 self._names = message.name
                 self._name_lists.add(tuple(message.name))
                 self._taken_joints |= set(self._shown).intersection(message.name)
-            motion = self._scale.to_input(*self._counted(nanoseconds, *motion))
-        position, velocity, acceleration = motion
+        if self._stream.scene.must_count_turns:
+            motion = self._counted(nanoseconds, *motion)
+        position, velocity, acceleration = (
+            self._scale.to_input(*motion) if self._settings.source == 'joint_state' else motion)
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
             velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
@@ -179,18 +178,17 @@ class TopicInput:
 
     def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
                  ) -> tuple[float, float, float]:
-        """Return the motion of the joint, behind a gear with the turns of its position counted."""
-        if self._geared:
-            wrapped = self._geared.wraps
-            position, is_in_doubt = self._geared.counted(stamp, position, velocity)
-            joint = f'joint {self._settings.joint!r}'
-            if self._geared.wraps and not wrapped:
-                self._troubles.log('wraps', f'{joint} wraps after a turn, which is none behind a '
-                                   'gear: its turns are counted from the first message on, which '
-                                   'is taken to be in turn 0')
-            if is_in_doubt:
-                self._troubles.count('turns_in_doubt', f'{joint}: a pause in positions that wrap; '
-                                     'it may have made turns')
+        """Return a motion with the turns of its position counted."""
+        wrapped = self._counter.wraps
+        position, is_in_doubt = self._counter.counted(stamp, position, velocity)
+        what = f'joint {self._settings.joint!r}' if self._settings.joint else 'the input'
+        if self._counter.wraps and not wrapped:
+            self._troubles.log('wraps', f'{what} wraps after a turn, which leads to another pose '
+                               '(behind a gear, at a change point): its turns are counted from '
+                               'the first message on, which is taken to be in turn 0')
+        if is_in_doubt:
+            self._troubles.count('turns_in_doubt', f'{what}: a pause in positions that wrap; '
+                                 'it may have made turns')
         return position, velocity, acceleration
 
     def _who_else_sends(self) -> list[str]:
