@@ -3,9 +3,9 @@
 """
 Means over the input of a mechanism: inputs and weights of sum one, and a mean that settles.
 
-Over a full turn the trapezoidal rule, which is spectral there. Else Gauss's rule in the angle phi
-of x = middle + half sin(phi): roots of the distance to a toggle at an end, as angles have, are
-smooth in phi. Ranges are cut at the flat positions of a change point, where loads jump.
+Over a full period the trapezoidal rule, which is spectral there. Else Gauss's rule in the angle
+phi of x = middle + half sin(phi): roots of the distance to a toggle at an end, as angles have, are
+smooth in phi. Ranges are cut at the flat positions of a change point, where reactions have poles.
 """
 from __future__ import annotations
 
@@ -33,9 +33,14 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 def smooth_ranges(mechanism: Mechanism) -> Ranges:
     """Return the ranges of the input [rad or m], cut at the flat positions inside them."""
-    pieces = list[tuple[float, float]]()
-    for low, high in mechanism.input_ranges:
-        cuts = [low, *sorted({x for x in mechanism.flat_inputs if low < x < high}), high]
+    pieces, ranges = list[tuple[float, float]](), mechanism.input_ranges
+    flats = {*mechanism.flat_inputs}
+    if mechanism.turns_fully:
+        ranges = ((-0.5 * mechanism.period, 0.5 * mechanism.period),)
+    if not mechanism.is_driven_by_slide:
+        flats |= {x + turn for x in flats for turn in (-2.0 * pi, 2.0 * pi)}
+    for low, high in ranges:
+        cuts = [low, *sorted({x for x in flats if low < x < high}), high]
         pieces += zip(cuts, cuts[1:])
     return tuple(pieces)
 
@@ -46,8 +51,10 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
 
     ``ranges``: parts of the input [rad or m] instead, each without a toggle inside.
     """
-    if mechanism.turns_fully and not ranges and not mechanism.flat_inputs:
-        return 2.0 * pi * np.arange(points) / points, np.full(points, 1.0 / points)
+    if mechanism.turns_fully and not ranges:
+        start = 0.5 if mechanism.flat_inputs else 0.0       # beside their poles
+        return (mechanism.period * (np.arange(points) + start) / points,
+                np.full(points, 1.0 / points))
     roots, weights = _gauss(min(points, MOST_OF_RANGE))
     phi, ranges = 0.5 * pi * roots, ranges or smooth_ranges(mechanism)
     whole = sum(high - low for low, high in ranges)
