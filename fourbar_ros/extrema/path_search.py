@@ -233,12 +233,12 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
-    unknown: Array = np.full(roots.quantity.size, nan)
-    condition, value_condition, value = (
-        sampled_conditions(sampler, roots.x, roots.quantity, roots.spacing) if with_conditions
-        else (unknown, unknown, roots.value))
-    value = np.where((roots.value != 0.0) & (roots.spacing > NARROW), value, roots.value)
-    value = sampler.same_turn(samples.values[roots.quantity, roots.before], value, roots.quantity)
+    condition, value_condition = np.full((2, roots.quantity.size), nan)
+    if with_conditions and sampler.linkage.change_point_margin:
+        condition, value_condition = sampled_conditions(sampler, roots.x, roots.quantity,
+                                                        roots.spacing)
+    value = sampler.same_turn(samples.values[roots.quantity, roots.before], roots.value,
+                              roots.quantity)
     columns = {'quantity': roots.quantity, 'x': sampler.fold(roots.x), 'value': value,
                'sense': roots.sense, 'condition': condition,
                'value_condition': value_condition, 'noise': roots.rounding}
@@ -451,17 +451,14 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
 
 
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
-                       spacing: Array) -> tuple[Array, Array, Array]:
+                       spacing: Array) -> tuple[Array, Array]:
     """
-    Return the conditions of the input and of the relative value of n extrema and the values, (n,).
+    Return the conditions of the input and of the relative value of n extrema, (n,).
 
     They come from derivatives by the lengths beside each: see the top of this file. ``x``: inputs
-    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there. Those of a
-    change point, which other lengths are not, are NaN.
+    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there. A change
+    point has none, as linkages of other lengths are none.
     """
-    if sampler.linkage.change_point_margin == 0.0:
-        unknown = np.full(x.size, nan)
-        return unknown, unknown, sampler.values(x)[row, np.arange(row.size)]
     turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
     around, rows = np.concatenate((x - turn, x, x + turn)), np.concatenate((row, row, row))
     (_, value, _), (before, _, after) = (
@@ -469,4 +466,4 @@ def sampled_conditions(sampler: Sampler, x: Array, row: Array,
     by = sampler.by_lengths(around, rows).reshape(3, row.size, -1)
     with np.errstate(divide='ignore', invalid='ignore'):
         return (np.abs(by[2] - by[0]).sum(axis=1) / np.abs(after - before),
-                np.abs(by[1]).sum(axis=1) / np.abs(value), value)
+                np.abs(by[1]).sum(axis=1) / np.abs(value))
