@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Which dyads are solved as pairs, what follows from their lengths, and where they close.
+What follows from the lengths of pairs, and where they close.
 
 A dyad is a pair where the links on which it hangs are joined to each other, see
 :mod:`.solve.pairs`.
@@ -22,6 +22,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import (
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import exact_sum, is_zero, NumberType, power_of_two, Scalar
+
 
 def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: KnownJoints
            ) -> tuple[Any, ...]:
@@ -72,16 +73,6 @@ def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         with_shapes.append(lengths._replace(reach=reach, shape=shape))
         joints.add(stage, lengths)
     return with_shapes
-
-
-def with_pairs(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> Layout:
-    """Return a layout whose stages have a ``pair`` where two links joined to each other carry them."""
-    joints, stages = KnownJoints(layout.driver), []
-    for stage, lengths in zip(layout.stages, dyad_lengths):
-        pair = None if stage.name == CYLINDER else joints.pair_of(stage)
-        stages.append(stage._replace(pair=pair))
-        joints.add(stage, lengths)
-    return layout._replace(stages=tuple(stages))
 
 
 # (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
-from decimal import Decimal
 from functools import cached_property, partial
 from math import nan, pi, remainder
 from typing import Any, ClassVar, TYPE_CHECKING
@@ -33,13 +32,12 @@ from fourbar_ros.mechanisms.machine.describe.description import (
 )
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
 from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
-from fourbar_ros.mechanisms.machine.joined import shaped, with_pairs
+from fourbar_ros.mechanisms.machine.joined import PairRange, shaped
 from fourbar_ros.mechanisms.machine.margins import make_along
 from fourbar_ros.mechanisms.machine.ranges import (
     DOUBLE,
     DyadRanges,
     find_ranges,
-    flat_input,
     Limit,
     Near,
     RangeEnds,
@@ -124,7 +122,6 @@ class Machine(Mechanism):
         self._set(dyads=checked_dyads(self.dyads, self.input),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        layout = with_pairs(layout, [dyad.lengths for dyad in self.stages])
         self._set(layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
@@ -187,21 +184,15 @@ class Machine(Mechanism):
 
         ``stages``: as :attr:`stages`, the dyads and, if one drives, first the cylinder as a dyad.
         """
-        # the lengths decide which dyads are solved as pairs, see solve.pairs
-        layout = with_pairs(self.layout, [dyad.lengths for dyad in stages])
         if self.cylinder is None:
-            return self._copy(stages=tuple(stages), dyads=tuple(stages), layout=layout)
+            return self._copy(stages=tuple(stages), dyads=tuple(stages))
         first = stages[0]
         cylinder = self.cylinder._replace(base=first.second, pin=first.first, mode=first.mode)
-        return self._copy(stages=tuple(stages), dyads=tuple(stages[1:]), layout=layout,
-                          cylinder=cylinder)
+        return self._copy(stages=tuple(stages), dyads=tuple(stages[1:]), cylinder=cylinder)
 
     @property
     def numbers_of_lengths(self) -> tuple[str, ...]:
-        """
-        Return the meaning of each number of its dyads, see :attr:`.Mechanism.numbers_of_lengths`.
-
-        """
+        """Return the names of the lengths of its dyads, '' for a cosine or sine of an angle."""
         names: list[str] = []
         for dyad in self.stages:        # in the order of DyadLengths: p, q, sizes
             names += [f'{dyad.name}.{end}.{name}' for end in ('first', 'second')
@@ -272,19 +263,17 @@ class Machine(Mechanism):
 
     @property
     def flat_inputs(self) -> tuple[float, ...]:
-        """Return the inputs of change points through which the motion goes on [rad or m]."""
+        """Return the inputs inside the ranges at which a pair lies flat [rad or m], in order."""
         return tuple(self._ranges.flats)
+
+    @property
+    def _has_odd_turns(self) -> bool:
+        return self._ranges.turns == 2
 
     @property
     def flat_limits(self) -> tuple[float, ...]:
         """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
         return tuple([end.x for end in self._ends if end.is_flat])
-
-    def flat_place(self, position: float) -> Decimal:
-        """Return the input of a flat position [rad or m] in many digits."""
-        pairs = self._flat_pairs_at(position)
-        return flat_input(self.layout, self.dyad_lengths, self.signs,
-                          min(pairs) if pairs else self._stage_at(position), position)
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
@@ -315,33 +304,23 @@ class Machine(Mechanism):
         return min([abs(z.imag) / self.input_unit for z in self._complex_toggles], default=1.0)
 
     @property
-    def is_flat_at_zero(self) -> bool:
-        """Return whether input 0 is a flat position."""
-        return 0.0 in self.flat_inputs
-
-    @property
     def modes(self) -> dict[int, str]:
-        """Return {mode: 'DYAD MODE, ...'}: its own, and those into which flat positions lead."""
-        modes = dict.fromkeys([self.mode, *map(self.mode_beyond, self.flat_inputs)])
-        return {machine.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in machine.stages
-                                        if dyad.kind not in OF_ONE_MODE) or 'one'
-                for machine in map(self.in_mode, modes)}
+        """Return {mode: 'DYAD MODE, ...'}, its own alone: other ones are other machines."""
+        return {self.mode: ', '.join(f'{dyad.name} {dyad.mode}' for dyad in self.stages
+                                     if dyad.kind not in OF_ONE_MODE) or 'one'}
 
     def mode_beyond(self, limit: float) -> int:
-        """Return the mode in which a motion goes on smoothly beyond a limit or a flat position."""
-        passed = self._flat_pairs_at(limit)
-        if not passed:
-            dyad = self._stage_at(limit)
-            if self.stages[dyad].kind in OF_ONE_MODE:     # goes on in x, not in its root
-                return self.mode
-            passed = frozenset({dyad})
-        return 1 + ((self.mode - 1) ^ sum(1 << dyad for dyad in passed))
+        """Return the mode into which quantities go on smoothly at a toggle, a limit."""
+        dyad = self._stage_at(limit)
+        # of these they go on in x, not in its root
+        return self.mode if self.stages[dyad].kind in OF_ONE_MODE else 1 + (
+            (self.mode - 1) ^ (1 << dyad))
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
-        """Return the modes between which a motion goes on: at flat positions and toggles."""
-        ends = [end.x for end in self._ends if end.dyad]
-        return tuple(sorted({*self.modes, *map(self.mode_beyond, ends)}))
+        """Return the modes between which a motion goes on at toggles."""
+        return tuple(sorted({self.mode, *[self.mode_beyond(end.x) for end in self._ends
+                                          if end.dyad]}))
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the machine driven at a link on the ground, if its dyad alone stops the crank."""
@@ -355,6 +334,11 @@ class Machine(Mechanism):
         if (dyad.kind != 'RRR' or set(ends) != {self.layout.driven, GROUND}
                 or not all(any(end[1:]) for end in ends.values())):
             return ()
+        # a pair that lies flat counts the turns of the crank, which are not known there
+        if any(PairRange(stage, lengths).flats
+               for stage, lengths in zip(self.layout.stages, self.dyad_lengths)
+               if stage.pair and {stage.first, stage.second} == {0, 1}):
+            return ()
         from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink  # torque alone
         return tuple([SeenFromLink(self.layout, self.dyad_lengths, self.signs, index, mode)
                       for mode in (CROSSED, OPEN)])
@@ -362,11 +346,6 @@ class Machine(Mechanism):
     @property
     def _ends(self) -> list[Limit]:
         return [end for bound in self.limits if bound for end in bound]
-
-    def _flat_pairs_at(self, position: float) -> frozenset[int]:
-        """Return the indices of the pairs that lie flat at an input without stopping motion."""
-        return next((pairs for flat, pairs in self._ranges.flats.items()
-                     if abs(self.distance(position, flat)) < SAME * self.input_unit), frozenset())
 
     def _stage_at(self, position: float) -> int:
         """Return the index of the dyad at the limit next to an input."""
@@ -378,9 +357,10 @@ class Machine(Mechanism):
         error = super()._why_no_motion(position)
         unit = self.input_coordinate.unit
         if isinstance(error, Toggle):
-            pairs = self._ranges.flats.get(position)
-            return Toggle(error.name, position, unit, self.stages[
-                min(pairs) if pairs else self._stage_at(position)].name)
+            flat = next((name for x, name in self._ranges.flats.items()
+                         if self.distance(position, x) == 0.0), None)
+            return Toggle(error.name, position, unit,
+                          flat or self.stages[self._stage_at(position)].name)
         x, turns = position, [0.0]
         if not self.is_driven_by_slide:
             x, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]

@@ -84,16 +84,10 @@ def make_square(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
 
 
 def make_flatness(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                  signs: Sequence[Scalar], dyad: int,
-                  converted: Sequence[DyadLengths] | None = None) -> Function:
-    """
-    Return input -> (distance from a flat position, side) of the pair of this index.
-
-    ``converted``: as for :func:`make_assembly_margin`.
-    """
+                  signs: Sequence[Scalar], dyad: int) -> Function:
+    """Return input -> (distance from a flat position, side) of the pair of this index."""
     flatness = PairRange(layout.stages[dyad], dyad_lengths[dyad]).flatness
-    return make_along(n, layout, dyad_lengths if converted is None else converted, signs, dyad,
-                      lambda ends: flatness(ends.relative))
+    return make_along(n, layout, dyad_lengths, signs, dyad, lambda ends: flatness(ends.relative))
 
 
 def make_along(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],

@@ -11,13 +11,17 @@ of the input. This finds every range that is wider than the last pieces, some 1e
 and proves nothing.
 
 Change points. Of a pair (:mod:`.pairs`) exact sums of lengths tell whether it closes through one;
-where it then lies flat, motion goes on with all its digits. Of other dyads a margin has a
-positive minimum, a double root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in
-many digits, as the value of
+where it then lies flat, motion goes on. Of other dyads a margin has a positive minimum, a double
+root, or a pair of roots: a minimum below :data:`DOUBTFUL` is decided in many digits, as the value
+of
 
     (X4)  v = c0 - c1^2 / (4 c2),   c0 + c1 t + c2 t^2 + ... the margin at t beside the minimum
 
 A double root is a limit of the range, on both sides, where the dyad is at a toggle.
+
+A pair with one flat direction (a kite) is after a turn on its other side. Between the frame and
+the driven crank it counts turns, and all repeats after two. Elsewhere the turns of its relative
+angle are not counted: that must not pass the opposite direction.
 """
 from __future__ import annotations
 
@@ -88,9 +92,9 @@ class DyadRanges(NamedTuple):
     limits: tuple[RangeEnds, ...]       # (low, high) of each range, None of a full turn
     near: tuple[Near, ...]          # searches for complex inputs at which a dyad is in line
     stopped: str = ''               # the first dyad that closes nowhere
-    # {input: indices of the pairs that lie flat there}, where the motion goes on
-    flats: dict[float, frozenset[int]] = {}
+    flats: dict[float, str] = {}    # {input: the first pair that lies flat there}
     poles: tuple[Near, ...] = ()    # searches for complex inputs at which the ends of a dyad meet
+    turns: int = 1                  # of a crank that turns fully, after which all repeats
 
 
 def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
@@ -101,7 +105,7 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
     ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
     search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
-    search = _Search(layout, dyad_lengths, signs, unit)
+    search = _Search(layout, dyad_lengths, signs)
     if layout.driver == 'crank':
         limits: list[RangeEnds] = [None]
     else:
@@ -111,22 +115,52 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
             low, high = abs(rho - b), rho + b
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
-    near: list[Near] = []
-    flats: dict[float, frozenset[int]] = {}
+    near, flats, twice = list[Near](), dict[float, str](), ''
     for i, (stage, lengths) in enumerate(zip(layout.stages, dyad_lengths)):
         pair_range = PairRange(stage, lengths) if stage.pair else None
+        is_driven = (pair_range is not None and {stage.first, stage.second} == {0, 1}
+                     and layout.driver != CYLINDER)
         if pair_range and pair_range.is_impossible:
             return DyadRanges((), (), stage.name)
+        turns = 2 if twice and not is_driven else 1
         if has_toggles(stage, lengths):
-            split = [search.split(bound, i) for bound in limits]
+            split = [search.split(bound, i, turns) for bound in limits]
             limits = [part for parts, _ in split for part in parts]
             near += [toggles for _, toggles in split]
             if not limits:
                 return DyadRanges((), (), stage.name)
+        found: list[float] = []
         if pair_range and pair_range.flats:
-            flats = search.with_flats(flats, pair_range, limits, i)
+            found = (flats_of_driven(pair_range, moving_link(stage) == 1, limits) if is_driven
+                     else search.flats(pair_range, limits, i, turns))
+        if turns == 2 and (found or limits != [None]):
+            raise InvalidParameter(f'dyads.{stage.name}', None, 'ends the range or lies flat in '
+                                   f'one turn of the crank, not in the next: dyad {twice} repeats '
+                                   'after two')
+        for x in found:
+            if all(abs(x - known) > SAME * unit for known in flats):
+                flats[x] = stage.name
+        if limits != [None]:
+            twice = ''
+        elif is_driven and len(found) == 1:
+            twice = twice or stage.name
+    turns = 2 if twice else 1
     return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
-                      poles=tuple([partial(search.poles, bound) for bound in limits]))
+                      poles=tuple([partial(search.poles, bound, turns) for bound in limits]),
+                      turns=turns)
+
+
+def flats_of_driven(pair_range: PairRange, is_moving: bool, limits: Sequence[RangeEnds]
+                    ) -> list[float]:
+    """
+    Return the inputs within ``limits`` at which a pair between frame and driven link lies flat.
+
+    ``is_moving``: whether the driven link, not the frame, moves in the pair's frame.
+    """
+    turns = (0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)
+    flats = [pair_range.input_at(direction, is_moving) for direction in pair_range.flats]
+    return [x for x in flats if any(bound is None or bound[0].x < x + turn < bound[1].x
+                                    for bound in limits for turn in turns)]
 
 
 class _Path(NamedTuple):
@@ -141,9 +175,10 @@ class _Path(NamedTuple):
     is_closed: bool
 
     @classmethod
-    def of(cls, bound: RangeEnds) -> _Path:
-        """Return the path of a range."""
-        return cls(-pi, pi, True) if bound is None else cls(bound[0].x, bound[1].x, False)
+    def of(cls, bound: RangeEnds, turns: int) -> _Path:
+        """Return the path of a range, or of a crank that turns fully."""
+        return (cls(-pi * turns, pi * turns, True) if bound is None
+                else cls(bound[0].x, bound[1].x, False))
 
     def to_input(self, phi: Any) -> Any:
         """Return the inputs at phi, real or complex."""
@@ -152,45 +187,22 @@ class _Path(NamedTuple):
     def start(self) -> Array:
         """Return the phi of the first samples, denser at both ends but not in these toggles."""
         if self.is_closed:
-            return np.linspace(-pi, pi, PIECES + 1) + SEAM
+            pieces = PIECES * round((self.high - self.low) / (2.0 * pi))
+            return np.linspace(self.low, self.high, pieces + 1) + SEAM
         part = np.linspace(-1.0, 1.0, PIECES + 1)
         return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
 
 
-def flat_input(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
-               dyad: int, x: float) -> Decimal:
+def _margin_terms(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
+                  dyad: int) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
     """
-    Return the input near x at which a dyad lies flat, in many digits, by Newton's method.
+    Return input -> c0, c1, c2 there, as in (X4), of the margin of a dyad in many digits.
 
-    A root of :func:`.make_flatness` of a pair; of other dyads the minimum of their margin, a
-    double root, of which floats know half the digits only. ``dyad``: its index.
-    """
-    is_pair = layout.stages[dyad].pair is not None
-    with localcontext(MANY_DIGITS):
-        terms = _terms(make_flatness if is_pair else make_assembly_margin, layout, dyad_lengths,
-                       signs, dyad)
-        root = Decimal(x)
-        for _ in range(NEWTON_STEPS):
-            c0, c1, c2 = terms(root)
-            step = c0 / c1 if is_pair else c1 / (2 * c2)
-            root -= step
-            if abs(step) < NO_MARGIN * max(abs(root), Decimal(1)):
-                break
-        return root
-
-
-def _terms(make: Function, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-           signs: Sequence[float], dyad: int
-           ) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
-    """
-    Return input -> c0, c1, c2 there, as in (X4), of a margin or flatness in many digits.
-
-    ``make``: :func:`.make_assembly_margin` or :func:`.make_flatness`. To be made and called within
-    the context of many digits.
+    To be made and called within the context of many digits.
     """
     data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
-    trace = Trace(lambda n, converted: make(n, layout, dyad_lengths, signs, dyad, converted), 1,
-                  data)
+    trace = Trace(lambda n, converted: make_assembly_margin(n, layout, dyad_lengths, signs, dyad,
+                                                            converted), 1, data)
     value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
 
     def terms(x: Decimal) -> tuple[Decimal, Decimal, Decimal]:
@@ -226,16 +238,20 @@ def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]
 class _Search:
     """The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`."""
 
-    def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
-                 unit: float) -> None:
-        self._machine, self._unit = (layout, dyad_lengths, signs), unit
+    def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+                 signs: Sequence[float]) -> None:
+        self._machine = layout, dyad_lengths, signs
 
-    def split(self, bound: RangeEnds, dyad: int) -> tuple[list[RangeEnds], Near]:
-        """Return the parts of a range in which a dyad closes, and a search near them."""
+    def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], Near]:
+        """
+        Return the parts of a range in which a dyad closes, and a search near them.
+
+        ``turns``: of a full turn, after which the dyad is again where it was.
+        """
         stage = self._machine[0].stages[dyad]
         in_complex, in_floats = [make_assembly_margin(n, *self._machine, dyad)
                                  for n in (ARRAY, REAL)]
-        path = _Path.of(bound)
+        path = _Path.of(bound, turns)
         phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
         is_open = value > 0.0
 
@@ -289,8 +305,12 @@ class _Search:
         the side on which the dyad closes.
         """
         with localcontext(MANY_DIGITS):
-            terms = _terms(make_assembly_margin, *self._machine, dyad)
-            lowest = flat_input(*self._machine, dyad, x)
+            terms, lowest = _margin_terms(*self._machine, dyad), Decimal(x)
+            for _ in range(NEWTON_STEPS):       # to the minimum
+                c0, c1, c2 = terms(lowest)
+                lowest -= c1 / (2 * c2)
+                if abs(c1) < NO_MARGIN * abs(2 * c2) * max(abs(lowest), Decimal(1)):
+                    break
             c0, c1, c2 = terms(lowest)
             least = c0 - c1 * c1 / (4 * c2)
             if least > NO_MARGIN:
@@ -311,9 +331,9 @@ class _Search:
                               else nextafter(limit, side))
             return tuple(limits)
 
-    def poles(self, bound: RangeEnds) -> list[complex]:
+    def poles(self, bound: RangeEnds, turns: int) -> list[complex]:
         """Return the complex inputs near a range at which the ends of a dyad meet."""
-        path, poles = _Path.of(bound), list[complex]()
+        path, poles = _Path.of(bound, turns), list[complex]()
         for dyad, stage in enumerate(self._machine[0].stages):
             if stage.kind not in ('RRR', 'RPR') or stage.name == CYLINDER:
                 continue
@@ -326,75 +346,34 @@ class _Search:
                 poles += _near(square, path, *samples)
         return poles
 
-    def with_flats(self, flats: dict[float, frozenset[int]], pair_range: PairRange,
-                   limits: Sequence[RangeEnds], dyad: int) -> dict[float, frozenset[int]]:
+    def flats(self, pair_range: PairRange, limits: Sequence[RangeEnds], dyad: int,
+              turns: int) -> list[float]:
         """
-        Return {input: pairs that lie flat there} with the pair ``dyad``, where motion goes on.
+        Return the inputs within ``limits`` at which a pair away from the crank lies flat, in order.
 
-        A pair between the frame (link 0) and the driven link (1) lies flat where the input itself
-        says so, unless a cylinder drives; any other pair is searched for within the ``limits``.
+        Each to one float. InvalidParameter if it is of one direction, and passes the opposite one.
         """
-        stage = self._machine[0].stages[dyad]
-        assert stage.pair is not None
-        frame, driven, hosts = 0, 1, (stage.pair.frame, moving_link(stage))
-        if set(hosts) == {frame, driven} and self._machine[0].driver != CYLINDER:
-            turns = (0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)
-            inputs = [pair_range.input_at(direction, hosts[1] == driven)
-                      for direction in pair_range.flats]
-            inputs = [x for x in inputs if any(
-                bound is None or bound[0].x < x + turn < bound[1].x
-                for bound in limits for turn in turns)]
-        else:
-            inputs = [x for bound in limits for x in self._flats_between(
-                bound, pair_range.flats, dyad, flats)]
-        joined = dict(flats)
-        for x in inputs:
-            same = next((known for known in joined if self._distance(x, known) < SAME), x)
-            joined[same] = joined.get(same, frozenset()) | {dyad}
-        return joined
-
-    def _distance(self, first: float, second: float) -> float:
-        """Return the distance of two inputs [rad, or units of a slide], turns not counted."""
-        difference = first - second
-        if self._machine[0].driver == 'crank':
-            return abs(difference - 2.0 * pi * round(difference / (2.0 * pi)))
-        return abs(difference) / self._unit
-
-    def _flats_between(self, bound: RangeEnds, signs: Sequence[float],
-                       dyad: int, known: dict[float, frozenset[int]]) -> list[float]:
-        """
-        Return the inputs of a range at which a pair away from the crank lies flat, to one float.
-
-        ``signs``: of :attr:`.PairRange.flats`; ``known``: flat inputs of pairs before, at which
-        the motion has a kink, so that samples are taken between them.
-        """
-        in_complex, in_floats = [make_flatness(n, *self._machine, dyad)
-                                 for n in (ARRAY, REAL)]
-        low, high = (-pi, pi) if bound is None else (bound[0].x, bound[1].x)
-        turns = (0.0, 2.0 * pi) if self._machine[0].driver == 'crank' else (0.0,)
-        inner = sorted({x + turn for x in known for turn in turns if low < x + turn < high})
-        name = self._machine[0].stages[dyad].name
-
-        def is_on_side(x: float) -> bool:
-            """Return whether the pair lies flat in one of its directions, not the opposite one."""
-            return any(sign * in_floats(x)[1] >= 0.0 for sign in signs)
-
-        # where the motion has a kink it may lie flat without a change of sign
-        flats = [x for x in inner if abs(in_floats(x)[0]) < SAME and is_on_side(x)]
-        for begin, end in zip([low, *inner], [*inner, high]):
-            path = _Path(begin, end, False)
+        name, signs = self._machine[0].stages[dyad].name, pair_range.flats
+        in_complex, in_floats = [make_flatness(n, *self._machine, dyad) for n in (ARRAY, REAL)]
+        flats = []
+        for bound in limits:
+            path = _Path.of(bound, turns)
             phi, value, _ = _resolved(path.start(), _sampled(
                 lambda x: in_complex(x)[0], path), name)
-            if np.abs(value).max() < SAME:
-                continue
-            for i in np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)):
+            moves = np.abs(value).max() > SAME
+            changes = np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)) if moves else [0]
+            for i in changes:
                 low, high = path.to_input(phi[i:i + 2]).tolist()
                 x = _root(lambda x: in_floats(x)[0], low, high, bool(value[i] > 0.0))
-                if is_on_side(x):
-                    flats.append(x)
-        if bound is None and in_floats(pi)[0] * in_floats(-pi)[0] < 0.0 and is_on_side(pi):
-            flats.append(pi)
-        return flats
+                if all(sign * in_floats(x)[1] < 0.0 for sign in signs):
+                    raise InvalidParameter(
+                        f'dyads.{name}', None, 'is a kite on links that turn fully against each '
+                        f'other, at input {x:.6g}: it can be one on the frame and the driven crank')
+                if moves:
+                    is_angle = self._machine[0].driver == 'crank'
+                    flats.append(x - 2.0 * pi if is_angle and x > pi else
+                                 x + 2.0 * pi if is_angle and x <= -pi else x)
+        return sorted(flats)
 
 
 def _parts_between(bound: RangeEnds, ends: list[Limit]) -> list[RangeEnds]:

@@ -9,6 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.machine.describe.description import Dyad
+from fourbar_ros.mechanisms.machine.solve.pairs import KnownJoints
 from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
     CYLINDER,
@@ -37,7 +38,7 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
     links, owners, stages = [frame, driven], {frame: '', driven: 'the driven link'}, []
     if frame != GROUND:
         owners[frame] = 'the link at the base of the cylinder'
-    names: set[str] = set()
+    names, joints = set[str](), KnownJoints(driver)
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
         if dyad.name in names:
@@ -52,8 +53,12 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
             if link not in links:
                 raise InvalidParameter(f'{where}.{end}.link', link,
                                        _why_not_there(dyads, link, links))
-        stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
-                            links.index(dyad.second.link), dyad.links, len(links)))
+        stage = Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
+                      links.index(dyad.second.link), dyad.links, len(links))
+        if dyad.name != CYLINDER:
+            stage = stage._replace(pair=joints.pair_of(stage))
+        stages.append(stage)
+        joints.add(stage, dyad.lengths)
         links += dyad.links
         owners.update(dict.fromkeys(dyad.links, f'a link of dyad {dyad.name}'))
     if GROUND not in links:
