@@ -100,6 +100,7 @@ class Kind(NamedTuple):
     bodies: object = None
     external: object = None
     gravity: tuple = (0.0, 0.0)
+    is_flat: bool = False         # at a change point: its mode is a branch, not the sign of mode()
 
     @property
     def moving(self):
@@ -373,9 +374,18 @@ class Cartesian:
         return arb_mat(found.reshape(len(found), -1).tolist())
 
     def is_in_modes(self):
-        """Return whether each dyad lies as its mode says."""
+        """Return whether each dyad lies as its mode says, but those that lie flat somewhere."""
         if isinstance(self.machine, Kind):
-            return float(self.machine.mode(self)[0]) * self.machine.sign > 0
+            return self.machine.is_flat or self.sides()[0] * self.machine.sign > 0
+        has_flats = bool(self.machine.flat_inputs)
+        return all(side * dyad.sign > 0 or has_flats and stage.pair for side, dyad, stage in zip(
+            self.sides(), self.machine.stages, self.machine.layout.stages))
+
+    def sides(self):
+        """Return for each dyad a number whose sign is the side on which it closes."""
+        if isinstance(self.machine, Kind):
+            return [float(self.machine.mode(self)[0])]
+        sides = []
         for dyad in self.machine.stages:
             (_, (one, *_)), (_, (two, *_)) = map(self.link, dyad.links)
             p, q = (self.link(at.link)[0][0] + self.link(at.link)[1][0] * acb(*at[1:])
@@ -385,9 +395,8 @@ class Cartesian:
             if dyad.name == 'cylinder':
                 (pivot, *_), _ = self.link('crank')
                 sine = imag(conj(q - pivot) * (p - pivot))
-            if sine is not None and not float(sine[0]) * dyad.sign > 0:
-                return False
-        return True
+            sides.append(dyad.sign if sine is None else float(sine[0]))
+        return sides
 
     # --- results: {field: column} ----------------------------------------------------------------
 
@@ -540,8 +549,8 @@ def follow(found, end):
             there = Cartesian(machine, ((x + way).mid(), 1, 0), guess)
         except (ArithmeticError, ZeroDivisionError):
             there = None
-        if there and there.is_in_modes() and _size(there.q[0][:, :, 0] - guess) <= 0.05 * _size(
-                guess - q):
+        if there and all(now * before > 0 for now, before in zip(there.sides(), found.sides())
+                         ) and _size(there.q[0][:, :, 0] - guess) <= 0.05 * _size(guess - q):
             if share == 1:
                 return there
             found, x, share = there, (x + way).mid(), arb(1)
@@ -560,7 +569,8 @@ def reference_of(mechanism):
         return mechanism
     name = next((name for name in FACTS if type(mechanism) is kind_of(name, 'crank')), 'four_bar')
     return Kind(name, mechanism.lengths, 2 * mechanism.mode - 3, mechanism.input,
-                mechanism.bodies, mechanism.external, mechanism.gravity)
+                mechanism.bodies, mechanism.external, mechanism.gravity,
+                mechanism.change_point_margin == 0.0)
 
 
 def pose_of(mechanism, x):
