@@ -280,8 +280,10 @@ class Trace:
         simple = self.simplified({**self.literals(), **dict.fromkeys(self.switches, 0.0)},
                                  keeps_nan=True)
         needed = set(simple.needed(flat(simple.results)))
-        for index in self.needed(flat(self.results)):
-            if index not in needed and not simple.steps[index].is_given:
+        left_out = set(self.needed(flat(self.results))) - needed
+        for index, step in enumerate(simple.steps):
+            if not step.is_given and (index in left_out or not left_out.isdisjoint(step.arguments)):
+                left_out.add(index)
                 simple.steps[index] = NOTHING       # nor need it refuse its arguments
         return simple
 

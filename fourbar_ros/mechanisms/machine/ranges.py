@@ -353,7 +353,8 @@ class _Search:
 
         Each to one float. InvalidParameter if it is of one direction, and passes the opposite one.
         """
-        name, signs = self._machine[0].stages[dyad].name, pair_range.flats
+        stage, signs = self._machine[0].stages[dyad], pair_range.flats
+        name, is_driven = stage.name, {stage.first, stage.second} == {0, 1}
         in_complex, in_floats = [make_flatness(n, *self._machine, dyad) for n in (ARRAY, REAL)]
         flats = []
         for bound in limits:
@@ -365,11 +366,12 @@ class _Search:
             for i in changes:
                 low, high = path.to_input(phi[i:i + 2]).tolist()
                 x = _root(lambda x: in_floats(x)[0], low, high, bool(value[i] > 0.0))
-                if all(sign * in_floats(x)[1] < 0.0 for sign in signs):
+                is_opposite = all(sign * in_floats(x)[1] < 0.0 for sign in signs)
+                if is_opposite and not is_driven:
                     raise InvalidParameter(
                         f'dyads.{name}', None, 'is a kite on links that turn fully against each '
                         f'other, at input {x:.6g}: it can be one on the frame and the driven crank')
-                if moves:
+                if moves and not is_opposite:
                     is_angle = self._machine[0].driver == 'crank'
                     flats.append(x - 2.0 * pi if is_angle and x > pi else
                                  x + 2.0 * pi if is_angle and x <= -pi else x)

@@ -32,7 +32,7 @@ from collections.abc import Sequence
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine.solve.dyads import crank_of_half, Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, turned_by
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, make_moves, turned_by
 from fourbar_ros.mechanisms.machine.structure import (
     COEFFICIENTS,
     coordinate,
@@ -78,12 +78,17 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (V1)
     directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
                   turned_by((sides.cos_x, -sides.sin_x), of_base))
+    # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
+    (x, y), z = turned_by(of_base, of_pin), sign * sides.sin_2
+    middle = half_angle(n, sign * y, -sign * x, True)
+    beyond = half_angle(n, -z, sign * sides.cos_2, True)
+    half = turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
     error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
         n.fabs(sides.sin_2) + LEAST)                                                     # (V6)
     square = per * per
     return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
                              sides.dd_theta2 * square),
-                  (0.0, error), None, None,
+                  (0.0, error), half, None,
                   (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
                    sides.cos_b))
 
