@@ -70,10 +70,10 @@ class DriveStates:
         if isfinite(torque):
             self._torque = min(max(torque, -limit), limit)
 
-    def take(self, stamp: int, message: Any) -> None:
-        """Compare a state of a stamp [ns] with a step from the state before, or alone."""
+    def take(self, stamp: int, message: Any, mode: int) -> None:
+        """Compare a state of a stamp [ns], in a mode, with a step from the state before, or alone."""
         values = DriveValues(*(getattr(message, name) for name in DriveValues._fields))
-        status, mode, mover = message.status, message.mode, self._mover()
+        status, mover = message.status, self._mover()
         self._note('command', self._command_difference(status, values.command))
         # the stamps are a step apart: no message between them is missing
         follows = 0.5 < (stamp - self._stamp) * 1e-9 / (values.step or inf) < 1.5

@@ -28,11 +28,13 @@ from fourbar_ros.bag.outputs import (
     UNSETTLED,
 )
 from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of
+from fourbar_ros.bag.sides import AT_FLAT, BRANCHES, branch_at, modes_of
+from fourbar_ros.bag.sides import KEY as OF_MODES
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.joints import SceneJoints
-from fourbar_ros.pipeline.stepper import joints_of, OK, Stepper, Wanted
+from fourbar_ros.pipeline.stepper import joints_of, OK, Stepper, TOGGLE, Wanted
 from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import (
@@ -74,6 +76,7 @@ class Recomputed(NamedTuple):
     # states of a drive that were computed again by a step from the state before; of states at a
     # start or by another version of the integrator, accelerations and torques are compared
     stepped: int
+    other_branch: int           # motions that a change point had before a mode was a branch
     is_cut: bool                # a file of the bag has no end: the recording broke off
     made_by: str = ''           # version of fourbar_ros that recorded the bag; '' if not known
 
@@ -126,7 +129,8 @@ class Recomputation:
         # not yet computed: motions (log time, message); what acts from a motion on, with its index
         self._motions: list[tuple[int, Any]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
-        self._modes: dict[int, int] = {}            # {stamp: mode}, where a drive passes toggles
+        self._modes: dict[int, int] = {}            # {stamp: recorded mode}, of motion by torque
+        self._other_branch = 0                      # motions that are not on the branch of today
         self._changes: list[int] = []           # log times [ns] of new scenes and acting inputs
         # a later file of a split bag may hold values of the one before, until a motion is valid
         self._holds_unknown = origin.is_later
@@ -138,12 +142,15 @@ class Recomputation:
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
         self._joints_have_begun = False             # the turns of the first joint states are taken
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
+        self._has_branches = not origin.in_order or bag.about.get(OF_MODES) == BRANCHES
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
         last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
         self._comparison.begin(scene)
+        modes = None if self._has_branches else modes_of(scene.linkage)
+        self._are_sides, self._modes_known = modes is not None, modes or scene.linkage.modes_passed
         self._block = min(BLOCK, MOST_VALUES // len(scene.layout.index_of))
         self._joints = joints_of(scene, last, self._is_wrapped)
         self._stepper = Stepper(scene, self._acting, self._joints)
@@ -188,7 +195,15 @@ class Recomputation:
             self._modes[_stamp_of(message)] = message.mode
             if self._drive_states:
                 self._check_frame(name, message)
-                self._drive_states.take(_stamp_of(message), message)
+                self._drive_states.take(_stamp_of(message), message,
+                                        self._branch(message.mode, message.position)
+                                        if self._are_sides else message.mode)
+
+    def _branch(self, mode: int, position: float) -> int:
+        """Return the mode of a recorded one at an input, that of the scene for one that is not."""
+        if mode not in self._modes_known:
+            return self._stepper.mode
+        return branch_at(self._scene.linkage, mode, position) if self._are_sides else mode
 
     def _note_change(self, time: int) -> None:
         if not self._origin.in_order:
@@ -216,7 +231,8 @@ class Recomputation:
         Each motion is computed alone, as in the node: arrays may differ in the last bit.
         ``first``: index of the first motion in the bag.
         """
-        stepper, modes, rows = self._stepper, self._scene.linkage.modes_passed, []
+        stepper, rows = self._stepper, []
+        passes = len(self._scene.linkage.modes_passed) > 1      # toggles
         for index, (time, message) in enumerate(motions, first):
             while self._acts and self._acts[0][0] <= index:
                 _, name, acting = self._acts.popleft()
@@ -224,12 +240,16 @@ class Recomputation:
                 self._untold.discard(name)
             stamp = _stamp_of(message)
             mode = self._modes.pop(stamp, stepper.mode)
-            mode = mode if mode in modes else stepper.mode
+            branch = self._branch(mode, message.position)
             status, values = stepper.step(message.position, message.velocity,
-                                          message.acceleration, self._wanted, mode)
+                                          message.acceleration, self._wanted, branch)
             if status == OK:
                 self._holds_unknown = False
-            rows.append((stamp, mode, status, self._why_unsure(time), values))
+            why = self._why_unsure(time)
+            if self._are_sides:
+                self._other_branch += branch != (mode if passes else stepper.mode)
+                why = why or AT_FLAT * (status == TOGGLE)
+            rows.append((stamp, mode if mode in self._modes_known else branch, status, why, values))
         later = set() if self._origin.in_order else {
             _stamp_of(message) for _, message in self._motions}
         arrays = map(np.array, zip(*rows) if rows else [()] * 5)
@@ -279,7 +299,7 @@ class Recomputation:
              for (name, field), value in comparison.largest.items()],
             self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
             dict(comparison.skipped),
-            self._drive_states.stepped if self._drive_states else 0, not self._bag.is_finished,
+            self._drive_states.stepped if self._drive_states else 0, self._other_branch, not self._bag.is_finished,
             software_of(self._bag.about).get('fourbar_ros', ''))
 
 

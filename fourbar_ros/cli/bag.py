@@ -188,7 +188,7 @@ def _recompute(arguments: Namespace) -> int:
             'largest': result.largest, 'tolerance': arguments.tolerance, 'cut': result.is_cut,
             'inputs': result.inputs, 'compared': result.compared, 'unmatched': result.unmatched,
             'missing': result.missing, 'doubled': result.doubled, 'skipped': result.skipped,
-            'stepped': result.stepped,
+            'stepped': result.stepped, 'other_branch': result.other_branch,
             'differences': [difference._asdict() for difference in result.differences]}))
     else:
         if result.differences:
@@ -197,6 +197,9 @@ def _recompute(arguments: Namespace) -> int:
               f'difference {result.largest:g}' + ('; the bag is cut' if result.is_cut else ''))
         if result.stepped:
             print(f'{result.stepped} states of the drive stepped again from the one before')
+        if result.other_branch:
+            print(f'{result.other_branch} driven motions are on the other branch of a change '
+                  'point: the bag is from before 2.0, when a mode was a side')
         for why, count in result.skipped.items():
             print(f'not compared: {count} outputs {why}')
         for problem in problems:

@@ -306,8 +306,9 @@ class Scene:
                      self.drive.budget, self.drive.source == TORQUE.name, self.acting)
 
     def mover_in(self, mode: int) -> Mover:
-        """Return the Mover in a mode beyond a toggle; for an unknown mode, the scene's."""
-        return self.taken_in(mode).mover if mode in self.linkage.modes_passed else self.mover
+        """Return the Mover in another mode; for an unknown mode, the scene's."""
+        known = *self.linkage.modes, *self.linkage.modes_passed
+        return self.taken_in(mode).mover if mode in known else self.mover
 
     @cached_property
     def layout(self) -> FieldMap:

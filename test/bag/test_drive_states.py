@@ -21,7 +21,8 @@ ROCKER = {**PAPER, **RODS, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.source':
 def take_all(states, rows, first=0):
     """Give rows (status, mode, values) to DriveStates; ``first``: number of the first."""
     for k, (status, mode, values) in enumerate(rows, first + 1):
-        states.take(k * STEP, SimpleNamespace(status=status, mode=mode, **values._asdict()))
+        states.take(k * STEP, SimpleNamespace(status=status, **values._asdict()),
+                    mode)
 
 
 def rows_of(values, count, torques=()):

@@ -3,6 +3,7 @@
 """Bags without ROS: messages made by rosbags, which also decodes them for the reader."""
 import json
 
+from fourbar_ros.bag import sides
 from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recorder import BagWriter
@@ -140,6 +141,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
     if not is_wrapped:
         about[joints.KEY] = joints.CONTINUOUS
+    about[sides.KEY] = sides.BRANCHES
     channels = [channel(resolved[t.name], t.type, latched=t is SCENE) for t in topics]
     writer = BagWriter(directory, name, channels, about, **kwargs)
     number = {topic.name: i for i, topic in enumerate(topics)}

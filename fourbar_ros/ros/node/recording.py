@@ -164,12 +164,14 @@ def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, st
 
     Raises BagError for a scene larger than a bag may have.
     """
+    from fourbar_ros.bag import sides
     from fourbar_ros.bag.origin import bounded
     from fourbar_ros.pipeline import joints, rate_estimator  # only bags need both
     bounded(scene.as_json)
     return {'scene': scene.as_json, 'topics': json.dumps(topics), 'node': node,
             'units': 'SI: m, kg, s, rad, N, N m', 'software': json.dumps(software()),
-            rate_estimator.KEY: str(rate_estimator.VERSION), joints.KEY: joints.CONTINUOUS}
+            rate_estimator.KEY: str(rate_estimator.VERSION), joints.KEY: joints.CONTINUOUS,
+            sides.KEY: sides.BRANCHES}
 
 
 def directory_of(scene: Scene) -> Path:

@@ -1,0 +1,62 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Modes in bags from before a mode was a branch: there it is the side on which a dyad closes.
+
+At the flat position of a change point a prescribed motion kept its mode and so jumped to the other
+branch; motion by torque went on smoothly, and its mode changed.
+"""
+from __future__ import annotations
+
+from contextlib import suppress
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanisms.kind import Kind
+from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, OF_ONE_MODE
+from fourbar_ros.mechanisms.mechanism import Mechanism
+
+KEY, BRANCHES = 'modes', 'branches'     # in a bag whose modes are
+AT_FLAT = 'are at a flat position, where loads are no longer given'
+
+
+def modes_of(mechanism: Mechanism) -> range | None:
+    """Return all modes if a branch can be on the other side than its mode says, else None."""
+    may_differ = (any(stage.pair or stage.name == CYLINDER for stage in mechanism.layout.stages)
+                  if isinstance(mechanism, Machine) else mechanism.change_point_margin == 0.0)
+    return range(1, 1 + 2**_count_of(mechanism)) if may_differ else None
+
+
+def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
+    """
+    Return the mode whose branch closes, at an input, on the sides that a recorded mode says.
+
+    The recorded one where no pose is known.
+    """
+    branch = mode
+    with suppress(FourBarError):
+        for dyad in range(_count_of(mechanism)):
+            sign = 1.0 if mode - 1 >> dyad & 1 else -1.0
+            if sign * _side(mechanism.in_mode(branch), dyad, position) < 0.0:
+                branch = 1 + (branch - 1 ^ 1 << dyad)
+        return branch
+    return mode
+
+
+def _count_of(mechanism: Mechanism) -> int:
+    return len(mechanism.layout.stages) if isinstance(mechanism, Machine) else 1
+
+
+def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
+    """Return a number that is positive where a dyad is on the side of mode 2, 0.0 if any is."""
+    motion = mechanism.motion(position, 0.0, 0.0)
+    if isinstance(mechanism, Machine):
+        stage = mechanism.layout.stages[dyad]
+        if stage.kind in OF_ONE_MODE:
+            return 0.0
+        is_block = stage.kind == 'RPR' and stage.name != CYLINDER
+        return float(getattr(motion, f'slide_{stage.slides()[0]}' if is_block
+                             else f'sine_{stage.name}'))
+    assert isinstance(mechanism, Kind)
+    return float(getattr(motion, mechanism.drive.sine[0] or 'slide')) if (
+        len(mechanism.modes) > 1) else 0.0
