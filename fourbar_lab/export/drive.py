@@ -66,8 +66,8 @@ class DriveCode:
         self._source: Law = self._drive.source
         # coordinate and mode of a phase of the motion -> its formulas; at the start: the first
         self._phases: dict[MotionCoordinate, StepFormulas] = self._mover.formulas
-        if any(phase.equation.changes_mode for phase in self._phases):
-            raise NotGenerated(f'{model.name}: motion by torque through a change point')
+        if self._mover.passes and not all(self._mover.taking_over.values()):
+            raise NotGenerated(f'{model.name}: motion by torque of a change point with toggles')
         if scene.acting:
             raise NotGenerated(f'{model.name}: motion by torque under what acts by topic')
         self.modes = self._mover.modes

@@ -24,7 +24,7 @@ from functools import cached_property
 from math import inf, remainder, tau
 from typing import Any, TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.equation import Equation, flat_positions, InBothModes, interval_of
+from fourbar_ros.dynamics.equation import compiled, Equation
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arrays import Array, Value
@@ -44,14 +44,12 @@ class MotionCoordinate:
     """
     Motion of a system in one coordinate p: the input, or the one that goes on at its toggles.
 
-    ``equation`` is in this coordinate; ``mode`` the assembly mode of the mechanism at ``start``, a
-    value of p, and of another coordinate than the input where the input grows with it.
+    ``equation`` is in this coordinate; ``mode`` the assembly mode of the mechanism, of another
+    coordinate than the input where the input grows with it.
     """
 
-    def __init__(self, coordinates: Coordinates, equation: Equation, mode: int, start: float
-                 ) -> None:
+    def __init__(self, coordinates: Coordinates, equation: Equation, mode: int) -> None:
         self.all, self.equation, self.is_input = coordinates, equation, equation.is_input
-        self._key = equation.coordinate.mode, mode, start
         self.mode, self.mode_beyond = mode, coordinates.partner(mode)
         self.can_end = bool(coordinates.driven_otherwise)     # a successor may have to take over
         # the links as the successor drives them, in one of its modes
@@ -63,7 +61,8 @@ class MotionCoordinate:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the system and which of its coordinates this is."""
-        return _of_system, (self.all.system, self.is_input, *self._key)
+        return _of_system, (self.all.system, self.is_input, self.equation.coordinate.mode,
+                            self.mode)
 
     @cached_property
     def derivative(self) -> Function:
@@ -76,9 +75,9 @@ class MotionCoordinate:
         return lambda position: read(n, coefficients(position))
 
     @cached_property
-    def successor(self) -> InBothModes:
+    def successor(self) -> Function:
         """Return p -> the coordinate that takes over, and its first two derivatives by p."""
-        return self.equation.in_both_modes(self.make_successor)
+        return compiled(self.make_successor, self.equation.coordinate)
 
     def excess(self, time: float, state: State) -> float:
         """
@@ -105,7 +104,7 @@ class MotionCoordinate:
         """Return the input and its first two derivatives by p, at one p."""
         if self.is_input:
             return position, 1.0, 0.0
-        value, ratio, bend = self.successor.of_one(position)
+        value, ratio, bend = self.successor(position)
         return self.all.continuous(value), ratio, bend
 
     def states_of_input(self, states: Array) -> Array:
@@ -129,12 +128,10 @@ class MotionCoordinate:
         Each dyad is a bit of a mode: of more than 63 dyads they are Python's integers.
         """
         positions = np.asarray(positions, float)
-        is_beyond = np.broadcast_to(self.equation.is_alternate(positions), positions.shape)
-        if not self.is_input:
-            _, ratio, _ = self.successor(positions)
-            is_beyond = is_beyond ^ ~(np.asarray(ratio) > 0.0)
+        grows = (np.ones(positions.shape, bool) if self.is_input
+                 else np.asarray(self.successor(positions)[1]) > 0.0)
         dtype = np.int64 if max(self.mode, self.mode_beyond) < 2**63 else object
-        return np.where(is_beyond, np.array(self.mode_beyond, dtype), np.array(self.mode, dtype))
+        return np.where(grows, np.array(self.mode, dtype), np.array(self.mode_beyond, dtype))
 
 
 def _of_system(system: System, *key: object) -> MotionCoordinate:
@@ -150,37 +147,31 @@ class Coordinates:
     """
 
     def __init__(self, system: System, mechanism: Mechanism, start: float) -> None:
-        self.system, self._mechanism, self._start = system, mechanism, start
+        self.system, self._mechanism = system, mechanism
         # the links as the coordinate that goes on at toggles drives them, by their mode then
         self.driven_otherwise: dict[int, DrivenLinks] = (
             {} if mechanism.turns_fully else
             {links.mode: links for links in mechanism.driven_otherwise()})
         # of the range between toggles, shifted to the start by whole turns
         self.middle, self.half = 0.0, inf
-        if self.driven_otherwise:
-            low, high = min(mechanism.input_ranges, key=lambda ends: abs(
-                mechanism.distance(start, 0.5 * (ends[0] + ends[1]))))
+        if not mechanism.turns_fully:
+            low, high = mechanism.range_around(start)
             self.middle, self.half = 0.5 * (low + high), 0.5 * (high - low)
-            if not mechanism.is_driven_by_slide:
-                self.middle = start - remainder(start - self.middle, tau)
-        self._known: dict[tuple[bool, int, int, int], MotionCoordinate] = {}
-        self.first = self.of(True, mechanism.mode, mechanism.mode, start)
+        self._known: dict[tuple[bool, int, int], MotionCoordinate] = {}
+        self.first = self.of(True, mechanism.mode, mechanism.mode)
 
-    def of(self, is_input: bool, driven_mode: int, mode: int, start: float) -> MotionCoordinate:
+    def of(self, is_input: bool, driven_mode: int, mode: int) -> MotionCoordinate:
         """
         Return a coordinate; ``driven_mode``: mode of the links as it drives them.
 
-        ``mode`` and ``start`` as of :class:`MotionCoordinate`. Where flat positions make the mode
-        alternate, every second interval between them shares a coordinate.
+        ``mode`` as of :class:`MotionCoordinate`.
         """
-        links = (self._mechanism.in_mode(driven_mode) if is_input
-                 else self.driven_otherwise[driven_mode])
-        interval = interval_of(flat_positions(links), links.is_driven_by_slide, start)
-        key = is_input, driven_mode, mode, interval % 2
+        key = is_input, driven_mode, mode
         if key not in self._known:
-            equation = self.system.make_equation(self._mechanism.in_mode(mode), start,
-                                                 None if is_input else links)
-            self._known[key] = MotionCoordinate(self, equation, mode, start)
+            equation = self.system.make_equation(
+                self._mechanism.in_mode(mode),
+                None if is_input else self.driven_otherwise[driven_mode])
+            self._known[key] = MotionCoordinate(self, equation, mode)
         return self._known[key]
 
     def begin(self, state: State) -> tuple[MotionCoordinate, list[float]]:
@@ -202,12 +193,9 @@ class Coordinates:
         return value - tau * np.round((value - self.middle) / tau)
 
     def partner(self, mode: int) -> int:
-        """Return the mode beyond a flat position or a toggle."""
-        mechanism = self._mechanism.in_mode(mode)
-        flats = flat_positions(mechanism)
-        if flats:
-            return int(mechanism.mode_beyond(flats[0]))
-        return next((passed for passed in mechanism.modes_passed if passed != mode), mode)
+        """Return the mode beyond a toggle."""
+        passed = self._mechanism.in_mode(mode).modes_passed
+        return next((beyond for beyond in passed if beyond != mode), mode)
 
     def taking_over(self, last: MotionCoordinate, value: float, successor: float, ratio: float
                     ) -> MotionCoordinate:
@@ -219,32 +207,38 @@ class Coordinates:
         """
         mode = int(last.modes(value))
         if not last.is_input:
-            return self.of(True, mode, mode, successor)
+            return self.of(True, mode, mode)
         # the mode in which the successor has the links where they are now
-        links = last.equation.links_in(bool(last.equation.is_alternate(value)))
-        pose, distances = _pose(links, value), {}
+        pose, distances = _pose(last.equation.coordinate, value, 1.0), {}
         for driven_mode, driven in self.driven_otherwise.items():
             try:
-                driven_pose = _pose(driven, successor)
+                driven_pose = _pose(driven, successor, ratio)
             except (ValueError, ZeroDivisionError):
                 continue
             distances[driven_mode] = sum((a - b)**2 for a, b in zip(pose, driven_pose))
         nearest = min(distances, key=lambda driven_mode: distances[driven_mode])
-        return self.of(False, nearest, mode if ratio > 0.0 else self.partner(mode), successor)
+        return self.of(False, nearest, mode if ratio > 0.0 else self.partner(mode))
 
-    def prepare(self) -> dict[MotionCoordinate, tuple[MotionCoordinate, MotionCoordinate]]:
+    def prepare(self) -> dict[MotionCoordinate, tuple[MotionCoordinate, ...]]:
         """
         Return {coordinate: (first, second)}, of a mechanism with two modes and toggles.
 
-        The first takes over where it falls with the coordinate, the second where it grows.
+        The first takes over where it falls with the coordinate, the second where it grows; () of
+        the input of a change point: :meth:`taking_over` tells.
         """
-        inside, successors = (1.0 - NEXT_TO_TOGGLE) * self.half, {}
-        inputs = {mode: self.of(True, mode, mode, self._start)
-                  for mode in self._mechanism.modes_passed}
-        for coordinate in inputs.values():
+        inside = (1.0 - NEXT_TO_TOGGLE) * self.half
+        successors = dict[MotionCoordinate, tuple[MotionCoordinate, ...]]()
+        inputs = {mode: self.of(True, mode, mode) for mode in self._mechanism.modes_passed}
+        for mode, coordinate in inputs.items():
+            if self._mechanism.change_point_margin == 0.0:
+                # an odd turn of p is in the other mode of its links than an even one
+                successors[coordinate] = ()
+                for driven_mode in self.driven_otherwise:
+                    self.of(False, driven_mode, mode)
+                continue
             by_sign = {}
             for position in (self.middle - inside, self.middle + inside):
-                value, ratio, _ = coordinate.successor.of_one(position)
+                value, ratio, _ = coordinate.successor(position)
                 by_sign[ratio > 0.0] = self.taking_over(coordinate, position, value, ratio)
             # it may come to both of its toggles with one sign
             either = next(iter(by_sign.values()))
@@ -255,7 +249,12 @@ class Coordinates:
         return {coordinate: successors[coordinate] for coordinate in self._known.values()}
 
 
-def _pose(links: DrivenLinks, value: float) -> list[float]:
-    """Return first joints and directions of all links, driven at a value, one after the other."""
+def _pose(links: DrivenLinks, value: float, rate: float) -> list[float]:
+    """
+    Return first joints and directions of all links, driven at a value, and how they move.
+
+    At the flat position of a change point the modes differ in how they move alone.
+    """
     return [entry for curve in links.make_coefficients(REAL)(value)
-            for entry in (curve.x, curve.y, curve.cosine, curve.sine)]
+            for entry in (curve.x, curve.y, curve.cosine, curve.sine, rate * curve.v_x,
+                          rate * curve.v_y, rate * curve.omega)]

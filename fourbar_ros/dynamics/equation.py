@@ -44,7 +44,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from math import floor, lcm, remainder, tau
+from math import lcm, remainder, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.elements import Element, LinkAngle, links_of, PositionForce, TableForce
@@ -72,36 +72,6 @@ def _with_slope(function: Callable[[Any], Any], x: Any) -> Any:
 
 
 WITH_SLOPES = replace(ARRAY, call=_with_slope)
-
-
-def flat_positions(links: DrivenLinks) -> tuple[float, ...]:
-    """
-    Return the inputs inside the range where an exact change point lies flat, in order.
-
-    There all links lie in line, both assembly modes meet, and a linkage that moves through keeps
-    the velocities of its links: the motion goes on in the other mode, as ``mode_beyond`` says.
-    Angles [rad] in [0, 2 pi), slides [m]. Without an exact change point there are none.
-    """
-    if links.change_point_margin != 0.0:
-        return ()
-    ranges = () if links.turns_fully else links.input_ranges
-    ends = {end for bounds in ranges for end in bounds}
-    inside = {value for value in map(float, links.flat_inputs)
-              if all(abs(links.distance(value, end)) > 1e-12 for end in ends)}
-    return tuple(sorted({value if links.is_driven_by_slide else value % tau for value in inside}))
-
-
-def interval_of(flats: Sequence[float], is_slide: bool, position: Any) -> Any:
-    """
-    Return the index of the interval between flat positions that an input, or each of many, is in.
-
-    An angle counts on over whole turns: with one flat position at 2 rad, 1 rad is in interval -1,
-    3 rad in interval 0 and 3 + 2 pi in interval 1. A flat position counts to the interval above.
-    """
-    if is_slide:
-        return sum(position >= flat_position for flat_position in flats)
-    whole = floor if isinstance(position, float) else np.floor
-    return sum(whole((position - flat_position) / tau) for flat_position in flats)
 
 
 class Terms(NamedTuple):
@@ -132,48 +102,26 @@ class Outside(NamedTuple):
     wrenches: Mapping[str, Sequence[Any]]       # {link: (force x, force y, couple)}
 
 
-class InBothModes:
+def compiled(make_formula: MakeFormula, links: DrivenLinks) -> Function:
     """
-    A formula of the coordinate q, evaluated in the assembly mode that holds at each q.
+    Return the function of one coordinate q, or of an array, that a formula of the links is.
 
-    A linkage that goes smoothly through the flat position of a change point is in its other mode
-    beyond it; ``is_alternate``, q -> bool, says where; without a change point it is None.
-    ``make_formula``: (mechanism in a mode, number type) -> function of q that returns several
-    numbers.
+    ``make_formula``: (links, number type) -> function of q that returns several numbers. At one q
+    it raises as ``motion`` does where the links cannot close; arrays have NaN there.
     """
+    line, formula = straight_line(partial(make_formula, links)), make_formula(links, ARRAY)
 
-    def __init__(self, make_formula: MakeFormula, modes: Sequence[DrivenLinks],
-                 is_alternate: Function | None) -> None:
-        self._lines = [straight_line(partial(make_formula, mode)) for mode in modes]
-        self._formulas = [make_formula(mode, ARRAY) for mode in modes]
-        self._is_alternate, self._mechanism = is_alternate, modes[0]
-
-    def of_one(self, position: float) -> tuple[Scalar, ...]:
-        """Return the results at one q; raise as ``motion`` does where the links cannot close."""
-        is_beyond = self._is_alternate is not None and self._is_alternate(position)
-        line = self._lines[1 if is_beyond else 0]
-        try:
-            results: tuple[Scalar, ...] = line(position)
-            return results
-        except (ValueError, ZeroDivisionError):
-            self._mechanism.motion(position, 1.0, 0.0)     # its error names the input
-            raise
-
-    def of_many(self, positions: Array) -> list[Array]:
-        """Return the results as arrays of the shape of the positions, NaN where there are none."""
-        positions = np.asarray(positions, float)
-        with np.errstate(all='ignore'):
-            results, *beyond = [formula(positions) for formula in self._formulas]
-        if self._is_alternate is not None:
-            is_alternate = self._is_alternate(positions)
-            results = [np.where(is_alternate, b, a) for a, b in zip(results, *beyond)]
-        return [np.broadcast_to(row, positions.shape) for row in results]
-
-    def __call__(self, position: Scalar | Array) -> Sequence[Any]:
-        """Return the results at one q or at an array of them."""
+    def results(position: Value) -> Sequence[Any]:
         if isinstance(position, np.ndarray) and position.ndim:
-            return self.of_many(position)
-        return self.of_one(float(position))
+            with np.errstate(all='ignore'):
+                return [np.broadcast_to(row, position.shape) for row in formula(position)]
+        try:
+            of_one: Sequence[Any] = line(float(position))
+            return of_one
+        except (ValueError, ZeroDivisionError):
+            links.motion(float(position), 1.0, 0.0)     # its error names the input
+            raise
+    return results
 
 
 def make_link_terms(body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
@@ -239,13 +187,9 @@ class Equation:
     elements : sequence of Spring, TorsionSpring or PositionForce
     extra_inertia : float
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
-    start : float, optional
-        An input at which the mechanism is in its mode. From there it goes smoothly through the
-        flat positions of a change point (:func:`flat_positions`); not given: the mechanism is in
-        its mode everywhere.
     coordinate : optional
         One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The
-        extra inertia stays on the input of the mechanism. ``start`` is one of its values.
+        extra inertia stays on the input of the mechanism.
 
     Raises
     ------
@@ -255,8 +199,7 @@ class Equation:
     """
 
     def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
-                 extra_inertia: float = 0.0, start: float | None = None,
-                 coordinate: DrivenLinks | None = None) -> None:
+                 extra_inertia: float = 0.0, coordinate: DrivenLinks | None = None) -> None:
         if not isinstance(mechanism, Mechanism):
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         self.mechanism, self.elements = mechanism, tuple(elements)
@@ -282,31 +225,8 @@ class Equation:
         self.has_couples = bool(self.forces) or self._is_turned or any(
             applied.couple for _, _, applied in self._bodies)
         self.has_dampers = any(spring.damping for spring in self._springs)
-        self._flats = () if start is None else flat_positions(self.coordinate)
-        self._first = interval_of(self._flats, self.coordinate.is_driven_by_slide, start)
-        self._terms = self.in_both_modes(self.make_terms)
-        self.of_one = self._terms.of_one      # a float q -> its terms, fast
-
-    def in_both_modes(self, make_formula: MakeFormula) -> InBothModes:
-        """Return a formula, made by (coordinate, number type), in the mode that holds at q."""
-        return InBothModes(make_formula, self._links_by_mode,
-                           self.is_alternate if self._flats else None)
-
-    def is_alternate(self, position: Any) -> Any:
-        """Return whether the mechanism is in the other mode at a q, or at each of many."""
-        interval = interval_of(self._flats, self.coordinate.is_driven_by_slide, position)
-        return (interval - self._first) % 2 != 0
-
-    @property
-    def _links_by_mode(self) -> list[DrivenLinks]:
-        """Return the links in their mode and, if there are flat positions, in that beyond."""
-        return [self.links_in(is_beyond=False),
-                *([self.links_in(is_beyond=True)] if self._flats else [])]
-
-    def links_in(self, is_beyond: bool) -> DrivenLinks:
-        """Return the links driven by q in their mode, or in that beyond flat positions."""
-        links = self.coordinate
-        return links.in_mode(links.mode_beyond(self._flats[0])) if is_beyond else links
+        # q -> fields of FullTerms
+        self.full_terms = compiled(self.make_terms, self.coordinate)
 
     @property
     def is_input(self) -> bool:
@@ -315,13 +235,9 @@ class Equation:
 
     @property
     def turns(self) -> int:
-        """Return after how many turns of a full crank all forces repeat: 2 of a four-stroke."""
-        return lcm(*[force.turns for force in self.forces])
-
-    @property
-    def changes_mode(self) -> bool:
-        """Return whether the mechanism goes on in the other mode at flat positions."""
-        return bool(self._flats)
+        """Return after how many turns of a full crank all repeats: 2 of a four-stroke, a kite."""
+        return lcm(round(self.mechanism.period / tau) if self.mechanism.turns_fully else 1,
+                   *[force.turns for force in self.forces])
 
     def _make_pose(self, coordinate: DrivenLinks, n: NumberType
                    ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
@@ -397,9 +313,9 @@ class Equation:
         return table_positions
 
     @cached_property
-    def table_positions(self) -> InBothModes:
+    def table_positions(self) -> Function:
         """Return q -> the positions s of all forces with a table."""
-        return self.in_both_modes(self.make_table_positions)
+        return compiled(self.make_table_positions, self.coordinate)
 
     def make_excess(self, position: float) -> Callable[[float], float]:
         """
@@ -408,14 +324,14 @@ class Equation:
         Over 1 and the size of s; negative within the piece. Positive REACH from ``position``: no
         point of a table comes round unseen.
         """
-        starts, reach = self.table_positions.of_one(position), REACH * self.coordinate.input_unit
+        starts, reach = self.table_positions(position), REACH * self.coordinate.input_unit
         pieces = [(start, table.piece(start), 1.0 + abs(start), isinstance(force.over, LinkAngle))
                   for start, (force, table) in zip(starts, self.tables)]
 
         def excess(there: float) -> float:
             most = abs(there - position) - reach
             for s, (start, (low, high), unit, is_angle) in zip(
-                    self.table_positions.of_one(there), pieces):
+                    self.table_positions(there), pieces):
                 if is_angle:
                     s = start + remainder(s - start, tau)
                 most = max(most, (low - s) / unit, (s - high) / unit)
@@ -440,13 +356,13 @@ class Equation:
         return potential
 
     @cached_property
-    def potential_and_size(self) -> InBothModes:
+    def potential_and_size(self) -> Function:
         """Return q -> V [J] and the sum of the sizes of its parts, whose rounding is its error."""
-        return self.in_both_modes(self._make_potential)
+        return compiled(self._make_potential, self.coordinate)
 
     def terms(self, position: Value) -> Terms:
         """Return J, J'/2, Q and D of (E1) at one q or an array; errors as of ``motion``."""
-        return Terms(*self._terms(position)[:4])
+        return Terms(*self.full_terms(position)[:4])
 
     def acceleration(self, position: Value, rate: Value, drive: float = 0.0) -> Value:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
@@ -468,18 +384,15 @@ class Equation:
         """
         positions = np.asarray(position, float)
         with np.errstate(all='ignore'):
-            force = [self.make_terms(links, WITH_SLOPES)(positions + 1j * COMPLEX_STEP).force
-                     for links in self._links_by_mode]
-            slopes = self._in_mode_at(positions, [-np.imag(f) / COMPLEX_STEP for f in force])
+            force = self.make_terms(self.coordinate, WITH_SLOPES)(
+                positions + 1j * COMPLEX_STEP).force
+            slopes = np.broadcast_to(-np.imag(force) / COMPLEX_STEP, positions.shape)
         result: Any = slopes if positions.shape else float(slopes)
         return result       # type: ignore[no-any-return]  # of the type of the position
 
     @cached_property
-    def _traces(self) -> list[Trace]:
-        """Return the traces of the terms in all modes."""
-        def trace(links: DrivenLinks) -> Trace:
-            return Trace(lambda n, _: self.make_terms(links, n), 1)
-        return list(map(trace, self._links_by_mode))
+    def _trace(self) -> Trace:
+        return Trace(lambda n, _: self.make_terms(self.coordinate, n), 1)
 
     def force_error(self, position: Value) -> Array:
         """
@@ -489,18 +402,13 @@ class Equation:
         each times the derivative of Q by it.
         """
         positions = np.asarray(position, float)
-        bounds = [rounding_bound(trace, flat(trace.part(2))[0], positions.ravel())
-                  for trace in self._traces]
-        return self._in_mode_at(positions, [bound.reshape(positions.shape) for bound in bounds])
-
-    def _in_mode_at(self, positions: Array, values: Sequence[Array]) -> Array:
-        """Return, of values in each mode, those in the mode that holds at each q."""
-        first = np.broadcast_to(values[0], positions.shape)
-        return np.where(self.is_alternate(positions), values[1], first) if self._flats else first
+        bounds: Array = rounding_bound(self._trace, flat(self._trace.part(2))[0],
+                                       positions.ravel())
+        return bounds.reshape(positions.shape)
 
     def couples(self, position: Value) -> Value:
         """Return C, the part of Q without a potential, as of couples."""
-        couples: Value = FullTerms(*self._terms(position)).couples
+        couples: Value = FullTerms(*self.full_terms(position)).couples
         return couples
 
     def potential(self, position: Value) -> Value:

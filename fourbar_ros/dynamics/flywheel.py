@@ -3,7 +3,8 @@
 """
 Flywheel for a given coefficient of speed fluctuation.
 
-A crank driven by the constant torque T that balances a turn has the rate w(q), with a flywheel I,
+A crank driven by the constant torque T that balances a cycle, the turns after which all repeats,
+has the rate w(q), with a flywheel I,
 
     (J + I) w^2 / 2 = E0 + integral of (T + Q - D w) dq,   T = mean of D w - Q              (W1)
 
@@ -34,12 +35,12 @@ CHANGES = 1e-6         # of the inertia by twice the samples, at which it counts
 
 
 class Flywheel(NamedTuple):
-    """A flywheel and the steady turn that it gives."""
+    """A flywheel and the steady cycle that it gives."""
 
     inertia: float          # [kg m^2]; zero where none is needed
     torque: float           # [N m] constant torque of the drive
     fluctuation: float      # coefficient of speed fluctuation
-    position: Array         # [rad] over the turn, from zero
+    position: Array         # [rad] over the cycle, from zero
     rate: Array             # [rad/s] there
 
 
@@ -59,9 +60,6 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
                                f'{1.0 / FASTEST:g} in size')
     if not equation.mechanism.turns_fully:
         raise InvalidParameter('equation', None, 'must be that of a crank that turns fully')
-    if equation.turns > 1:
-        raise InvalidParameter('equation', None, f'repeats after {equation.turns} turns, as its '
-                               'forces do: a steady turn is computed of one')
 
     # samples resolve the sharpest peak of J and Q, next to a complex singularity
     width = min((abs(z.imag) for z in equation.mechanism.singular_inputs if z.imag), default=1.0)
@@ -83,13 +81,13 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
 
     Damping depends on the rate: motion and torque are found in turn, until the rates stay.
     """
-    position: Array = np.linspace(0.0, tau, count, endpoint=False)
-    terms, rates = equation.terms(position), np.full(count, rate)
+    position: Array = np.arange(equation.turns * count) * (tau / count)
+    terms, rates = equation.terms(position), np.full(position.size, rate)
     most = min(most, 2.0)                # at which it comes to rest
     for _ in range(100):
         force, before = terms.force - terms.damping * rates, rates
         torque = -float(np.mean(force))
-        gained, inertia = _integral(force + torque), 0.0
+        gained, inertia = equation.turns * _integral(force + torque), 0.0
 
         def lack(fluctuation: float, gained: Array = gained) -> float:
             """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""
@@ -110,7 +108,7 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
 
 
 def _integral(values: Array) -> Array:
-    """Return the integral of a periodic function with zero mean, by its Fourier series."""
+    """Return the integral of a function of zero mean and period 2 pi, by its Fourier series."""
     k = np.arange(values.size // 2 + 1)
     series = np.fft.rfft(values)
     series[1:] /= 1j * k[1:]

@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import LARGEST_MODE, mode_number
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
-NAME = 'steps of the node, version 6'      # only the same version steps a bag again
+NAME = 'steps of the node, version 7'      # only the same version steps a bag again
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
 STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
@@ -90,8 +90,6 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     mechanism = mechanism.without_stroke()
     if mechanism.turns_fully:                            # it has no toggles
         return ()
-    if mechanism.change_point_margin == 0.0:             # both modes meet at its change points too
-        return ()
     if not mechanism.driven_otherwise():                 # no other coordinate leads through them
         return ()
     modes: tuple[int, ...] = mechanism.modes_passed
@@ -134,7 +132,7 @@ class Mover:
         # between which it goes through toggles; () where it does not
         self.modes = modes_of(system.mechanism)
         self.passes = bool(self.modes)
-        # {coordinate: (that which takes over where it falls with it, and where it grows)}
+        # {coordinate: (that which takes over where it falls with it, and where it grows), or ()}
         self.taking_over = (system.coordinates.prepare() if self.passes
                             else {system.coordinates.first: ()})
         # the first is the input in the mode of the system
@@ -331,8 +329,11 @@ class Mover:
     def _handed_over(self, state: FullState) -> FullState:
         """Return the same state in the coordinate that takes over; its mode by dq/dp."""
         linear = self._linearized(state)
-        coordinate = self.taking_over[state.coordinate][linear.next_ratio > 0.0]
         position, mode = linear.next_position, state.mode
+        known = self.taking_over[state.coordinate]
+        coordinate = (known[linear.next_ratio > 0.0] if known else
+                      self.system.coordinates.taking_over(
+                          state.coordinate, state.vector.position, position, linear.next_ratio))
         if coordinate.is_input:
             position, mode = self.system.coordinates.continuous(position), coordinate.mode
         return FullState(coordinate, state.vector._replace(

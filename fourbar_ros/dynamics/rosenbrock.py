@@ -179,9 +179,9 @@ class StepFormulas:
     def _make_taking_over(self, n: NumberType) -> Function:
         """Return the formula p -> (next_position, next_ratio, room) of a Linearization."""
         coordinate, mechanism = self._coordinate, self._equation.mechanism
+        middle, half = coordinate.all.middle, coordinate.all.half
         if self._passes:
             successor = coordinate.make_successor(self._equation.coordinate, n)
-            middle, half = coordinate.all.middle, coordinate.all.half
 
             def between_toggles(p: Scalar) -> tuple[Scalar, Scalar, Scalar]:
                 value, ratio, _ = successor(p)
@@ -192,9 +192,7 @@ class StepFormulas:
             return between_toggles
         if mechanism.turns_fully:
             return lambda p: (0.0, 1.0, 1.0)
-        motion_of = mechanism.motion_formula(n, mechanism.constants)
-        return lambda p: (0.0, 1.0, n.fabs(mechanism.transmission_sine(
-            mechanism.MOTION._make(motion_of(p, 0.0, 0.0)))) - NEAR_TOGGLE)
+        return lambda p: (0.0, 1.0, 1.0 - NEAR_TOGGLE - n.fabs(p - middle) / half)
 
     def make_table_positions(self, n: NumberType) -> Function:
         """Return the formula p -> the positions s of all forces with a table."""

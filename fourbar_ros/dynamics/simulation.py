@@ -224,7 +224,7 @@ class Run:
 
     @cached_property
     def modes(self) -> NDArray[Any]:
-        """Return the assembly mode over time, which changes at toggles and change points."""
+        """Return the assembly mode over time, which changes at toggles."""
         return np.concatenate([leg.coordinate.modes(states[0])
                                for leg, _, states in self._on_legs(self.time)])
 

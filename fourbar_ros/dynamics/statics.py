@@ -27,7 +27,7 @@ from __future__ import annotations
 from math import inf, nan, pi, sqrt, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation, flat_positions
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -152,7 +152,7 @@ def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
         def ways_beyond(inputs: Array, points: Array, i: int = i,
                         period: float = table.period) -> Array:
             """Return how far s is beyond points, the short way round the period of the table."""
-            ways = equation.table_positions.of_many(inputs)[i] - points
+            ways: Array = equation.table_positions(inputs)[i] - points
             return ways if period == inf else ways - period * np.round(ways / period)
         points = np.array(table.table.places)
         ways = ways_beyond(samples, points[:, None])
@@ -222,7 +222,7 @@ class NotResolved(FourBarError, ArithmeticError):
 
 def free_period(system: System) -> float:
     """
-    Return the time of a turn (two, if the mode alternates) or of a full swing [s].
+    Return the time of a period of the mechanism or of a full swing [s].
 
     The system has no drive and no dampers, and goes round or swings in one assembly mode.
 
@@ -240,8 +240,8 @@ def free_period(system: System) -> float:
     equation, mechanism = system.equation, system.mechanism
     energy = float(equation.energy(*system.start[:2]))
     ends = _turning_points(system, energy)
-    if ends is None:         # a crank that alternates its mode is where it was after two turns
-        cycle, width = tau * (1 + len(flat_positions(mechanism)) % 2), 1.0
+    if ends is None:
+        cycle, width = mechanism.period, 1.0
     else:
         cycle, width = tau, 0.5 * (ends[1] - ends[0])
 
@@ -298,9 +298,10 @@ def _turning_point(system: System, energy: float, side: float) -> float | None:
     Return the nearest input on one side (+-1) of the start where all energy is potential.
 
     Searched on samples, dense next to the start: from rest the start itself, a turning point too,
-    is left out. None if there is none within a turn, or the range.
+    is left out. None if there is none within a period, or the range.
     """
-    mechanism, (start, rate), reach = system.mechanism, system.start[:2], tau
+    mechanism, (start, rate) = system.mechanism, system.start[:2]
+    reach = mechanism.period
     if not mechanism.turns_fully:
         start = float(system.coordinates.continuous(float(start)))
         low, high = mechanism.range_around(start)

@@ -19,13 +19,13 @@ from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Function
 
 State = Sequence[float]
-NEAR_TOGGLE = 1e-3        # sine of the angle of the dyad at which an input counts as at its limit
+NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
 
 
 class System:
@@ -67,11 +67,11 @@ class System:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
         return System, (self._with_stroke, *self.start[:2], self.elements, self.drive)
 
-    def make_equation(self, mechanism: Mechanism, start: float,
-                      coordinate: DrivenLinks | None = None) -> Equation:
+    def make_equation(self, mechanism: Mechanism, coordinate: DrivenLinks | None = None
+                      ) -> Equation:
         """Return the equation of motion in a mode and a coordinate, with all that acts."""
         inertia = self.drive.rigid_inertia if self.drive else 0.0
-        return Equation(mechanism, self.elements, inertia, start, coordinate)
+        return Equation(mechanism, self.elements, inertia, coordinate)
 
     @property
     def has_stroke(self) -> bool:
@@ -82,14 +82,11 @@ class System:
         """
         Return how far an input is from its limits: positive inside, zero where a run stops.
 
-        Limits are the ends of the stroke, as a part of it, and 1e-3 before a toggle, a sine of
-        the dyad's angle: at the toggle itself the equation is singular.
+        Limits are the ends of the stroke, as a part of it, and NEAR_TOGGLE before a toggle: at the
+        toggle itself the equation is singular.
         """
-        try:
-            motion = self.mechanism.motion(position)
-        except FourBarError:
-            return -NEAR_TOGGLE
-        from_toggle = float(abs(self.mechanism.transmission_sine(motion))) - NEAR_TOGGLE
+        coordinates = self.coordinates
+        from_toggle = 1.0 - NEAR_TOGGLE - abs(position - coordinates.middle) / coordinates.half
         return min(from_toggle, self.distance_to_end(position))
 
     def distance_to_end(self, position: float) -> float:
@@ -125,7 +122,7 @@ class System:
 
     def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
-        terms_of, is_input = coordinate.equation.of_one, coordinate.is_input
+        terms_of, is_input = coordinate.equation.full_terms, coordinate.is_input
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state

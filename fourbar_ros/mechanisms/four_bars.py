@@ -210,16 +210,10 @@ class FourBar(FourBarLinks):
         return tuple(sorted(points))
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
-        """
-        Return the same linkage driven at its output link, once for each assembly mode.
-
-        Nothing at an exact change point: driven so it would lie flat somewhere too.
-        """
+        """Return the same linkage driven at its output link, once for each assembly mode."""
         from fourbar_ros.mechanisms.machine.seen_from_link import (
             SeenFromLink,  # motion by torque alone
         )
-        if self.change_point_margin == 0.0:
-            return ()
         drive = self.drive
         return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
                                    mode) for mode in self.MODES])

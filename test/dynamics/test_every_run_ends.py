@@ -103,8 +103,11 @@ HOSTILE = {
 
 @pytest.mark.parametrize('name', HOSTILE)
 def test_a_hostile_drive_ends_with_a_status(name):
-    run = simulate(System(HEAVY, 0.0, 5.0, drive=HOSTILE[name]), 3.0, 1e-6, evaluations=100_000)
-    assert run.status in STATUSES and run.evaluations <= 110_000
+    # at a gain of 1e7 rounding decides on the steps: 89,000 to 182,000 evaluations from starts
+    # 1e-9 rad apart
+    most = 400_000 if name == 'gain 1e7' else 100_000
+    run = simulate(System(HEAVY, 0.0, 5.0, drive=HOSTILE[name]), 3.0, 1e-6, evaluations=most)
+    assert run.status in STATUSES and run.evaluations <= 1.1 * most
     assert bool(run.reason) is (run.status == STOPPED)
     if name == 'gain 1e7':
         assert run.status == REACHED and run.method == 'LSODA'

@@ -282,8 +282,8 @@ def test_a_press_works_against_its_cut_and_stalls_at_a_heavier_one():
     assert 0.18 < slide < 0.2 and abs(heavy.rate[-1]) < 1.0
 
 
-def test_two_turns_count_in_statics_and_are_refused_for_a_flywheel():
-    """Equilibria of an engine at rest: all sign changes of Q over two turns."""
+def test_two_turns_count_in_statics_and_for_a_flywheel():
+    """Equilibria of an engine at rest: all sign changes of Q over two turns; its steady cycle."""
     equation = engine().equation
     places = np.array([one.position for one in equilibria(equation)])
     dense = np.linspace(-pi, 3.0 * pi, 400_001) + 5e-6      # one end of the cycle is in it
@@ -291,8 +291,14 @@ def test_two_turns_count_in_statics_and_are_refused_for_a_flywheel():
     changes = dense[:-1][sides[1:] != sides[:-1]]
     assert equation.turns == 2 and places.size == changes.size > 2
     assert np.max(np.abs(places - changes)) < 4.0 * pi / 400_000 + 1e-12
-    with pytest.raises(InvalidParameter, match='repeats after 2 turns'):
-        flywheel_for(equation, 100.0, 0.01)
+    wheel = flywheel_for(equation, 100.0, 0.02)
+    assert wheel.position[-1] > 3.9 * pi and wheel.inertia > 0.0
+    driven = engine(Drive(ConstantTorque(wheel.torque), flywheel=0.5 + wheel.inertia),
+                    float(wheel.rate[0]))
+    run = simulate(driven, 0.2, 1e-9, times=np.linspace(0.0, 0.2, 8001),
+                   stop_when=lambda _, state: state[0] - 4.0 * pi)
+    assert np.ptp(run.rate) / 100.0 == pytest.approx(0.02, rel=1e-4)
+    assert run.rate[-1] == pytest.approx(run.rate[0], rel=1e-8)
 
 
 # --- tables -----------------------------------------------------------------------------------
@@ -402,7 +408,7 @@ def with_narrow_force(over, width, rate):
 
 def passes_of(over, system, end):
     """Return how often more a motion to an input has gone up over the triangle than down."""
-    place = system.equation.table_positions.of_one
+    place = system.equation.table_positions
     if over == 'way':
         return float(place(end)[0] > 0.7) - float(place(0.0)[0] > 0.7)
     at = 2.0 if over == 'input' else 3.0

@@ -96,7 +96,7 @@ def test_windows_swing_as_one_pendulum(count):
     with mp.workdps(30):
         for time, position in zip(run.time.tolist(), run.position.tolist()):
             assert abs(position - windows_exact(mp.mpf(time), count)) <= 1e-9
-    assert set(run.modes.tolist()) <= {1, 2**count}
+    assert set(run.modes.tolist()) == {system.mechanism.mode} and len(run.legs) == 1
     assert run.drift <= 1e-9
 
 
@@ -106,7 +106,8 @@ def test_more_windows_than_an_integer_has_bits(count):
     """Each dyad is a bit of the mode: 65 of them and more, through one flat posture."""
     run = simulate(windows(count), 1.0, 1e-6, times=(0.5, 1.0))
     assert run.status == REACHED and run.position[0] > 0.0 > run.position[1]
-    assert run.modes.tolist() == [2**count, 1] and np.isfinite(run.loads.driving_torque).all()
+    assert run.modes.tolist() == [2**count, 2**count]
+    assert np.isfinite(run.loads.driving_torque).all()
     assert abs(run.position[1] - windows_exact(mp.mpf(1), count)) <= 1e-6
 
 

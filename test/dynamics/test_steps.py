@@ -210,6 +210,7 @@ def test_steps_go_through_toggles_where_two_modes_and_another_coordinate_are():
     assert (modes_of(crank), modes_of(rocker)) == ((), (1, 2))
     assert modes_of(Alone(0.8, 1.2, 0.4, 1.0, bodies=BODIES)) == ()
     assert modes_of(FourBar(0.5, 1.0, 0.5, 1.0, bodies=BODIES)) == ()
+    assert modes_of(FourBar(5.0, 1.0, 2.0, 4.0, bodies=BODIES)) == (1, 2)
 
 
 def test_a_message_has_the_motor_before_its_shaft_and_says_when_the_budget_is_used_up():

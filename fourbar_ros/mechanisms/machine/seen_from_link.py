@@ -4,35 +4,28 @@
 A machine driven at a link on the ground, in place of its crank: motion by torque through a toggle.
 
 Where the dyad RRR between crank and ground is in line the crank turns back, and the dyad's link on
-the ground goes on. Driven at that link, the rod and the crank are a dyad
-themselves, from the pin B of the rods to O1:
+the ground goes on. Driven at that link, which turns about Q, the rod and the crank are the dyad of
+a loop of four rods (:mod:`..loop`) with the ground line from Q to O1, and P the pin of the crank:
 
-    (O1)  B = Q + a3 e(p);   RRR of the rod, from B to P, and the crank, from O1 to P
+    (O1)  a1 = |B - Q|,   a2 = |P - B|,   a3 = |P - O1|,   a4 = |O1 - Q|
 
 All other dyads hang as before.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import hypot, pi, remainder
+from math import hypot
 from typing import NoReturn
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.curves import Coefficients, FIXED, LinkMotion, point_of
-from fourbar_ros.mechanisms.machine.solve.dyads import (
-    between,
-    Driven,
-    DyadMotion,
-    Ends,
-    ORIGIN,
-    rrr,
-)
+from fourbar_ros.mechanisms.loop import HalfAngle, loop
+from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, make_moves, turned_by
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout
-from fourbar_ros.mechanisms.parts import Ranges
-from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 
 class SeenFromLink:
@@ -41,12 +34,10 @@ class SeenFromLink:
 
     ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``dyad``: index of
     the dyad that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, the turn
-    is to the left by less than pi, 1: to the right. It never lies flat.
+    is to the left by less than pi, 1: to the right; of a change point the sign of R, (M13).
     """
 
-    change_point_margin, input_unit, is_driven_by_slide, turns_fully = 1.0, 1.0, False, False
-    input_ranges: Ranges = ()
-    flat_inputs: tuple[float, ...] = ()
+    input_unit = 1.0
 
     def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                  signs: Sequence[float], dyad: int, mode: int) -> None:
@@ -56,18 +47,6 @@ class SeenFromLink:
         stage = layout.stages[dyad]
         self._is_rod_first = stage.second == 0      # the dyad's second link is then on the ground
         self._link = stage.link - 1 + int(self._is_rod_first)     # among the moving ones
-
-    def in_mode(self, mode: int) -> SeenFromLink:
-        """Return the same in another assembly mode."""
-        return SeenFromLink(self._layout, self._dyad_lengths, self._signs, self._dyad, mode)
-
-    def distance(self, first: float, second: float) -> float:
-        """Return the first angle less the second, the short way round [rad]."""
-        return remainder(first - second, 2.0 * pi)
-
-    def mode_beyond(self, _limit: float) -> int:
-        """Return the other mode."""
-        return 3 - self.mode
 
     def motion(self, position: float, *_: float) -> NoReturn:
         """Refuse an angle at which the dyad does not close, which an integrator may try."""
@@ -97,19 +76,20 @@ class SeenFromLink:
         pin, at_q, (rod, output) = lengths.p, lengths.q, lengths.sizes
         if not is_rod_first:
             pin, at_q, rod, output = at_q, pin, output, rod
-        length = hypot(*pin)
+        arm, ground = hypot(*pin), hypot(*at_q)
+        # directions of the ground line, and of the crank from the arm of its pin
+        of_ground, of_arm = (-at_q[0] / ground, -at_q[1] / ground), (pin[0] / arm, -pin[1] / arm)
+        half_0 = half_angle(REAL, of_ground[0], -of_ground[1], True)[1::-1]
         sign = 1.0 if self.mode == 2 else -1.0
-        sin, cos, c0, s0 = n.sin, n.cos, pin[0] / length, pin[1] / length
 
         def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
-            driven = LinkMotion(*point_of(FIXED, *at_q), cos(p), sin(p), 1.0, 0.0)
-            at_b = point_of(driven, output, 0.0)
-            first, arm, *_ = rrr(n, sign, (rod, length), Ends(
-                at_b, ORIGIN, between(at_b, ORIGIN), None, None, FIXED, FIXED))
-            crank = LinkMotion(*ORIGIN, arm.cosine * c0 + arm.sine * s0,
-                               arm.sine * c0 - arm.cosine * s0, arm.omega, arm.alpha)
-            coupler = LinkMotion(*point_of(crank, *pin), -first.cosine, -first.sine,
-                                 first.omega, first.alpha)
+            half = HalfAngle.of(*turned_by((n.cos(0.5 * p), n.sin(0.5 * p)), half_0))
+            bars = loop(n, (output, rod, arm, ground), sign, half)
+            toward = turned_by(turned_by((bars.cos_y, bars.sin_y), of_ground), of_arm)
+            crank = LinkMotion(*ORIGIN, *toward, bars.d_y, bars.dd_y)
+            along = turned_by((-bars.cos_b, -bars.sin_b), of_ground)
+            coupler = LinkMotion(*point_of(crank, *pin), *along, bars.d_b, bars.dd_b)
+            driven = LinkMotion(*point_of(FIXED, *at_q), n.cos(p), n.sin(p), 1.0, 0.0)
             return crank, *((coupler, driven) if is_rod_first else (driven, coupler))
         return inverse
 
