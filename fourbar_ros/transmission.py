@@ -159,8 +159,8 @@ class Transmission:
         Return positions of the input or the output, moved to the turn in which the branch lies.
 
         Drives may count an angle that swings from another turn, so the whole turns, of the input
-        periods, that bring the first position into the branch are added to all. Raises CannotFollow if one lies beyond an
-        end, or is so large that floats tell no angle there.
+        periods, that bring the first position into the branch are added to all. Raises
+        CannotFollow if one lies beyond an end, or is so large that floats tell no angle there.
         """
         is_angle = coordinate.unit == 'rad'
         spacing = np.spacing(np.abs(positions))

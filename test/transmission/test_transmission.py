@@ -122,6 +122,33 @@ def test_turns_are_those_of_the_positions_in_whatever_message():
             assert abs(through.to_input(trajectory(y)).position[0] - x) <= 1e-10
 
 
+@pytest.mark.parametrize('mode', [1, 2])
+def test_a_kite_turns_its_output_once_in_two_turns(mode):
+    """B is on the bisector at O1; the drive goes through flat positions, four of them exactly."""
+    kite = FourBar(0.5, 1.0, 1.0, 0.5, mode=mode)
+    x = np.concatenate([np.linspace(-4.0, 21.0, 200), 2.0 * np.pi * np.arange(4)])
+    x.sort()
+    r = 0.5 * np.cos(0.5 * x) + kite.sign * np.sqrt(1.0 - 0.25 * np.sin(0.5 * x)**2)
+    exact = np.unwrap(np.arctan2(r * np.sin(0.5 * x), r * np.cos(0.5 * x) - 0.5))
+    through = Transmission(kite, 1.0)
+    output = through.to_output(trajectory(x, 1.0))
+    assert np.abs(output.position - output.position[0] - (exact - exact[0])).max() <= 1e-14
+    assert output.rate == pytest.approx(np.gradient(exact, x, edge_order=2), abs=5e-3)
+    back = through.to_input(output)
+    assert np.abs(back.position - x).max() <= 1e-13
+    assert back.rate == pytest.approx(1.0, abs=1e-13)
+
+
+def test_a_drive_that_repeats_after_two_turns_counts_from_another_two():
+    through, turn = Transmission(FourBar(1.0, 5.0, 2.0, 4.0), 0.5), 2.0 * np.pi
+    assert through.branch.ends[1].input - through.branch.ends[0].input > turn
+    one, other = (through.to_output(trajectory([0.1 + k * turn, 0.2 + k * turn])).position
+                  for k in (0, 4))
+    assert np.abs(one - other).max() <= 64.0 * EPS * turn
+    with pytest.raises(CannotFollow):                  # there it is on its way back
+        through.to_output(trajectory([0.1 + turn]))
+
+
 def test_a_swinging_output_may_count_from_another_turn():
     through, turn = Transmission(ROCKER, 1.0), 2.0 * np.pi
     one, other = (through.to_input(trajectory([1.9 + k * turn, 2.0 + k * turn])).position
