@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
-from math import inf, isnan, nan, tau
+from math import inf, isnan, nan, pi, tau
 from shutil import copy
 
 from fourbar_lab.clients.node_client import NoAnswer
@@ -148,10 +148,20 @@ def test_parameters_change_while_it_runs_and_the_state_goes_on(run_node, client,
     recomputed(tmp_path / 'run')
 
 
-def test_a_change_point_linkage_is_refused(run_node):
-    node = run_node({**TORQUE_DRIVEN, 'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5,
-                     'linkage.a4': 1.0, 'drive.start': 1.0})
-    assert node.wait() == 2 and 'fourbar simulate' in node.said
+def test_a_kite_turns_on_in_its_mode(run_node, client, tmp_path):
+    """Through its flat position, in one mode; it repeats after two turns."""
+    node = run_node({**MOTOR_DRIVEN, **recording_in(tmp_path), 'linkage.a1': 0.5,
+                     'linkage.a2': 1.0, 'linkage.a3': 1.0, 'linkage.a4': 0.5, 'drive.start': 1.0})
+    heard, outputs = states(client), client.hear(LinkageState, '/fourbar/state')
+    client.until(lambda: outputs and outputs[-1].theta1 > 5.0 * tau, 'five turns')
+    assert node.stop() == 0 and {m.mode for m in heard} == {m.mode for m in outputs} == {2}
+    x = np.array([m.theta1 for m in outputs])
+    r = 0.5 * np.cos(0.5 * x) + np.sqrt(1.0 - 0.25 * np.sin(0.5 * x)**2)      # B on the bisector
+    exact = np.arctan2(r * np.sin(0.5 * x), r * np.cos(0.5 * x) - 0.5)
+    error = [np.remainder(m.theta4 - y + pi, tau) - pi for m, y in zip(outputs, exact)]
+    assert np.abs(error).max() <= 1e-13
+    assert recomputed(tmp_path / 'run').stepped >= len(in_bag(
+        tmp_path / 'run', '/fourbar/drive_state')) - 2
 
 
 ROCKER = {**TORQUE_DRIVEN, 'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
