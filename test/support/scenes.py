@@ -5,6 +5,7 @@ import json
 from math import pi
 
 from fourbar_ros.scene import topics
+import numpy as np
 
 RODS = {'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.01}
 PAPER = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0}
@@ -17,6 +18,18 @@ PUSH = {'forces.push.link': 'output', 'forces.push.along': 0.4, 'forces.push.act
         'forces.push.values': [5.0, 80.0, -30.0, 5.0], 'forces.push.periodic': True}
 # with one point, a topic for each
 OUTPUTS = [name for name in topics.OUTPUTS if name == 'points' or name not in topics.FAMILIES]
+
+
+def kite_angle(short, long, mode, x):
+    """
+    Return theta4 of the kite a1 = a4 = short, a2 = a3 = long, on its branch from x = 0 on.
+
+    B lies on the line that halves the angle between crank and ground, at both ends of a rod.
+    """
+    half = 0.5 * x
+    root = np.sqrt(long**2 - (short * np.sin(half))**2)
+    at = short * np.cos(half) + (root if mode == 2 else -root)
+    return np.arctan2(at * np.sin(half), at * np.cos(half) - short)
 
 
 def file_of(values, folder, name='scene'):
