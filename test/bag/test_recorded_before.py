@@ -3,7 +3,11 @@
 """Bags recorded before the code was restructured compute again to the last bit."""
 from pathlib import Path
 
+from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.bag.sides import AT_FLAT
+from fourbar_ros.cli.main import main
+import numpy as np
 import pytest
 
 RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'
@@ -11,10 +15,30 @@ SCENES = {'paper': 5, 'slides_7_6': 3, 'slides_7_7': 3, 'slider_crank': 6, 'cyli
 # Driven by torque: with these steps, and with earlier ones. rocker and pushed pass toggles.
 STEPPED = {'controlled': 2, 'engine_tables': 2, 'rocker': 2}
 BEFORE = {'motor': 2, 'engine': 2, 'released': 3, 'pushed': 2}
+# Of change points, when a mode was a side: a given motion, which jumped, and a simulated one.
+SIDES = 'kite', 'parallelogram'
 
 
 def test_there_is_a_bag_of_every_scene():
-    assert {path.name for path in RECORDED.iterdir()} == {*SCENES, *STEPPED, *BEFORE}
+    assert {path.name for path in RECORDED.iterdir()} == {*SCENES, *STEPPED, *BEFORE, *SIDES}
+
+
+def test_a_bag_of_when_a_mode_was_a_side_tells_what_is_on_the_other_branch(capsys):
+    driven = np.array([record.message.position
+                       for record in Bag(RECORDED / 'kite').records(['/fourbar/driven'])])
+    found = recompute(RECORDED / 'kite')
+    other = found.other_branch
+    assert other == np.count_nonzero(np.sin(0.5 * driven) < 0.0) > 40
+    assert found.skipped == {AT_FLAT: 3} and found.compared == 3 * (found.inputs - 1) == 297
+    assert found.problems(1e-9) == []
+    found = recompute(RECORDED / 'parallelogram')       # it began below the flat position
+    assert found.other_branch == found.inputs == 101 and found.compared == 303
+    assert found.problems(1e-9) == []
+    arguments = ['bag', 'recompute', str(RECORDED / 'kite'), '--tolerance', '1e-9']
+    assert main(arguments) == 0
+    assert f'{other} driven motions are on the other branch of a change' in capsys.readouterr().out
+    assert main([*arguments, '--json']) == 0
+    assert f'"other_branch": {other}' in capsys.readouterr().out
 
 
 @pytest.mark.parametrize('scene', SCENES)

@@ -47,6 +47,37 @@ def test_there_and_back_is_where_it_began(case):
         assert (np.abs(got - want) <= np.maximum(1e-12, 64.0 * EPS * worst) * size).all()
 
 
+@pytest.mark.parametrize(('lengths', 'turns', 'advance'), [
+    ((0.5, 1.0, 0.5, 1.0), 1, 1), ((0.5, 1.0, 1.0, 0.5), 2, 1), ((1.0, 1.0, 0.5, 0.5), 1, 2),
+    ((0.4, 0.5, 0.2, 0.1), 2, 2)])
+def test_change_points_turn_on_through_their_flat_positions(lengths, turns, advance):
+    """The output of a kite makes one turn in two of the crank, or two in one."""
+    linkage = FourBar(*lengths)
+    through, inputs = Transmission(linkage, 0.3), np.linspace(-40.0, 40.0, 999)
+    output = through.to_output(trajectory(inputs, 1.0, 0.5))
+    motion = linkage.motion(inputs)
+    assert np.abs(np.angle(np.exp(1j * (output.position - motion.theta4)))).max() < 1e-13
+    assert np.abs(np.diff(output.position)).max() < 4.5 * 80.0 / 998
+    period = 2.0 * np.pi * turns
+    there = through.to_output(trajectory([1.0, 1.0 + period])).position
+    assert np.diff(there) == pytest.approx(2.0 * np.pi * advance, abs=1e-13)
+    back = through.to_input(output)
+    assert np.abs(back.position - inputs).max() < 1e-13 and np.abs(back.rate - 1.0).max() < 1e-12
+
+
+def test_a_kite_whose_output_stands_still_or_turns_back_is_refused():
+    kite = FourBar(1.0, 1.0, 0.5, 0.5, mode=1)
+    with pytest.raises(InvalidParameter, match='the output stands still'):
+        Transmission(kite, 0.3)
+    swinging = FourBar(0.1, 0.5, 0.2, 0.4)            # 1 : 5 : 2 : 4, two turns
+    low, high = (end.input for end in Transmission(swinging, 0.3).branch.ends)
+    again = Transmission(swinging, 0.3)
+    assert again.to_output(trajectory(0.3 + 4.0 * np.pi)).position == pytest.approx(
+        again.to_output(trajectory(0.3)).position)
+    with pytest.raises(CannotFollow):
+        again.to_output(trajectory(0.5 * (low + high) + 2.0 * np.pi))
+
+
 @every_case
 def test_power_of_drive_and_output_differ_by_what_the_links_take(case):
     """T x' = M y' + the power that masses, gravity and external loads take, computed apart."""
