@@ -111,9 +111,9 @@ def motion(lengths: Sequence[float], theta1: Any, omega1: Any = 0.0, alpha1: Any
     """
     Return angles [rad], rates [rad/s] and accelerations [rad/s^2] at theta1, omega1, alpha1.
 
-    ``mode``: the assembly mode, 2 (open) where sin(theta4 - beta) > 0, or 1 (crossed). Results
-    are NaN where the links do not close, and 0/0 at the flat position of a change point. Towards
-    a toggle rates grow without bound and lose their digits.
+    ``mode``: 2 (open) where sin(theta4 - beta) > 0, 1 (crossed) elsewhere. Results are NaN where
+    the links do not close, 0/0 at the flat position of a change point: there the library goes on
+    in a branch, with the sign of mode times k (M13). Towards a toggle rates lose their digits.
     """
     sign, crank = (1.0 if mode == 2 else -1.0), (theta1, omega1, alpha1)
     with np.errstate(divide='ignore', invalid='ignore'):
