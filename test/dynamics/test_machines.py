@@ -61,7 +61,7 @@ def rocking(lengths, mirrored):
         ends, names, sizes = ends[::-1], names[::-1], {'length_1': a3, 'length_2': a2}
     own = Dyad('d', 'RRR', *ends, names, **sizes, mode=1 if mirrored else 2)
     more = Dyad('e', 'RRR', Point('output', 0.4, 0.1), Point('ground', 2.5), ('rod', 'arm'),
-                length_1=2.0, length_2=1.5)
+                length_1=2.0, length_2=1.6)
     gravity = (0.5, -9.81)
     # the coupler of the kind starts at A and the output link at O4, as those of the dyad
     kind = FourBar(*lengths, bodies=Bodies(*rods), gravity=gravity)
@@ -69,13 +69,18 @@ def rocking(lengths, mirrored):
                          gravity=gravity)
 
 
-@some('mirrored', [False, True], 1, ids=['', 'from the other end'])
-def test_a_rocking_machine_swings_through_its_toggles_as_the_four_bar(mirrored):
-    """A linkage of which no rod turns fully (1.0, 1.2, 0.8, 1.5), released from rest."""
-    kind, machine = rocking((1.0, 1.2, 0.8, 1.5), mirrored)
+ROCKING = {'no rod turns fully': ((1.0, 1.2, 0.8, 1.5), 1.0, 0.0),
+           'a change point': ((2.0, 0.4, 0.8, 1.6), 0.4, -3.0)}
+
+
+@some('name, mirrored', [(name, mirrored) for mirrored in (False, True) for name in ROCKING], 2)
+def test_a_rocking_machine_swings_through_its_toggles_as_the_four_bar(name, mirrored):
+    """Released from rest, or, of a change point, through its flat position."""
+    lengths, start, rate = ROCKING[name]
+    kind, machine = rocking(lengths, mirrored)
     assert not kind.turns_fully and machine.driven_otherwise()
     times = np.linspace(0.25, 5.0, 20).tolist()
-    ours, theirs = (simulate(System(mechanism, 1.0, 0.0), 5.0, 1e-8, times=times)
+    ours, theirs = (simulate(System(mechanism, start, rate), 5.0, 1e-8, times=times)
                     for mechanism in (machine, kind))
     assert ours.status == theirs.status == REACHED
     assert len(set(ours.modes.tolist())) == len(set(theirs.modes.tolist())) == 2

@@ -334,10 +334,10 @@ class Machine(Mechanism):
         if (dyad.kind != 'RRR' or set(ends) != {self.layout.driven, GROUND}
                 or not all(any(end[1:]) for end in ends.values())):
             return ()
-        # a pair that lies flat counts the turns of the crank, which are not known there
+        # another pair that lies flat counts the turns of the crank, which are not known there
         if any(PairRange(stage, lengths).flats
-               for stage, lengths in zip(self.layout.stages, self.dyad_lengths)
-               if stage.pair and {stage.first, stage.second} == {0, 1}):
+               for i, (stage, lengths) in enumerate(zip(self.layout.stages, self.dyad_lengths))
+               if i != index and stage.pair and {stage.first, stage.second} == {0, 1}):
             return ()
         from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink  # torque alone
         return tuple([SeenFromLink(self.layout, self.dyad_lengths, self.signs, index, mode)
