@@ -8,7 +8,7 @@ from functools import cache, lru_cache
 from math import nan
 from typing import TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.evaluation import Constants, formula_of, MOST_STRUCTURES, trace_of
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -162,15 +162,6 @@ def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Ba
         gravity=Base._make(values[3:])), wanted=range(start, start + len(mechanism.LOADS._fields)))
     with np.errstate(all='ignore'):
         rows = [np.array(np.broadcast_to(row, shape)) for row in step(*values[:3])[start:]]
-    if mechanism.is_flat_at_zero:
-        for sample in zip(*np.nonzero(position == 0.0)):
-            x, rate, acceleration, *of_base = [float(value[sample]) for value in values]
-            try:
-                limits = [*mechanism.with_base(Base(*of_base)).loads(x, rate, acceleration)]
-            except FourBarError:
-                limits = [nan] * len(rows)
-            for row, limit in zip(rows, limits):
-                row[sample] = limit
     return mechanism.LOADS._make(rows)
 
 

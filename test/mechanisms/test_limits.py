@@ -91,8 +91,12 @@ def test_classes_of_sliders(mechanism, name):
 def test_change_points_are_exact(kind, lengths):
     mechanism = kind(*lengths)
     assert mechanism.classification == 'change point' and mechanism.change_point_margin == 0.0
-    off = kind(lengths[0] * (1.0 + 2.0 * EPS), *lengths[1:])
-    assert off.classification != 'change point' and 0.0 < off.change_point_margin < 4.0 * EPS
+    rounded = kind(lengths[0] * (1.0 + 2.0 * EPS), *lengths[1:])
+    assert rounded.classification == 'change point' and rounded.change_point_margin == 0.0
+    size = sum(map(abs, lengths))
+    off = kind(lengths[0] + 6.0 * EPS * size, *lengths[1:])
+    assert off.classification != 'change point'
+    assert 4.0 * EPS < off.change_point_margin < 8.0 * EPS
 
 
 # --- limits of the input -------------------------------------------------------------------------
@@ -152,11 +156,14 @@ def test_offset_at_and_past_its_limit(kind, driven):
     for offset in (8.5, -8.5, 9.0, inf, nan):
         with pytest.raises(InvalidParameter, match='^offset = '):
             kind(2.5, 6.0, offset, input=driven)
-    (low, high), = kind(2.5, 6.0, nextafter(8.5, 0.0), input=driven).input_ranges
-    assert 0.0 < high - low < 1e-6
+    # what is less than 4 eps of the lengths is none
+    with pytest.raises(InvalidParameter, match='^offset = '):
+        kind(2.5, 6.0, nextafter(8.5, 0.0), input=driven)
+    (low, high), = kind(2.5, 6.0, 8.5 - 6.0 * EPS * 17.0, input=driven).input_ranges
+    assert 0.0 < high - low < 2e-6
     # the crank's limit: full turns up to |offset| = a2 - a1, not beyond
-    assert kind(2.5, 6.0, 3.5).turns_fully
-    assert not kind(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+    assert kind(2.5, 6.0, 3.5).turns_fully and kind(2.5, 6.0, nextafter(3.5, 4.0)).turns_fully
+    assert not kind(2.5, 6.0, 3.5 + 6.0 * EPS * 12.0).turns_fully
 
 
 # --- dead points ---------------------------------------------------------------------------------

@@ -249,7 +249,7 @@ def draw(rng, case, family='random'):
             mechanism = case.make(lengths)
         except InvalidParameter:
             continue
-        if not mechanism.input_ranges:
+        if not mechanism.input_ranges or is_rounded(mechanism):
             continue
         x = _position(rng, case, mechanism, family) if at is None else float(at)
         speed = 10.0**rng.uniform(-8, 8) if family == 'speeds' else 1.0
@@ -257,6 +257,13 @@ def draw(rng, case, family='random'):
         if mechanism.turns_fully or any(low < x < high for low, high in mechanism.input_ranges):
             return lengths, given
     raise AssertionError(f'{case}: no mechanism of the family {family!r} in {TRIES} tries')
+
+
+def is_rounded(mechanism):
+    """Return whether lengths are a change point by their roundings, not as floats."""
+    return mechanism.change_point_margin == 0.0 and all(
+        sum(map(mul, signs, map(Fraction, map(abs, mechanism.lengths))))
+        for signs in mechanism.MARGIN_SIGNS)
 
 
 def at_change_point(rng, case):

@@ -76,7 +76,8 @@ def _is_below_its_bound(mechanism, name, at, rates):
     sampler = Sampler(mechanism, select((name,), mechanism), rates)
     half = 0.5 * _to_singular(mechanism, at)
     x = np.array([at, at - half, at + half]) / sampler.unit
-    (here, *beside), (own, *noise) = sampler.values(x)[0], sampler.errors(sampler.state(x))[1][0]
+    here, *beside = sampler.values(x)[0]
+    own, *noise = sampler.errors(x, sampler.state(x))[1][0]
     return PART_OF_NOISE * own > abs(here) or any(
         PART_OF_NOISE * bound > abs(value - here) for value, bound in zip(beside, noise))
 

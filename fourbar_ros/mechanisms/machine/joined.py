@@ -141,7 +141,8 @@ class PairRange:
         if not self.slides:
             _, _, of_minus, of_plus, _ = half_angle(n, cosine, sine, True)
         for plus, minus in self._toggles:
-            size = abs(plus) * of_plus + 1.0 if self.slides else abs(plus) + abs(minus)
+            # of a slide far above the sizes of ``minus``, so that no pole is near its roots
+            size = abs(plus) * of_plus + 64.0 if self.slides else abs(plus) + abs(minus)
             product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
         return product
 

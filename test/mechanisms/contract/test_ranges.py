@@ -52,7 +52,7 @@ def test_ranges_are_where_it_closes(case, points=more(2000, 20000)):
 def test_limits_are_singular(case):
     """Next to the ends of a range the sine falls as the root of the distance."""
     ends = 0
-    for mechanism in contract.drawn(case, 219, 40):
+    for mechanism in contract.drawn(case, 219, 60):
         if mechanism.turns_fully or mechanism.change_point_margin < 1e-3:
             continue
         singular = np.array(mechanism.singular_inputs)

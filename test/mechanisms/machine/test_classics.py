@@ -11,7 +11,7 @@ import pytest
 
 EPS = 2.0**-52
 SCENES = {file.stem: file for file in sorted((folder() / 'classics').glob('*.yaml'))}
-TURN = np.linspace(-pi, pi, 361)[:-1] + 1e-3      # of a crank, without its flat positions
+TURN = np.linspace(-pi, pi, 361)[:-1] + 1e-3      # of a crank
 NEAR = np.array([1e-3, 1e-6, 1e-9, 1e-12])        # of a flat position
 
 
@@ -49,17 +49,13 @@ def test_scenes_are_short_and_found_by_their_names():
 # --- exact lines ---------------------------------------------------------------------------------
 
 def test_scott_russell_draws_the_y_axis():
-    machine, flat = machine_of('scott_russell'), 0.5 * pi
-    beyond = machine.in_mode(machine.mode_beyond(flat))     # in which the rod goes on to the left
-    theta = np.concatenate([TURN, *(place + side * NEAR for place in (flat, -flat)
-                                    for side in (-1.0, 1.0))])
-    is_right = np.cos(theta) > 0.0
-    for own, its in ((machine, theta[is_right]), (beyond, theta[~is_right])):
-        point = traced('scott_russell', its, machine=own)
-        close(point.x, 0.0)
-        close(point.y, 0.4 * np.sin(its))
-        close(point.velocity_y, 0.4 * np.cos(its))
-        close(point.acceleration_y, -0.4 * np.sin(its))
+    theta = np.concatenate([TURN, *(flat + side * NEAR for flat in (0.5 * pi, -0.5 * pi)
+                                    for side in (-1.0, 0.0, 1.0))])
+    point = traced('scott_russell', theta)
+    close(point.x, 0.0)
+    close(point.y, 0.4 * np.sin(theta))
+    close(point.velocity_y, 0.4 * np.cos(theta))
+    close(point.acceleration_y, -0.4 * np.sin(theta))
 
 
 # square: what O P times O Q is, by the rods; diameter: of the circle that P runs on
@@ -80,26 +76,24 @@ def test_inversors_draw_a_line(name, square, diameter, pivot, times):
 @pytest.mark.parametrize('name', ['parallelogram', 'coupling_rod'])
 def test_wheels_turn_alike_and_rods_do_not_turn(name):
     machine = machine_of(name)
-    beyond = machine.in_mode(machine.mode_beyond(0.0))
-    half = np.concatenate([TURN[TURN > 0], NEAR, pi - NEAR])
+    theta = np.concatenate([TURN, TURN + 4.0 * pi, 0.0 * NEAR, NEAR, pi - NEAR, NEAR - pi, -NEAR])
     radius = machine.dyads[0].first.along
-    for own, theta in ((machine, half), (beyond, -half)):
-        motion = own.motion(theta, 2.0, 3.0)
-        for dyad in machine.dyads:
-            rod, wheel = dyad.links
-            close(getattr(motion, f'omega_{wheel}'), 2.0, 8, 2.0)
-            close(getattr(motion, f'alpha_{wheel}'), 3.0, 8, 30.0)
-            for rate in ('theta', 'omega', 'alpha'):
-                close(getattr(motion, f'{rate}_{rod}'), 0.0, 8, 30.0)
-            point = point_motion(own, motion, rod, 0.4, 0.1)
-            start = sum(one.length_1 for one in machine.dyads[:machine.dyads.index(dyad)])
-            close(point.x, start + 0.4 + radius * np.cos(theta), 8, 4.0)
-            close(point.y, 0.1 + radius * np.sin(theta), 8, 4.0)
+    motion = machine.motion(theta, 2.0, 3.0)
+    for dyad in machine.dyads:
+        rod, wheel = dyad.links
+        close(getattr(motion, f'omega_{wheel}'), 2.0, 8, 2.0)
+        close(getattr(motion, f'alpha_{wheel}'), 3.0, 8, 30.0)
+        for rate in ('theta', 'omega', 'alpha'):
+            close(getattr(motion, f'{rate}_{rod}'), 0.0, 8, 30.0)
+        point = point_motion(machine, motion, rod, 0.4, 0.1)
+        start = sum(one.length_1 for one in machine.dyads[:machine.dyads.index(dyad)])
+        close(point.x, start + 0.4 + radius * np.cos(theta), 8, 4.0)
+        close(point.y, 0.1 + radius * np.sin(theta), 8, 4.0)
 
 
 def test_the_antiparallelogram_turns_as_two_ellipses_that_roll():
     machine = machine_of('antiparallelogram')
-    a, d, theta = 0.2, 0.5, np.concatenate([TURN[TURN > 0], NEAR, pi - NEAR])
+    a, d, theta = 0.2, 0.5, np.concatenate([TURN, TURN + 4.0 * pi, 0.0 * NEAR, NEAR, pi - NEAR])
     ratio = -(d * d - a * a) / (d * d + a * a - 2.0 * a * d * np.cos(theta))
     close(machine.motion(theta, 1.0).omega_rocker, ratio, 16, 3.0)
 
