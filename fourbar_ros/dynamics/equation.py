@@ -112,7 +112,7 @@ def compiled(make_formula: MakeFormula, links: DrivenLinks) -> Function:
     line, formula = straight_line(partial(make_formula, links)), make_formula(links, ARRAY)
 
     def results(position: Value) -> Sequence[Any]:
-        if isinstance(position, np.ndarray) and position.ndim:
+        if type(position) is not float and isinstance(position, np.ndarray) and position.ndim:
             with np.errstate(all='ignore'):
                 return [np.broadcast_to(row, position.shape) for row in formula(position)]
         try:
