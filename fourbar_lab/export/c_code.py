@@ -32,8 +32,7 @@ class Formulas:
         first = trace.count                              # index of the first number of the data
         data = {entry.slot: entry for entry in model.tunable}
         # steps that depend on tunable parameters and not on the inputs
-        self._tuned = {first + i for i in data} | {
-            first + i for i, pair in model.derived.items() if set(pair) & data.keys()}
+        self._tuned = {first + i for i in data}
         for index, step in enumerate(trace.steps):
             if not (step.is_given or index in trace.varies) and self._tuned & set(step.arguments):
                 self._tuned.add(index)
@@ -51,15 +50,9 @@ class Formulas:
 
     def preparation(self) -> list[str]:
         """Return the statements of parameters alone, once all other statements are written."""
-        trace, first = self._model.trace, self._model.trace.count
-        pairs = {first + i: pair for i, pair in self._model.derived.items()}
-        statements = []
-        for index in trace.needed(self.kept):
-            if index in pairs and index in self._tuned:
-                self.writer.used.add('hypot')
-                x, y = (self._datum(first + i) for i in pairs[index])
-                statements.append(f'const double d{index} = hypot_of({x}, {y});')
-            elif index in self._tuned and index not in self._data:
+        statements = list[str]()
+        for index in self._model.trace.needed(self.kept):
+            if index in self._tuned and index not in self._data:
                 step = self._steps[index]
                 operands = [self._datum(i) for i in step.arguments]
                 statements += self.writer.define(f'd{index}', step, operands)
@@ -200,13 +193,14 @@ class Code:
         """
         Return the statements that compute and store all results.
 
-        ``*closes`` gets the sine of the transmission angle: 0 at a toggle, NaN out of range.
+        ``*closes`` gets the transmission angle: NaN out of range; ``*condition`` is infinite at a
+        flat position.
         """
         model, of = self.model, self.formulas.of_line
         results = [*model.motion, *(model.loads if with_loads else ())]
         return [*self.lines[with_loads],
                 *(f'values[{i}] = {of(entry.slot)};' for i, entry in enumerate(results)),
-                f'*closes = {of(model.transmission)};',
+                f'*closes = {of(model.transmission)};', f'*condition = {of(model.condition)};',
                 *(f'if ({of(index)} < 0.0) *closes = NAN;' for index in model.roots_left_out)]
 
     def _guards(self) -> list[str]:
@@ -221,8 +215,6 @@ class Code:
                    else mechanism.closing_ranges)
         ends = sorted({end for bounds in toggles for end in bounds})
         limits = [f'fabs({self._apart(literal(end))}) <= near' for end in ends]
-        if mechanism.is_flat_at_zero:
-            limits.append('x == 0.0')
         summed = sum(entry.name in mechanism.MOTION._fields for entry in model.motion)
         depends = ', '.join(map(str, model.depends))
         return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
@@ -231,8 +223,7 @@ class Code:
                 f'  return {" && ".join(reach) or "1"};', '}', '',
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
-                f'  return {" || ".join(limits) or "0"};', '}', '', snippet('judge.c'),
-                *([snippet('functions.c', 'limit')] if mechanism.is_flat_at_zero else [])]
+                f'  return {" || ".join(limits) or "0"};', '}', '', snippet('judge.c')]
 
     def _apart(self, end: str) -> str:
         """Return the distance of x from a limit, the short way round of angles."""
@@ -262,27 +253,8 @@ class Code:
                 'OVERFLOWING': ('' if model.mechanism.is_driven_by_slide
                                 else f' * {model.mechanism.overflowing!r}'),
                 'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
-                'AT_ZERO': lines_of(self._at_zero(with_loads)),
                 'STATEMENTS': lines_of(self._statements[with_loads])}))
         return functions
-
-    def _at_zero(self, with_loads: bool) -> list[str]:
-        """Return the C text of the limits at a flat position at 0, which the formulas lack."""
-        model = self.model
-        if not model.limits_at_zero:
-            return []
-        names = [*model.mechanism.MOTION._fields, *model.mechanism.LOADS._fields]
-        rows = list(zip(*model.limits_at_zero))
-        loads = model.loads if with_loads else ()
-        wanted = [names.index(entry.name) for entry in (*model.motion, *loads)
-                  if entry.name in names]
-        closes = names.index('transmission_angle')
-        return ['  if (x0 == 0.0) {', '    int i;', '    refused = 0;',
-                *(f'    values[{i}] = limit_of({", ".join(map(literal, rows[index]))}, x1, x2);'
-                  for i, index in enumerate(wanted)),
-                f'    closes = {literal(rows[closes][0])};',
-                f'    for (i = MOTIONS; i < MOTIONS + {len(loads)}; ++i)',
-                '      refused |= !is_finite(values[i]);', '  }']
 
     def _self_check(self) -> str:
         """

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from math import isfinite
 import re
 from typing import Any, NamedTuple
 
@@ -15,7 +14,6 @@ from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.evaluation import limits_at_zero
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
@@ -65,9 +63,8 @@ class GeneratedModel:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Return the mechanism; without masses if it has springs and a flat position at 0."""
-        bare = self.scene.bare_linkage
-        return self.scene.linkage if bare.is_flat_at_zero else bare
+        """Return the mechanism, with masses also where springs load it."""
+        return self.scene.bare_linkage
 
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
@@ -79,11 +76,6 @@ class GeneratedModel:
         rows = {mode: numbers_of(mechanism.in_mode(mode).constants) for mode in modes}
         return {index: dict(zip(rows, column)) for index, column in enumerate(zip(*rows.values()))
                 if len(set(column)) > 1}
-
-    @cached_property
-    def is_fixed(self) -> bool:
-        """Return whether it has change points, whose limits belong to its own numbers."""
-        return self.mechanism.is_flat_at_zero or bool(self.mechanism.flat_limits)
 
     @property
     def from_topics(self) -> set[str]:
@@ -101,6 +93,8 @@ class GeneratedModel:
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
         whole, _, end_of_loads = self._recorded
+        if self._has_fixed_lengths and not whole.is_switched(self.data):
+            whole = whole.unswitched
         if not self.mechanism.LEAVES_OUT_ZEROS:
             return whole
         # the node keeps the zero coordinates of points, which follow those of the mechanism
@@ -178,18 +172,28 @@ class GeneratedModel:
             if self.moves_by_torque and name.rpartition('.')[0] not in topics:
                 raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
                                    'motion by torque has the numbers of the scene')
-            if self.is_fixed:
-                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as its '
-                                   'limits at change points belong to the lengths of the scene')
+            if self.mechanism.flat_limits:
+                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as a limit '
+                                   'of its input is a change point of the lengths of the scene')
         return frozenset([*self.signs, *(names.index(name) for name in (
             *wanted, *(name for name in names if name.rpartition('.')[0] in topics)))])
+
+    @property
+    def _can_change_all(self) -> bool:
+        return (self.parameters is None
+                and not (self.mechanism.flat_limits or self.moves_by_torque))
+
+    @property
+    def _has_fixed_lengths(self) -> bool:
+        """Return whether no length can be changed, which would make or leave a change point."""
+        lengths = range(len(self.mechanism.numbers_of_lengths))
+        return not self._can_change_all and self._asked.isdisjoint(lengths)
 
     @cached_property
     def names(self) -> list[tuple[str, str]]:
         """Return name and unit of each number of the data; a fixed number has no name."""
         constants = self.constants
-        names = [(name if isinstance(name, str) else '', 'm')
-                 for name in self.mechanism.numbers_of_lengths]
+        names = [(name, 'm') for name in self.mechanism.numbers_of_lengths]
         name_of = {index: f'sign_{i}' if len(self.signs) > 1 else 'sign'
                    for i, index in enumerate(self.signs, 1)}
         names += [(name_of.get(len(names) + i, ''), '')
@@ -210,9 +214,7 @@ class GeneratedModel:
         """Return the parameters that can be changed at run time."""
         trace, first = self.trace, self.trace.count
         used = {i - first for i in trace.needed(self.needed(True))}
-        used |= {i for datum in used & self.derived.keys() for i in self.derived[datum]}
-        if self.parameters is None and not self.is_fixed and not self.moves_by_torque:
-            # all on which results depend
+        if self._can_change_all:        # on which results depend
             tunable = self._asked | {i for i in used if i < len(self.data)
                                      and trace.steps[first + i].operation == 'datum'}
         else:
@@ -226,12 +228,6 @@ class GeneratedModel:
             return '>='
         return '>' if any(length.name == name and not length.signed
                           for length in self.mechanism.LENGTHS) else ''
-
-    @cached_property
-    def derived(self) -> dict[int, tuple[int, int]]:
-        """Return {index of the size of a vector in the data: indices of its two components}."""
-        return {i: name for i, name in enumerate(self.mechanism.numbers_of_lengths)
-                if not isinstance(name, str)}
 
     @cached_property
     def motion(self) -> tuple[Named, ...]:
@@ -296,23 +292,6 @@ class GeneratedModel:
 
     # --- when there is no answer ----------------------------------------------------------------
 
-    @cached_property
-    def limits_at_zero(self) -> tuple[list[float], ...]:
-        """
-        Return four lists of coefficients: of 1, the rate, its square, the acceleration.
-
-        These terms add up to the fields of motion and loads at a flat position at 0.
-        """
-        if not self.mechanism.is_flat_at_zero:
-            return ()
-        with_loads = self.mechanism.bodies is not None
-        still, forward, back, faster = (
-            limits_at_zero(self.mechanism, *rates, with_loads)
-            for rates in ((0.0, 0.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 1.0)))
-        return (still, [0.5 * (a - b) for a, b in zip(forward, back)],
-                [0.5 * (a + b) - c for a, b, c in zip(forward, back, still)],
-                [a - b if isfinite(b) else b for a, b in zip(faster, still)])
-
     @property
     def depends(self) -> list[int]:
         """
@@ -346,7 +325,7 @@ class GeneratedModel:
     def needed(self, with_loads: bool) -> list[int]:
         """Return the indices of the steps that the wanted results and the status need."""
         steps = self.trace.steps
-        wanted = [self.transmission, *(entry.slot for entry in (
+        wanted = [self.transmission, self.condition, *(entry.slot for entry in (
             *self.motion, *(self.loads if with_loads else ())))]
         for index in self.refusing(with_loads):
             wanted.append(steps[index].arguments[-1] if steps[index].operation in JUDGED
@@ -373,8 +352,16 @@ class GeneratedModel:
     @property
     def transmission(self) -> int:
         """Return the index of the transmission angle, which is a number where the links close."""
+        return self._of_motion('transmission_angle')
+
+    @property
+    def condition(self) -> int:
+        """Return the index of the condition, which is infinite at a flat position."""
+        return self._of_motion('condition')
+
+    def _of_motion(self, name: str) -> int:
         names: Sequence[str] = self.mechanism.MOTION._fields
-        return _indices_of(self.trace)[0][names.index('transmission_angle')]
+        return _indices_of(self.trace)[0][names.index(name)]
 
 
 def _indices_of(trace: Trace) -> list[list[int]]:

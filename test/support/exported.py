@@ -12,7 +12,6 @@ from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_ros.dynamics.node_step import DriveValues, Mover
 from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.points import make_point
-from fourbar_ros.numerics.arguments import FASTEST
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import (
     evaluate,
@@ -25,7 +24,7 @@ from fourbar_ros.pipeline.stepper import (
 import numpy as np
 from support import ROOT
 
-EPS, TINY = 2.0**-52, 1e-30
+EPS = 2.0**-52
 SCENES = sorted(path for folder in ('config', 'config/classics')
                 for path in (ROOT / folder).glob('*.yaml'))
 COMPILERS = tuple(filter(shutil.which, ('gcc', 'clang')))
@@ -139,8 +138,9 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
     """Return positions, rates, accelerations, shape (count, 3), hard ones among them."""
     rng = np.random.default_rng(seed)
     ends = [end for bounds in (*mechanism.closing_ranges, *mechanism.input_ranges)
-            for end in bounds] + [0.0, math.pi, -0.5 * math.pi, *(mechanism.stroke or ())]
-    low, high = min(ends[:-3]), max(ends[:-3])
+            for end in bounds]
+    low, high = min(ends), max(ends)
+    ends += [0.0, math.pi, -0.5 * math.pi, *(mechanism.stroke or ()), *mechanism.flat_inputs]
     found = rng.uniform(low - 0.1 * (high - low), high + 0.1 * (high - low), (count, 3))
     found[:, 1:] = rng.normal(0.0, 20.0, (count, 2))
 
@@ -154,9 +154,6 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
         at = some(0.1)
         found[at, column] = rng.normal(size=at.sum()) * 10.0**rng.uniform(-310.0, 306.0, at.sum())
         found[some(0.1), column] = rng.choice([0.0, -0.0])
-    if mechanism.is_flat_at_zero:       # beyond the node's rates C says toggle there, not invalid;
-        rates, size = found[:, 1:], abs(found[:, 1:])   # nor do digits tell 1e-55 from nothing
-        rates[(found[:, :1] == 0.0) & (rates != 0.0) & ((size > FASTEST) | (size < TINY))] = 1.0
     for column, share in ((0, 0.01), (1, share_unknown), (2, share_unknown)):
         at = some(share)
         found[at, column] = rng.choice([math.nan, math.inf, -math.inf], at.sum())
@@ -167,8 +164,7 @@ def of_python(mechanism, points, inputs, loaded=None):
     """
     Return (statuses, values) of the node for inputs, one by one.
 
-    And a mask of those of arrays there: compared by rounding, not bits. Left out are samples of
-    unknown rates at a flat position at 0: C has limits there, the node numbers of size 1e76.
+    And a mask of those of arrays there: compared by rounding, not bits.
     ``loaded``: (position, rate) -> linkage with the forces of springs there.
     """
     with_loads = mechanism.bodies is not None
@@ -191,8 +187,6 @@ def of_python(mechanism, points, inputs, loaded=None):
     of_points = rows[:, first:first + len(PointMotion._fields) * len(points)]
     # with unknown rates the node knows no rate of a point, C the constant ones, as y of a yoke
     of_points[(statuses == RATES_UNKNOWN)[:, None] & np.isnan(of_points)] = math.inf
-    if mechanism.is_flat_at_zero:
-        rows[(statuses == RATES_UNKNOWN) & (inputs[:, 0] == 0.0)] = math.inf
     return statuses, rows, (statuses == TOGGLE) | (statuses == RATES_UNKNOWN)
 
 

@@ -33,13 +33,15 @@ static double size_of(const double *values, int count)
   return (a + b) + (c + d);
 }
 
-/* The status by the results too. `closes` is a number where the links close. */
-static int judged(int status, int refused, double closes, double x, const double *values,
-                  int loads)
+/* The status by the results too. `closes` is a number where the links close, `condition` infinite
+   at a flat position, a toggle. */
+static int judged(int status, int refused, double closes, double condition, double x,
+                  const double *values, int loads)
 {
   double motion = 0.0, load = 0.0;
   int i;
   if (!reaches(x)) return 1;
+  if (status == 0 && is_infinite(condition)) status = 3;
   if (status == 0 && refused) status = is_at_limit(x) ? 3 : 1;
   if (status != 0) return closes != closes ? 1 : status;
   if (size_of(values, SUMMED) + size_of(values + MOTIONS, loads) < 1e300) return 0;

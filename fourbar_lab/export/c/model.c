@@ -69,7 +69,7 @@ void NAME_set_mode(NAME_parameters *to, double mode)
 SIGNS}
 // --- function
 static int WHICH_of(const double *k, double x0, double x1, double x2, double *values,
-    double *closes)
+    double *closes, double *condition)
 {
   int refused = 0;
   (void)k;
@@ -83,11 +83,11 @@ SIGNATURE
 {
   double values[RESULTS];
   const double x0 = input->X0, x1 = input->X1, x2 = input->X2;
-  double closes = NAN;
+  double closes = NAN, condition = NAN;
   int status = first_look(x0OVERFLOWING, x1, x2);
   if (status != INVALID_INPUT) {
-    int refused = WHICH_of(with->k, x0, x1, x2, values, &closes);
-AT_ZERO    status = judged(status, refused, closes, x0, values, LOADS);
+    const int refused = WHICH_of(with->k, x0, x1, x2, values, &closes, &condition);
+    status = judged(status, refused, closes, condition, x0, values, LOADS);
   }
   if (status != 0) without_answer(status, x1, x2, values, LOADS);
   if (status == 1 || status == 2) {
