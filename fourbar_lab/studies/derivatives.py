@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite, isnan, nan, pi, tau
+from math import isfinite, isnan, nan, pi
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies import measures as kinds
@@ -26,7 +26,7 @@ from fourbar_lab.studies import parametric
 from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.measures import ANGLE, Design, Measure, Measures
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, Extremum, ONE_SIDED
+from fourbar_ros.extrema.find import CONSTANT, Extremum
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
@@ -86,6 +86,10 @@ class Derivatives:
                                        'must be a number that the scene gives')
         self.scene, self.names, self.acceleration = scene, tuple(names) or known, acceleration
         self.quantities = Measures(scene).quantities
+        # of lengths of a change point there are no derivatives: with others it has other motions
+        self.leaves_branch = np.array([
+            scene.linkage.change_point_margin <= TIE and name.startswith(LENGTHS)
+            for name in self.names])
         self._trace = Trace(self._formulas, 1, tuple([scene.values[name] for name in self.names]))
 
     def _formulas(self, n: NumberType, data: Sequence[Scalar]) -> Function:
@@ -139,8 +143,9 @@ class Derivatives:
         """Return values of a quantity at inputs x, shape (n,), and derivatives (parameters, n)."""
         dual, zero = self._quantity(name, x), np.zeros_like(x)
         slopes = derivatives_of(dual)
-        return zero + value_of(dual), np.array([zero + slopes.get(parameter, 0.0)
-                                                for parameter in self.names])
+        by = np.array([zero + slopes.get(parameter, 0.0) for parameter in self.names])
+        by[self.leaves_branch] = nan
+        return zero + value_of(dual), by
 
     def at_extremum(self, name: str, x: float) -> tuple[Array, Array]:
         """
@@ -158,7 +163,7 @@ class Derivatives:
             off = along.real / along.imag if along else 0.0     # a constant quantity has no input
             if STEP * abs(off) > SHARP * self.scene.linkage.input_unit:
                 off = nan
-            by_parameters = np.array(by)
+            by_parameters = np.where(self.leaves_branch, nan, by)
             return (by_parameters.real - off * by_parameters.imag,
                     -by_parameters.imag / along.imag + 0.0 * off)
 
@@ -201,11 +206,10 @@ class _OfMeasure:
     def sensitivity(self) -> Sensitivity:
         """Return the derivatives, NaN by parameters where there is none."""
         slopes = self._where_links_close()
-        are_lengths = [name.startswith(LENGTHS) for name in self._names]
-        if (self._linkage.change_point_margin <= TIE and any(are_lengths)
-                and self._measure.part != kinds.CHANGE_POINT):
-            why = 'at a change point any change of a length adds or takes poses'
-            slopes = np.where(are_lengths, self._unknown(why), slopes)
+        leaves = self._derivatives.leaves_branch
+        if leaves.any() and self._measure.part != kinds.CHANGE_POINT:
+            why = 'any change of a length leaves the change point, and with it the branch'
+            slopes = np.where(leaves, self._unknown(why), slopes)
         return Sensitivity(self._measure, self._value, dict(zip(self._names, slopes.tolist())),
                            self._why_unknown if np.isnan(slopes).any() else '')
 
@@ -250,11 +254,12 @@ class _OfMeasure:
             return of_way
         most, least = (self._design.extreme(self._source, end) for end in ('max', 'min'))
         assert most and least
-        forward = (most.input - least.input) % tau
-        slopes = -tau / min(forward, tau - forward)**2 * of_way      # of (tau - short) / short
-        if abs(forward - pi) <= TIE:            # either stroke may become the slower one
+        period = self._linkage.period
+        forward = (most.input - least.input) % period
+        slopes = -period / min(forward, period - forward)**2 * of_way   # of (period - short)/short
+        if abs(forward - 0.5 * period) <= TIE:  # either stroke may become the slower one
             return self._agreed([slopes, -slopes], 'it has a kink: both strokes take as long')
-        return slopes if forward < pi else -slopes
+        return slopes if forward < 0.5 * period else -slopes
 
     def _of_end(self, extrema: Sequence[Extremum], sign: float) -> Array:
         """Return the slopes of the largest (sign 1) or least (-1) extremum, or of its input."""
@@ -290,10 +295,14 @@ class _OfMeasure:
 
         ``scale``: of what they are derivatives; by default the size of the measure.
         """
-        effects = np.asarray(sides) * self._sizes
+        effects = self._effects(sides)
         scale = abs(float(self._value)) if scale is None else scale
         is_same = np.ptp(effects, axis=0) <= SAME * np.max(np.abs(effects), initial=scale)
         return sides[0] if is_same.all() else np.where(is_same, sides[0], self._unknown(why))
+
+    def _effects(self, slopes: Sequence[Array]) -> Array:
+        """Return what changes by their own sizes do; nothing of those that leave the branch."""
+        return np.where(self._derivatives.leaves_branch, 0.0, np.asarray(slopes) * self._sizes)
 
     def _of_extremum(self, extremum: Extremum) -> Array:
         """Return the slopes of an extremum, or of its input, that all dyads that tie share."""
@@ -314,14 +323,13 @@ class _OfMeasure:
             return of_input if self._is_of_inputs else self._agreed([*slopes.T], why)
         if not extremum.side:
             of_value, of_input = self._derivatives.at_extremum(name, x)
-            if np.isnan(of_value).any():
+            if np.isnan(of_value[~self._derivatives.leaves_branch]).any():
                 self._unknown(f'it has a kink or a jump at the input {x:.6g}')
             return of_input if self._is_of_inputs else of_value
         if x in (self._linkage.stroke or ()):               # an end that stays where it is
             _, slopes = self._derivatives.of(name, np.array([x]))
             return np.zeros_like(self._sizes) if self._is_of_inputs else slopes[:, 0]
-        return self._unknown('its extremum is at a flat position, where it jumps'
-                             if extremum.place == ONE_SIDED else TOGGLE)
+        return self._unknown(TOGGLE)
 
     def _angles(self, x: Array) -> tuple[tuple[str, ...], Array, Array]:
         """Return the transmission angles of all dyads at inputs x, (dyads, n), and which count."""
@@ -359,7 +367,7 @@ class _OfMeasure:
             # a force of size 0 has no slope, and the product is 0
             results.append((weights * np.where(values == 0.0, 0.0, values * slopes)).sum(axis=1)
                            / size)
-        effects = np.array(results) * self._sizes
+        effects = self._effects(results)
         if not np.ptp(effects, axis=0).max() <= RESOLVED * np.abs(effects).max():
             return self._unknown(f'{most} inputs do not resolve it')
         return np.asarray(results[0])

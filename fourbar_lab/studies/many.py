@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fourbar_lab.studies.block import Designs, in_groups, search
+from fourbar_lab.studies.block import Designs, in_groups, NEAR, search
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.mechanisms.four_bars import FourBar
@@ -105,7 +105,9 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
                           {name: column[which] for name, column in zip(names, columns)})
         turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, samples)
         compared = [*map(_compared, turns.values, turns.counts)]
-        done = designs.are_allowed() & ~turns.is_doubtful
+        margins = designs.margins()
+        assert margins is not None
+        done = designs.are_allowed() & ~turns.is_doubtful & (np.abs(margins) > NEAR).all(axis=0)
         for *_, has_ties in compared:
             done &= ~has_ties
         for name, inputs, values, (is_maximum, is_global, _) in zip(

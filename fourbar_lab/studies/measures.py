@@ -83,17 +83,18 @@ class Extent(NamedTuple):
     min_at: Values
     extrema: Values
 
-    def of(self, part: str) -> Values:
+    def of(self, part: str, period: float = tau) -> Values:
         """
         Return a part of the quantity by name, all but rms, or a measure of the mechanism.
 
         The latter is the time ratio (of the extent of the output) or the least transmission angle
-        (of that of the transmission angle).
+        (of that of the transmission angle). ``period``: of the input [rad].
         """
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
-            forward = np.mod(self.max_at - self.min_at, tau)        # from least to greatest output
-            slow, fast = np.maximum(forward, tau - forward), np.minimum(forward, tau - forward)
+            forward = np.mod(self.max_at - self.min_at, period)     # from least to greatest output
+            back = period - forward
+            slow, fast = np.maximum(forward, back), np.minimum(forward, back)
             parts: dict[str, Values] = {
                 **self._asdict(), 'span': span,
                 'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
@@ -198,7 +199,7 @@ class Design:
         if most and least:
             extent = Extent(most.value, most.input, least.value, least.input,
                             len(self.extrema[name]))
-        return float(extent.of(measure.part))
+        return float(extent.of(measure.part, linkage.period))
 
     def extreme(self, name: str, part: str) -> Extremum | None:
         """Return the largest or least (max, min) extremum of a quantity that was searched."""

@@ -209,7 +209,6 @@ def slopes_of(scene, quantities, names, **changed):
     ('v_engine', 'driving_torque.peak', ['bodies.left_piston.mass', 'bodies.right_piston.mass']),
     ('radial_engine', 'least_transmission_angle', ['dyads.c1.length_1', 'dyads.c4.length_1']),
     ('v8', 'least_transmission_angle', ['dyads.L1.length_1', 'dyads.R2.length_1']),
-    ('scissor_lift', 'least_transmission_angle', ['dyads.lower.length_1', 'dyads.upper.length_1']),
 ])
 def test_where_two_places_tie_for_an_extremum_there_is_no_derivative(scene, measure, names):
     (found, sides), = slopes_of(scene, [measure], names).values()
@@ -259,7 +258,7 @@ def test_at_a_change_point_nothing_has_a_derivative_by_a_length():
     names = ['dyads.loop.second.across', 'bodies.rods.density']
     (one, sides), = slopes_of('parallelogram', ['shaking_force.min'], names).values()
     assert abs(sides[names[0]][0]) > 1e6       # it jumps
-    assert isnan(one.by[names[0]]) and 'at a change point' in one.why_unknown
+    assert isnan(one.by[names[0]]) and 'leaves the change point' in one.why_unknown
     assert abs(one.by[names[1]] / sides[names[1]][1] - 1.0) < 1e-4
 
 
