@@ -3,7 +3,14 @@
 """Through flat positions of change points: against Cartesian circles, quadrature of energy."""
 from math import pi
 
-from fourbar_ros import FourBar, InvertedSlider, MovingJointFourBar, SliderCrank
+from fourbar_ros import (
+    Bodies,
+    Body,
+    FourBar,
+    InvertedSlider,
+    MovingJointFourBar,
+    SliderCrank,
+)
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.node_step import Mover, OK
@@ -200,3 +207,20 @@ def test_period_equilibria_and_flywheel_are_of_the_turns_after_which_all_repeats
                       linkage.period / 20.0, 1e-10, times=np.linspace(0.0, linkage.period / 20.0,
                                                                       4001))
     assert np.ptp(driven.rate) / 20.0 == pytest.approx(0.02, rel=1e-4)
+
+
+@pytest.mark.parametrize('lengths', [(0.5, 1.0, 0.5, 1.0), (0.5, 1.0, 1.0, 0.5)],
+                         ids=['parallelogram', 'kite'])
+def test_a_flat_position_is_an_equilibrium_like_any_other(lengths):
+    """All links hang in line: K by differences of the force; of the parallelogram by hand."""
+    rods = Bodies(*[Body(1.0, cg_along=0.5 * length, inertia=0.02) for length in lengths[:3]])
+    equation = Equation(FourBar(*lengths, bodies=rods, gravity=(9.81, 0.0)))
+    stable = [one for one in equilibria(equation) if one.is_stable]
+    assert [one.position for one in stable] == pytest.approx(
+        [0.0] if equation.turns == 1 else [0.0, 2.0 * pi], abs=1e-12)
+    for one in stable:
+        before, after = equation.terms(one.position + np.array([-1e-5, 1e-5])).force
+        assert one.stiffness == pytest.approx((before - after) / 2e-5, rel=1e-8)
+    if equation.turns == 1:       # two rods of 0.5 m swing on their ends, the third is carried
+        inertia = 2.0 * (0.02 + 0.25**2) + 0.5**2
+        assert stable[0].frequency == pytest.approx((9.81 / inertia)**0.5 / (2.0 * pi), rel=1e-13)
