@@ -32,6 +32,9 @@ import numpy as np
 # Distances from a flat position, in the unit of the input: a quantity that grows from the first to
 # the second as one over them has a pole there. No size of a float is below the last.
 FAR, NEAR, SMALLEST = 2.0**-30, 2.0**-36, 2.0**-1022
+# So near to a limit that is a change point errors of accelerations are eps over the third power of
+# the distance [in the unit of the input].
+BESIDE_DOUBLE_ROOTS = 2.0**-6
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
 # from a toggle or a pole.
 STEP = 2.0**-200
@@ -277,6 +280,12 @@ class Sampler:
             away = x.real - flat_x
             size = np.abs(away if self.linkage.is_driven_by_slide else np.sin(0.5 * away))
             sine = np.where(size > 0.0, sine / np.maximum(size, SMALLEST), 1.0)
+        for limit in set(self.linkage.flat_limits):     # a double root of a margin
+            away = x.real - limit / self.unit
+            if not self.linkage.is_driven_by_slide:
+                away = away - 2.0 * pi * np.round(away / (2.0 * pi))
+            sine = np.where(np.abs(away) < BESIDE_DOUBLE_ROOTS,
+                            np.minimum(sine, np.abs(away)**3), sine)
         scales = _term_sizes(self.linkage, motion)
         scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
         if self.needs_loads:
