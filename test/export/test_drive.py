@@ -7,6 +7,7 @@ import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_lab.export.fmu import build
+from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
 from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.dynamics.rosenbrock import StateVector
@@ -21,6 +22,7 @@ pytestmark = pytest.mark.skipif(not COMPILERS, reason='no C compiler')
 CRANK = {**PAPER, **RODS, 'drive.source': 'motor', 'drive.start': -0.5, 'drive.rate': 200.0,
          'motor.rotor_inertia': 0.1, 'outputs': ['state']}
 ROCKER = {**CRANK, 'linkage.a1': 1.2, 'linkage.a2': 0.4}
+LENGTHS = [f'linkage.a{i}' for i in range(1, 5)]
 SHAFT = {'shaft.stiffness': 400.0, 'shaft.damping': 2.0}
 LINE = {'motor.stall_torque': 20.0, 'motor.free_speed': 30.0}
 DC = {'motor.kind': 'dc', 'motor.voltage': 24.0, 'motor.resistance': 0.5, 'motor.gear': 10.0,
@@ -42,6 +44,7 @@ MORE = {
     'controller, P': {**CRANK, **CONTROLLER, 'motor.integral': 0.0},
     'controller, I': {**CRANK, **CONTROLLER, 'motor.proportional': 0.0},
     'controller without limit': {**CRANK, **CONTROLLER, 'motor.torque_limit': math.nan},
+    'kite': {**CRANK, **LINE, **dict(zip(LENGTHS, (0.5, 1.0, 1.0, 0.5)))},
     'rocker': {**ROCKER, **LINE}, 'rocker, shaft': {**ROCKER, **LINE, **SHAFT},
     'rocker, DC': {**ROCKER, **DC}, 'rocker, induction': {**ROCKER, **INDUCTION},
     'rocker, controller, shaft': {**ROCKER, **CONTROLLER, **SHAFT}, 'pushed rocker': PUSHED,
@@ -103,6 +106,13 @@ def test_steps_have_the_bits_of_the_node(name, tmp_path):
         assert not wrong, wrong[0]
         statuses |= found
     assert {OK, OUT_OF_BUDGET} <= statuses
+
+
+def test_a_change_point_that_passes_toggles_is_not_generated(tmp_path):
+    """Which mode of the other coordinate goes on is told by poses, not by a table."""
+    values = {**ROCKER, **LINE, **dict(zip(LENGTHS, (2.0, 0.4, 0.8, 1.6)))}
+    with pytest.raises(NotGenerated, match='motion by torque of a change point with toggles'):
+        generate(from_values(values), tmp_path, name='code')
 
 
 @pytest.mark.slow
