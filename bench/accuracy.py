@@ -42,7 +42,9 @@ def ours(linkage, given):
 
 def by_plain(linkage, given):
     """Return the same by the equations of the paper."""
-    m = plain.motion(linkage.lengths, *given, linkage.mode)
+    # its mode is a side, that of the library a branch
+    mode = 2 if linkage.motion(*given).sin_mu > 0.0 else 1
+    m = plain.motion(linkage.lengths, *given, mode)
     try:
         forces = plain.loads(linkage.lengths, linkage.bodies, m, linkage.gravity)
     except np.linalg.LinAlgError:

@@ -37,8 +37,9 @@ def paths(scene: Scene) -> Iterator[Marker]:
     """Yield the path of each point over each range, or the period, of the input."""
     mechanism, width = scene.linkage, 0.3 * WIDTH * size_of(scene.linkage)
     for name, point in scene.points.items():
-        for index, (end, _) in enumerate(mechanism.input_ranges):
-            motion = mechanism.motion(np.linspace(*mechanism.range_around(end), SAMPLES))
+        for index, (low, high) in enumerate(mechanism.input_ranges):
+            low, high = mechanism.range_around(0.5 * (low + high))
+            motion = mechanism.motion(np.linspace(low, high, SAMPLES))
             path = point_motion(mechanism, motion, *point).place
             yield shapes.marker(scene.frame_id, f'path of {name}', index, Marker.LINE_STRIP,
                                 shapes.POINT, (width, 0.0, 0.0),
