@@ -10,9 +10,9 @@ from fourbar_ros.pipeline.stepper import Stepper
 from fourbar_ros.ros.offline import write_bag
 from fourbar_ros.scene import files, scene
 from fourbar_ros.scene.simulated import simulate_scene
+import numpy as np
 import pytest
-from support.samples import some
-from support.scenes import PAPER, RODS
+from support.scenes import kite_angle, PAPER, RODS
 
 MOTOR = {**PAPER, **RODS, 'drive.source': 'motor', 'motor.stall_torque': 400.0,
          'motor.free_speed': 26.0, 'motor.rotor_inertia': 0.5, 'shaft.stiffness': 1e5,
@@ -58,15 +58,24 @@ def test_two_runs_of_a_scene_have_the_same_bag(tmp_path):
 
 RELEASED = {**PAPER, **RODS, 'drive.source': 'torque', 'gravity.y': -9.81, 'drive.rate': 1000.0,
             'outputs': ['state', 'joint_states', 'loads', 'links']}
-BOTH_MODES = {
-    'toggles': {'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5},
-    'change points': {'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 0.5, 'linkage.a4': 1.0,
-                      'drive.start': 1.0, 'drive.start_speed': 9.0}}
+TOGGLES = {'linkage.a1': 1.2, 'linkage.a2': 0.4, 'drive.start': -0.5}
+KITE = {'linkage.a1': 0.5, 'linkage.a2': 1.0, 'linkage.a3': 1.0, 'linkage.a4': 0.5,
+        'drive.start': 1.0, 'drive.start_speed': 9.0}
 
 
-@some('name', ['toggles', 'change points'], 1)
-def test_a_run_through_both_modes_has_a_bag_of_both(name, tmp_path, monkeypatch):
-    values = {**RELEASED, **BOTH_MODES[name]}
+def test_a_run_through_flat_positions_has_a_bag_of_one_branch(tmp_path):
+    found = simulate_scene(scene.from_values({**RELEASED, **KITE}), 2.0, 1e-7)
+    assert found.run.position[-1] > 4.0 * np.pi and set(found.run.modes.tolist()) == {2}
+    again = recompute(write_bag(found, tmp_path / 'run', id))
+    assert not again.problems() and again.largest == 0.0 and again.other_branch == 0
+    states = [record.message for record in Bag(tmp_path / 'run').records(['/fourbar/state'])]
+    theta1, theta4 = (np.array([getattr(state, name) for state in states])
+                      for name in ('theta1', 'theta4'))
+    assert np.abs(np.sin(0.5 * (theta4 - kite_angle(0.5, 1.0, 2, theta1)))).max() < 1e-13
+
+
+def test_a_run_through_both_modes_has_a_bag_of_both(tmp_path, monkeypatch):
+    values = {**RELEASED, **TOGGLES}
     found = simulate_scene(scene.from_values(values), 2.0, 1e-7)
     assert set(found.run.modes.tolist()) == {1, 2}
     path = write_bag(found, tmp_path / 'run', id)
@@ -99,7 +108,7 @@ def test_a_machine_through_toggles_has_a_bag_of_both_modes(tmp_path):
 
 
 def test_a_mode_that_messages_cannot_tell_has_no_bag(tmp_path, monkeypatch):
-    values = {**RELEASED, **BOTH_MODES['toggles']}
+    values = {**RELEASED, **TOGGLES}
     found = simulate_scene(scene.from_values(values), 1.5, 1e-6)
     monkeypatch.setitem(found.run.__dict__, 'modes', 255 * (found.run.modes - 1) + 1)
     with pytest.raises(BagError, match='other assembly mode at'):
