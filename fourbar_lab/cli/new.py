@@ -111,7 +111,8 @@ def _new(arguments: Namespace) -> None:
                       arguments.bar or arguments.rod or '', arguments.material)
     scene = from_values(flatten(parse(text)['/**']['ros__parameters'], path))
     path.write_text(text, encoding='utf-8')
-    print(f'{path}: {scene.linkage.description}')
+    branch = scene.linkage.branch_in_words
+    print(f'{path}: {scene.linkage.description}' + (f'; {branch}' if branch else ''))
     print(f'next:  fourbar show {path}')
     give_warnings(scene, path)
 

@@ -24,8 +24,8 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     """
     Write a cycle of a mechanism as .gif and return the path.
 
-    The input turns once in the sense of ``rate``, or goes back and forth over its first range.
-    CannotDraw of another suffix, or if the file cannot be written.
+    The input turns in the sense of ``rate`` until all repeats, or goes back and forth over its
+    first range. CannotDraw of another suffix, or if the file cannot be written.
     """
     from matplotlib.animation import FuncAnimation
     path, points, poses = Path(path), usual_points(mechanism, points), _poses(mechanism, rate)
@@ -56,7 +56,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
 def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:
     """Return the motion of each frame; about FRAMES of them, so that a cycle closes."""
     inputs = cycles(mechanism, FRAMES)[0]
-    if mechanism.turns_fully:           # the end of the turn is its beginning
+    if mechanism.turns_fully:           # the end of the cycle is its beginning
         inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
     else:                               # every second pose on the way up, the others down
         inputs = np.concatenate([inputs[::2], inputs[-2:0:-2]])

@@ -10,7 +10,7 @@ from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_lab.drawing.cycles import cycles
+from fourbar_lab.drawing.cycles import cycles, turns_of
 from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
@@ -45,6 +45,7 @@ class Curves(NamedTuple):
     units: tuple[str, ...]      # angles in degrees
     values: Array               # (columns, rows); a row of NaN between two ranges of the input
     symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
+    period: float = inf         # of an input that is an angle [deg]
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -102,7 +103,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         values[0] = values[0].round(10)         # whole degrees, for who looks up 60
     rates = rates_in_words(linkage, speed, acceleration, ', ')
     return Curves(f'{linkage.description} at {rates}', columns, tuple(shown_units), values,
-                  symbols_of(linkage, columns))
+                  symbols_of(linkage, columns), degrees(linkage.period))
 
 
 class Effort(NamedTuple):
@@ -144,7 +145,7 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
 def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration: float,
                     within: tuple[float, float] | None) -> Effort:
     """Return the effort at inputs in the middles of equal parts of each turn or range."""
-    turns = scene.turns if linkage.turns_fully and not within else 1
+    turns = turns_of(linkage, scene.turns) if linkage.turns_fully and not within else 1
     ranges = [within] if within else linkage.input_ranges
     shares = (np.arange(turns * SAMPLES) + 0.5) / SAMPLES
     inputs = np.concatenate([low + (high - low) * shares for low, high in ranges])
@@ -252,8 +253,8 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     turned = curves.units[0] == 'deg'
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
-            for x in (np.arange(low + (first - low) % 360.0, high + 1e-9, 360.0) if turned
-                      else [first])]
+            for x in (np.arange(low + (first - low) % curves.period, high + 1e-9, curves.period)
+                      if turned else [first])]
     rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
     figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':

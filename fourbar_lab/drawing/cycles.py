@@ -8,6 +8,7 @@ Only the functions that draw import matplotlib.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import lcm, tau
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import CannotDraw, new_figure
@@ -32,16 +33,23 @@ def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False,
     """
     Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m].
 
-    ``from_zero``: full turns begin at 0, where extrema are counted from, not at -pi; ``turns`` of
-    them follow each other, ``count`` inputs in each.
+    Full turns follow each other, ``count`` inputs in each, until all repeats, see
+    :func:`turns_of`; ``from_zero``: they begin at 0, where extrema are counted from.
     """
-    if from_zero and mechanism.turns_fully:
-        return [np.radians(np.linspace(0.0, 360.0 * turns, turns * (count - 1) + 1))]
+    if mechanism.turns_fully:
+        turns = turns_of(mechanism, turns)
+        first = 0.0 if from_zero else -180.0 * turns
+        return [np.radians(np.linspace(first, first + 360.0 * turns, turns * (count - 1) + 1))]
     inputs = []
     for low, high in mechanism.input_ranges:
-        margin = 0.0 if mechanism.turns_fully else WITHIN * (high - low)
+        margin = WITHIN * (high - low)
         inputs.append(np.linspace(low + margin, high - margin, count))
     return inputs
+
+
+def turns_of(mechanism: Mechanism, turns: int = 1) -> int:
+    """Return after how many turns of a full crank all repeats, with forces after ``turns``."""
+    return lcm(turns, round(mechanism.period / tau))
 
 
 def usual_points(mechanism: Mechanism, points: Points) -> Points:

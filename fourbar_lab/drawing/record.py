@@ -11,7 +11,6 @@ from typing import Any
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import output_ranges, OverInput
-from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
@@ -44,8 +43,10 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         'class': linkage.description, 'mode': linkage.mode,
         'mode_name': linkage.modes[linkage.mode],
         'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
-        | {'turns_fully': linkage.turns_fully},
-        'outputs': _outputs(linkage),
+        | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
+        'outputs': [_with_ranges(coordinate, sorted([(swept.low, swept.high) for swept
+                                                     in output_ranges(linkage, coordinate)]))
+                    for coordinate, _ in linkage.outputs],
         'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
         'toggles': toggles_of(linkage), 'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
@@ -56,29 +57,13 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
 
 
 def counted(linkage: Mechanism, theta1: float) -> float:
-    """Return an input as users count it: in its range, of a full turn from 0 to 2 pi."""
+    """Return an input as users count it: in its range, of full turns from 0 to its period."""
     if linkage.is_driven_by_slide:
         return theta1
     if linkage.turns_fully:
-        return theta1 % tau
+        return theta1 % linkage.period
     return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
         max(low - angle, angle - high) for low, high in linkage.input_ranges))
-
-
-def _outputs(linkage: Mechanism) -> list[LinkageRecord]:
-    """
-    Return the ranges of each output.
-
-    At a change point the modes meet, and the linkage can go from one into the other.
-    """
-    if linkage.change_point_margin > 0.0:
-        return [_with_ranges(coordinate, sorted([(swept.low, swept.high) for swept
-                                                 in output_ranges(linkage, coordinate)]))
-                | {'of_both_modes': False} for coordinate, _ in linkage.outputs]
-    if not isinstance(linkage, FourBar):
-        return []
-    return [_with_ranges(linkage.outputs[0].coordinate, linkage.output_ranges)
-            | {'of_both_modes': True}]
 
 
 def _with_ranges(coordinate: Coordinate, ranges: Intervals) -> LinkageRecord:

@@ -56,9 +56,9 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     lengths = [f'{name} {length:g}' for name, length in properties['lengths'].items()]
     rows = [('lengths', '  '.join([*lengths, 'm'])),
             ('class', properties['class']), ('assembly mode', properties['mode_name']),
+            *([('change point', linkage.branch_in_words)] if linkage.branch_in_words else []),
             ('input', _ranges(driven, linkage.input_ranges))]
-    rows += [('output', _ranges(coordinates[output['name']], output['ranges'])
-              + (', in both modes: they meet' if output['of_both_modes'] else ', in this mode'))
+    rows += [('output', f'{_ranges(coordinates[output["name"]], output["ranges"])}, in this mode')
              for output in properties['outputs']]
     for point in properties['dead_points']:
         kind = ''

@@ -51,8 +51,9 @@ class Shown:
 
     @property
     def ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the ranges of the input [rad] or [m]; a full turn begins at 0."""
-        return ((0.0, tau),) if self.linkage.turns_fully else self.linkage.input_ranges
+        """Return the ranges of the input [rad] or [m]; full turns, until all repeats, from 0."""
+        linkage = self.linkage
+        return ((0.0, linkage.period),) if linkage.turns_fully else linkage.input_ranges
 
     def nearest_input(self, position: float) -> float:
         """
@@ -63,7 +64,8 @@ class Shown:
         """
         if not (self.linkage.is_driven_by_slide
                 or any(low <= position <= high for low, high in self.ranges)):
-            position = counted(self.linkage, remainder(position, tau))
+            position = counted(self.linkage, position if self.linkage.turns_fully
+                               else remainder(position, tau))
         low, high = min(self.ranges, key=lambda ends: max(ends[0] - position,
                                                           position - ends[1]))
         margin = 0.0 if self.linkage.turns_fully else 1e-6 * (high - low)
@@ -71,7 +73,7 @@ class Shown:
 
     @cached_property
     def why_no_loads(self) -> str:
-        """Return why the page shows no loads; empty if it does: a cycle here is one turn."""
+        """Return why the page shows no loads; empty if it does."""
         if self.scene.turns > 1:
             return f'its forces repeat after {self.scene.turns} turns only: see fourbar plot'
         return '' if self.scene.tells_loads else self.scene.why_no_loads
@@ -137,7 +139,7 @@ class Shown:
 
     def samples(self, most: int) -> list[tuple[float, DrawnPose]]:
         """
-        Return (input, pose) at evenly spread inputs of the ranges, about ``most`` altogether.
+        Return (input, pose) at evenly spread inputs, about ``most`` in a turn or in all ranges.
 
         Toggles, where rates and loads are infinite, are left out.
         """

@@ -59,6 +59,8 @@ def _check(arguments: Namespace) -> None:
         from fourbar_ros.description.formats import check_pictures
         check_pictures(scene)
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
+    if linkage.branch_in_words:
+        console.print(f'Change point: {linkage.branch_in_words}.')
     bodies = scene.bare_linkage.bodies
     massless = [name for name, body in bodies._asdict().items()
                 if body.mass == 0.0 and body.inertia == 0.0] if bodies else []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
-from math import fsum, inf, nan, pi, remainder
+from math import degrees, fsum, inf, nan, pi, remainder
 from typing import TypeVar
 
 from fourbar_ros.errors import OutOfRange
@@ -90,6 +90,18 @@ class MechanismGeometry(StatedMechanism):
     def description(self) -> str:
         """Return a short text: kind, type, input."""
         return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
+
+    @property
+    def branch_in_words(self) -> str:
+        """Return what a change point does where it lies flat, as text; '' if it never does."""
+        unit = self.input_coordinate.unit
+        flats = [f'{degrees(x):g}' if unit == 'rad' else f'{x:g}'
+                 for x in self.flat_inputs if self.is_in_stroke(x)]
+        if not flats:
+            return ''
+        words = (f'flat at {self.input_coordinate.position} {", ".join(flats)} '
+                 f'{"deg" if unit == "rad" else unit}, where the motion stays in mode {self.mode}')
+        return words + ('; repeats after two turns' if 2.0 * pi < self.period < inf else '')
 
     @cached_by_lengths
     def input_ranges(self) -> Ranges:

@@ -67,6 +67,21 @@ def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
     assert np.isfinite(rows).all() and rows[:, 1].min() > 0.0
 
 
+def test_a_change_point_says_that_it_stays_in_its_branch(capsys):
+    lengths = '--a1', '100mm', '--a2', '500mm', '--a3', '200mm', '--a4', '400mm'
+    for line in (['new', 'kite', *lengths], ['scene', 'check', 'kite.yaml'],
+                 ['show', 'kite.yaml']):
+        assert main(line) == 0
+        said = capsys.readouterr().out
+        assert 'flat at theta1 0 deg, where the motion stays in mode 2' in said
+        assert 'repeats after two turns' in said
+    assert main(['table', 'kite.yaml', 'theta4', '-o', 'kite.csv']) == 0
+    _, rows = rows_of('kite.csv')
+    assert rows[-1, 0] == 720.0 and np.isfinite(rows).all()
+    assert main(['scene', 'check', 'paper']) == 0
+    assert 'where the motion stays' not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize('verb', ['', 'new', 'list', 'table', 'plot', 'show', 'draw', 'scene',
                                   'simulate', 'bag', 'replay', 'describe', 'study',
                                   'balance', 'live', 'reproduce'])

@@ -2,17 +2,24 @@
 # SPDX-License-Identifier: Apache-2.0
 """Curves over the input with their extrema."""
 from fourbar_lab.drawing.curves import curves_of, make_figure, marks_of
+from fourbar_lab.drawing.record import properties_of
+from fourbar_lab.drawing.tables import facts
 from fourbar_ros import find_extrema
 from fourbar_ros.mechanisms.quantities import select
-from fourbar_ros.scene.scene import load
+from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 
+# a change point that repeats after two turns
+TWICE = {'linkage.a1': 0.1, 'linkage.a2': 0.5, 'linkage.a3': 0.2, 'linkage.a4': 0.4,
+         'drive.speed': 3.0}
 
-@pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'jansen'])
+
+@pytest.mark.parametrize('name', ['paper', 'slider_crank', 'cylinder', 'jansen', TWICE],
+                         ids=lambda name: 'twice' if name is TWICE else name)
 def test_marks_of_extrema_lie_on_their_curves(name):
     """To half the largest second difference: what a polygon leaves at the kink of an amount."""
-    scene = load(name)
+    scene = from_values(name) if name is TWICE else load(name)
     linkage, speed = scene.linkage, scene.drive.speed
     curves = curves_of(scene, linkage, [one.name for one in select((), linkage)], speed)
     marks = marks_of(linkage, [found for found in find_extrema(linkage, rate=speed)
@@ -26,7 +33,24 @@ def test_marks_of_extrema_lie_on_their_curves(name):
                    if line.get_color() == marked.get_color()]      # ten colours for more curves
             assert min(np.max(one) for one in off) <= 0.5
             seen += len(marked.get_xdata())
-    assert seen == len(marks) > 0
+    # one at 0 is at the end of the cycle too
+    assert seen == len(marks) + sum(x <= 1e-9 for _, x, _ in marks) > 0
+
+
+def test_a_cycle_of_a_change_point_is_its_period():
+    scene = from_values(TWICE)
+    x, theta4, omega4 = curves_of(scene, scene.linkage, ('theta4', 'omega4'), 3.0).values
+    assert (x[0], x[-1], x.size) == (0.0, 720.0, 721) and scene.linkage.period == 4.0 * np.pi
+    # the second turn is the mirror image of the first one, backwards, and they are joined
+    assert np.allclose(theta4, -theta4[::-1], rtol=0.0, atol=1e-12)
+    assert np.ptp(omega4[360:] - omega4[:361]) > 3.0
+    steps = np.abs(np.diff(theta4))
+    assert steps.max() < 3.0 and abs(theta4[-1] - theta4[0]) < 1e-12
+    swept, = (row['ranges'] for row in properties_of(scene.linkage)['outputs'])
+    assert np.degrees(swept[0]) == pytest.approx([theta4.min(), theta4.max()], abs=0.01)
+    assert dict(facts(scene.linkage))['change point'] == (
+        'flat at theta1 0 deg, where the motion stays in mode 2; repeats after two turns')
+    assert 'change point' not in dict(facts(load('paper').linkage))
 
 
 @pytest.mark.parametrize('name', ['paper', 'cylinder', 'engine', 'jansen'])

@@ -244,6 +244,14 @@ def test_a_full_turn_begins_at_0_as_in_plots():
     assert (inputs[0], inputs[-1]) == (0.0, 360.0) and slide.ranges == slide.linkage.input_ranges
 
 
+def test_a_cycle_of_a_kite_is_two_turns():
+    kite = shown({'linkage.a1': 0.2, 'linkage.a2': 0.5, 'linkage.a3': 0.5, 'linkage.a4': 0.2})
+    assert kite.ranges == ((0.0, 4.0 * pi),) and kite.bounds == (0.0, 720.0)
+    for angle, reached in ((7.0, 7.0), (-1.0, 4.0 * pi - 1.0), (4.0 * pi + 1.0, 1.0)):
+        assert kite.nearest_input(angle) == pytest.approx(reached, abs=1e-14)
+    assert kite.samples(91)[-1][0] > 12.4
+
+
 def test_an_angle_below_a_range_beyond_half_a_turn_is_found_a_turn_later():
     evans = shown_of('evans')
     low, high = evans.ranges[0]
