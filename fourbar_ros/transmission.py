@@ -254,7 +254,7 @@ class Transmission:
         """Return outputs in [-pi, pi] with the whole turns that the branch has at the inputs."""
         if self._output.unit != 'rad':
             return outputs
-        branch, near = self.branch, 0.0
+        branch, near = self.branch, np.zeros(len(inputs))
         if branch.ends is None:
             period = self.mechanism.period
             periods = np.floor((inputs - branch.inputs[0]) / period)
@@ -307,7 +307,7 @@ class Branch(NamedTuple):
     @property
     def advance(self) -> float:
         """Return by how much an output that turns on moves in a period of the input [rad]."""
-        return tau * round(abs(self.outputs[-1] - self.outputs[0]) / tau)
+        return tau * round(abs(float(self.outputs[-1] - self.outputs[0])) / tau)
 
 
 def ratio_of(mechanism: Mechanism, inputs: ArrayLike) -> Any:

@@ -71,7 +71,7 @@ class DriveStates:
             self._torque = min(max(torque, -limit), limit)
 
     def take(self, stamp: int, message: Any, mode: int) -> None:
-        """Compare a state of a stamp [ns], in a mode, with a step from the state before, or alone."""
+        """Compare a state of a stamp [ns] in a mode: with a step from the one before, or alone."""
         values = DriveValues(*(getattr(message, name) for name in DriveValues._fields))
         status, mover = message.status, self._mover()
         self._note('command', self._command_difference(status, values.command))

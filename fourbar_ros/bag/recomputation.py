@@ -28,7 +28,7 @@ from fourbar_ros.bag.outputs import (
     UNSETTLED,
 )
 from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of
-from fourbar_ros.bag.sides import AT_FLAT, BRANCHES, branch_at, modes_of
+from fourbar_ros.bag.sides import AT_FLAT, branch_at, BRANCHES, modes_of
 from fourbar_ros.bag.sides import KEY as OF_MODES
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanics.bodies import Base
@@ -249,7 +249,8 @@ class Recomputation:
             if self._are_sides:
                 self._other_branch += branch != (mode if passes else stepper.mode)
                 why = why or AT_FLAT * (status == TOGGLE)
-            rows.append((stamp, mode if mode in self._modes_known else branch, status, why, values))
+            mode = mode if mode in self._modes_known else branch
+            rows.append((stamp, mode, status, why, values))
         later = set() if self._origin.in_order else {
             _stamp_of(message) for _, message in self._motions}
         arrays = map(np.array, zip(*rows) if rows else [()] * 5)
@@ -299,8 +300,8 @@ class Recomputation:
              for (name, field), value in comparison.largest.items()],
             self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
             dict(comparison.skipped),
-            self._drive_states.stepped if self._drive_states else 0, self._other_branch, not self._bag.is_finished,
-            software_of(self._bag.about).get('fourbar_ros', ''))
+            self._drive_states.stepped if self._drive_states else 0, self._other_branch,
+            not self._bag.is_finished, software_of(self._bag.about).get('fourbar_ros', ''))
 
 
 def _stamp_of(message: Any) -> int:

@@ -48,9 +48,10 @@ class TurnCounter:
     Counts the turns of an input whose positions wrap, as those of many encoders.
 
     Behind a gear, where a turn of the joint is none of the coordinate, and at a change point that
-    repeats after two turns it must count them. That it wraps shows where a step is a turn away from the one expected
-    at the rate so far, to half of that, while all positions lie within a turn. From then on a
-    position is in the turn nearest to the one expected. ``wraps`` tells whether it does.
+    repeats after two turns it must count them. That it wraps shows where a step is a turn away
+    from the one expected at the rate so far, to half of that, while all positions lie within a
+    turn. From then on a position is in the turn nearest to the one expected. ``wraps`` tells
+    whether it does.
     """
 
     def __init__(self, gap: float) -> None:

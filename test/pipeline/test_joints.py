@@ -4,7 +4,7 @@
 import math
 
 from fourbar_ros.description.model import model_of
-from fourbar_ros.pipeline.joints import TurnCounter, Scale
+from fourbar_ros.pipeline.joints import Scale, TurnCounter
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene as scenes
 from hypothesis import given

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A node through the flat positions of a kite, over four turns, against the geometry of the kite."""
+"""A node through the flat positions of a kite, over four turns, against its geometry."""
 from math import isnan, pi, remainder, tau
 
 from fourbar_msgs.msg import LinkageState, Motion

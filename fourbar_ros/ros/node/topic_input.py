@@ -146,15 +146,15 @@ class TopicInput:
                                  f'{self._settings.joint!r} in the input message{hint}')
             return
         stamp, nanoseconds = self._stamp(message.header.stamp.sec, message.header.stamp.nanosec)
+        if self._stream.scene.must_count_turns:
+            motion = self._counted(nanoseconds, *motion)
         if self._settings.source == 'joint_state':
+            motion = self._scale.to_input(*motion)
             if message.name != self._names:      # else as in the last message
                 self._names = message.name
                 self._name_lists.add(tuple(message.name))
                 self._taken_joints |= set(self._shown).intersection(message.name)
-        if self._stream.scene.must_count_turns:
-            motion = self._counted(nanoseconds, *motion)
-        position, velocity, acceleration = (
-            self._scale.to_input(*motion) if self._settings.source == 'joint_state' else motion)
+        position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
             velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
