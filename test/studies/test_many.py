@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema of many four-bars at once beside those of each alone."""
-from math import pi, remainder
+from math import remainder
 
 from fourbar_lab.studies import find_extrema_many
 from fourbar_lab.studies import many as module
@@ -19,7 +19,7 @@ PAIRS = ((0.35082668713088083, 0.8833869937245226, 0.830033957902283, 0.91145347
          (0.9901282012759378, 0.20704846913484642, 0.5637244933385037, 0.5631644614516844),
          (0.4051177427743674, 0.9265869837965962, 0.7664512540213785, 0.4051175759722894),
          (0.3787188125609142, 0.6804980652079842, 0.9270018374007172, 0.13355054582644563))
-# change points in decimals, which miss them by a rounding: cranks that all are in doubt
+# change points in decimals, some of which repeat after two turns: cranks that all are in doubt
 DOUBTFUL = ((0.1, 0.5, 0.3, 0.7), (0.1, 0.7, 0.5, 0.3), (0.1, 0.6, 0.3, 0.4),
             (0.69, 0.8, 1.23, 1.12))
 
@@ -37,8 +37,8 @@ def test_many_linkages_give_what_each_gives_alone():
     many = find_extrema_many(*lengths, modes, rates)
     for j in range(60):
         try:
-            alone = find_extrema(FourBar(*lengths[:, j].tolist(), mode=int(modes[j])), RATES,
-                                 float(rates[j]))
+            linkage = FourBar(*lengths[:, j].tolist(), mode=int(modes[j]))
+            alone = find_extrema(linkage, RATES, float(rates[j]))
         except FourBarError:
             alone = []
         for name in RATES:
@@ -51,11 +51,29 @@ def test_many_linkages_give_what_each_gives_alone():
             assert rows.size == len(expected) and not many[name].reason[rows].any()
             for row, e in zip(rows, expected):
                 place, size = np.nan_to_num((e.condition, e.value_condition))      # NaN at ends
-                apart = remainder(many[name].theta1[row] - e.theta1, 2.0 * pi)
+                apart = remainder(many[name].theta1[row] - e.theta1, linkage.period)
                 assert abs(apart) <= 10 * EPS * (6 + place)
                 assert many[name].value[row] == pytest.approx(e.value, rel=10 * EPS * (1 + size))
                 assert many[name].is_global[row] == e.is_global and many[name].side[row] == e.side
                 assert e.kind == 'constant' or many[name].is_maximum[row] == (e.kind == 'maximum')
+
+
+@pytest.mark.parametrize('lengths', [(0.1, 0.5, 0.2, 0.4), (0.2, 0.5, 0.5, 0.2),
+                                     (0.2, 0.5, 0.2, 0.5), (0.2, 0.2, 0.5, 0.5)])
+def test_change_points_among_many_have_the_extrema_of_their_whole_period(lengths):
+    linkages = [FourBar(*lengths, mode=mode) for mode in (1, 2)]
+    many = find_extrema_many(*np.transpose([PAPER, lengths, lengths]), [2, 1, 2], 3.0)
+    for name in RATES:
+        for j, linkage in enumerate(linkages, 1):
+            alone = [(e.theta1, e.value, e.is_global) for e in find_extrema(linkage, name, 3.0)]
+            rows = many[name].index == j
+            assert alone == [*zip(many[name].theta1[rows], many[name].value[rows],
+                                  many[name].is_global[rows])]
+    # the least and the largest value of the paths that are sampled over the whole period
+    linkage = linkages[1]
+    values, = linkage.motion(np.linspace(0.0, linkage.period, 20001), 3.0, fields=['omega4'])
+    found = many['omega4'].value[many['omega4'].index == 2]
+    assert [found.min(), found.max()] == pytest.approx([values.min(), values.max()], rel=1e-6)
 
 
 def test_cranks_are_seldom_searched_one_by_one(monkeypatch):

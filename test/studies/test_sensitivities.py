@@ -262,6 +262,36 @@ def test_at_a_change_point_nothing_has_a_derivative_by_a_length():
     assert abs(one.by[names[1]] / sides[names[1]][1] - 1.0) < 1e-4
 
 
+@pytest.mark.parametrize('lengths', [(0.1, 0.5, 0.2, 0.4), (0.2, 0.5, 0.5, 0.2),
+                                     (0.2, 0.5, 0.2, 0.5)])
+def test_no_length_of_a_change_point_has_a_derivative_and_every_mass_has_one(lengths):
+    values = dict(zip(LENGTHS, lengths)) | {'drive.speed': 3.0, 'gravity.y': -9.8}
+    values |= {f'bodies.{link}.{field}': 0.1 + 0.01 * i for i, (link, field) in enumerate(
+        (link, field) for link in LINKS for field in BODY)}
+    names = ['shaking_force', 'driving_torque.rms', 'omega4', 'omega4.max_at', 'alpha4.peak',
+             'shaking_moment.span', 'theta4', 'transmission_angle.min', 'time_ratio']
+    scene = from_values(values)
+    study = from_document({'scene': 'paper', 'rows': 1, 'quantities': names,
+                           'vary': {LENGTHS[0]: {'uniform': 1e-6}}})
+    derivatives = Derivatives(scene)
+    for one in sensitivities(derivatives, study.measures):
+        assert all(isnan(one.by[name]) for name in LENGTHS) and one.why_unknown
+    x = np.linspace(0.1, scene.linkage.period, 7)
+    for name in ('omega4', 'shaking_force', 'transmission_angle'):
+        _, by = derivatives.of(name, x)
+        are_lengths = [name in LENGTHS for name in derivatives.names]
+        assert np.isnan(by[are_lengths]).all() and np.isfinite(by[~np.array(are_lengths)]).all()
+        for slopes in derivatives.at_extremum(name, 1.0):
+            assert np.isnan(slopes[are_lengths]).all()
+    # of the mass of the output, beside a difference
+    mass, step = 'bodies.output.mass', 1e-6
+    measure, = [one for one in study.measures if one.name == 'driving_torque.rms']
+    ends = [Design(from_values({**values, mass: values[mass] + sign * step})).of(measure)
+            for sign in (1.0, -1.0)]
+    found = sensitivities(derivatives, [measure])[0].by[mass]
+    assert found == pytest.approx((ends[0] - ends[1]) / (2.0 * step), rel=1e-5)
+
+
 @pytest.mark.parametrize('scene, measure, name', [
     ('toggle_press', 'transmission_angle.rms', 'dyads.knee.second.across'),
     ('toggle_press', 'transmission_angle.rms', 'dyads.ram.second.along'),
