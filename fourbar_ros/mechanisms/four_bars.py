@@ -18,7 +18,7 @@ dyad:
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import atan2, sqrt
 from typing import NamedTuple, TYPE_CHECKING
@@ -187,27 +187,25 @@ class FourBar(FourBarLinks):
         a1, a2, a3, a4 = self.lengths
         return turned_ranges([(-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
-    @cached_by_lengths
-    def dead_points(self) -> tuple[DeadPoint, ...]:
+    def stalls(self, side: float) -> Iterator[DeadPoint]:
         """
-        Return where theta4 turns back in this mode: its rate is zero at any speed of the crank.
+        Yield where theta4 turns back on a side of the dyad, up to two points.
 
-        Up to two, in the order of theta1: where crank and coupler are in line, so that |O1 B| is
-        |a1 + a2| (stretched) or |a1 - a2| (folded), in the triangle of that side, a3 and a4.
+        Crank and coupler are in line there, so that |O1 B| is |a1 + a2| (stretched) or |a1 - a2|
+        (folded), in the triangle of that side, a3 and a4.
         """
-        points, (a1, a2, a3, a4) = [], self.lengths
+        a1, a2, a3, a4 = self.lengths
         for stretched, coupler in ((True, a2), (False, -a2)):
             # 4 (a1 + coupler) a4 times sin^2, cos^2 of half the angle at O1
             sine = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
             cosine = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
             if sine * cosine > 0.0:         # both are negative where B lies behind O1
-                side = self.sign if stretched else -self.sign
-                theta1 = side * 2.0 * atan2(sqrt(abs(sine)), sqrt(abs(cosine)))
-                side = side if a1 + coupler > 0.0 else -side
-                theta4 = side * 2.0 * atan2(sqrt(difference_of_squares(a3, a4, a1, coupler)),
+                sign = side if stretched else -side
+                theta1 = sign * 2.0 * atan2(sqrt(abs(sine)), sqrt(abs(cosine)))
+                sign = sign if a1 + coupler > 0.0 else -sign
+                theta4 = sign * 2.0 * atan2(sqrt(difference_of_squares(a3, a4, a1, coupler)),
                                             sqrt(difference_of_squares(a1, coupler, a4, -a3)))
-                points.append(DeadPoint(theta1, theta4, stretched))
-        return tuple(sorted(points))
+                yield DeadPoint(theta1, theta4, stretched)
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""

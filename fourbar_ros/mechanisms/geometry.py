@@ -8,7 +8,7 @@ from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, fsum, inf, nan, pi, remainder
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
@@ -35,6 +35,8 @@ _T = TypeVar('_T')
 # Nearer to a limit that is a change point than this, in units of the input, accelerations are
 # noise: their error is some eps over the third power of the distance.
 BESIDE_FLAT_LIMITS = 2.0**-17
+# Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
+NEAR_DEAD_POINT = 1e-6
 # A singular input so near to the end of a range is this end [in the unit of the input].
 AT_END = 1e-12
 
@@ -62,12 +64,11 @@ class MechanismGeometry(StatedMechanism):
         return tuple([length.name for length in self.LENGTHS])
 
     @property
-    def numbers_of_lengths(self) -> tuple[str | tuple[int, int], ...]:
+    def numbers_of_lengths(self) -> tuple[str, ...]:
         """
-        Return the meaning of each number of ``constants.lengths``.
+        Return the name of each number of ``constants.lengths``, '' for what is no length.
 
-        The name of a length, (i, j) for the size of the vector of numbers i and j, or '' for
-        anything else. Generated code can change those lengths at run time.
+        Generated code can change those lengths at run time.
         """
         return self.length_names
 
@@ -199,6 +200,29 @@ class MechanismGeometry(StatedMechanism):
     @property
     def _has_odd_turns(self) -> bool:
         return len(self.flat_inputs) % 2 == 1
+
+    @cached_by_lengths
+    def dead_points(self) -> tuple[Any, ...]:
+        """
+        Return where the output turns back in this mode: its rate is zero at any rate of the input.
+
+        Records of the input, from -pi on, and the output there; for a change point whose branch
+        changes its side, those of either side through which its motion goes in a period.
+        """
+        if not self.flat_inputs:
+            return tuple(sorted(self.stalls(self.sign)))
+        def is_passed(point: Any) -> bool:
+            """Return whether the motion has the output of a point there: on its own branch."""
+            place = self.outputs[0].coordinate.position
+            apart = getattr(self.motion(point.theta1), place) - point[1]
+            if self.outputs[0].coordinate.unit == 'rad':
+                return abs(remainder(apart, 2.0 * pi)) < NEAR_DEAD_POINT
+            return bool(abs(apart) < NEAR_DEAD_POINT * power_of_two(*self.lengths))
+
+        points = [point._replace(theta1=point.theta1 + 2.0 * pi * turn)
+                  for side in (1.0, -1.0) for point in self.stalls(side)
+                  for turn in range(round(self.period / (2.0 * pi)))]
+        return tuple(sorted(filter(is_passed, points)))
 
     def is_in_stroke(self, position: float) -> bool:
         """Return whether an input is in the stroke, if there is one."""

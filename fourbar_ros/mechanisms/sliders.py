@@ -26,7 +26,7 @@ about its own joint, so that m2 = m + s f_across - h f_along,
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
 from typing import NamedTuple, TYPE_CHECKING
@@ -190,18 +190,16 @@ class SliderCrank(OffsetSlide):
             lambda f, a, d: (f(d[THETA2][1]), d[THETA2][0]),
             reversed=('coupler',), start=lambda lengths: (0.0, lengths[2]))}
 
-    @property
-    def dead_points(self) -> tuple[SliderDeadPoint, ...]:
-        """Return up to two poses where the slider of a driven crank turns back in this mode."""
-        points, unit = [], power_of_two(*self.lengths)
+    def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
+        """Yield up to two poses where the slider of a driven crank turns back."""
+        unit = power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         folded, stretched = reach(a1, a2, e)
         for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
             if square > 0.0 and self.input == CRANK:
-                x = self.sign * sqrt(square) if is_stretched else -self.sign * sqrt(square)  # of A
-                side = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
-                points.append(SliderDeadPoint(atan2(side * e, x), unit * side * x, is_stretched))
-        return tuple(sorted(points))
+                x = side * sqrt(square) if is_stretched else -side * sqrt(square)       # of A
+                sign = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
+                yield SliderDeadPoint(atan2(sign * e, x), unit * sign * x, is_stretched)
 
 
 class InvertedDeadPoint(NamedTuple):
@@ -323,18 +321,15 @@ class InvertedSlider(OffsetSlide):
             slides=(TRAVEL,), reversed=('crank', GROUND),
             start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
 
-    @property
-    def dead_points(self) -> tuple[InvertedDeadPoint, ...]:
-        """Return up to two poses where the bar of a driven crank turns back in this mode."""
-        points, (a1, a4, h) = [], scaled(self.lengths)
-        for side in (1.0, -1.0):                       # A = +-i a1 e^{iy}
-            rise = h - side * a1        # a4 sin y
-            run = difference_of_squares(a4, 0.0, h, -side * a1)
+    def stalls(self, side: float) -> Iterator[InvertedDeadPoint]:
+        """Yield up to two poses where the bar of a driven crank turns back."""
+        a1, a4, h = scaled(self.lengths)
+        for sign in (1.0, -1.0):                       # A = +-i a1 e^{iy}
+            rise = h - sign * a1        # a4 sin y
+            run = difference_of_squares(a4, 0.0, h, -sign * a1)
             if run > 0.0 and self.input == CRANK:
-                cosine, sine = -self.sign * sqrt(run), rise
-                points.append(InvertedDeadPoint(atan2(side * cosine, -side * sine),
-                                                atan2(sine, cosine)))
-        return tuple(sorted(points))
+                cosine, sine = -side * sqrt(run), rise
+                yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
@@ -451,8 +446,7 @@ class ScotchYoke(Kind):
         """Return the assembly modes: two for a driven slide, one for a driven crank."""
         return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
 
-    @property
-    def dead_points(self) -> tuple[YokeDeadPoint, ...]:
+    def stalls(self, side: float) -> tuple[YokeDeadPoint, ...]:
         """Return where the yoke of a driven crank turns back."""
         return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
                 else ())

@@ -10,7 +10,7 @@ A kind, or a machine of dyads, gives these facts, and formulas for any
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Gravity
@@ -132,9 +132,8 @@ class StatedMechanism(ABC):
 
     # --- some kinds give these ------------------------------------------------------------------
 
-    @property
-    def dead_points(self) -> tuple[Any, ...]:
-        """Return records of where the output turns back; their first field is the input."""
+    def stalls(self, side: float) -> Iterable[Any]:
+        """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""
         return ()
 
     @property

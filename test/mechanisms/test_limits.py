@@ -200,6 +200,36 @@ def test_the_output_stalls_at_dead_points(case):
                 assert (mp.cos(exact['theta2']) > 0) == is_stretched
 
 
+@pytest.mark.parametrize('mechanism', [
+    FourBar(0.1, 0.5, 0.2, 0.4), FourBar(0.2, 0.5, 0.5, 0.2), FourBar(0.2, 0.5, 0.2, 0.5),
+    FourBar(0.25, 0.25, 0.4, 0.4), FourBar(0.5, 0.2, 0.2, 0.5), FourBar(0.4, 0.4, 0.4, 0.4),
+    SliderCrank(0.1, 0.1), SliderCrank(0.1, 0.3, 0.2), SliderCrank(0.1, 0.3, -0.2),
+    SliderCrank(0.3, 0.1, 0.2), InvertedSlider(0.3, 0.5, 0.2), InvertedSlider(0.3, 0.3),
+    InvertedSlider(0.3, 0.1, 0.2), InvertedSlider(0.3, 0.5, -0.2)],
+    ids=lambda mechanism: f'{mechanism.TITLE} {mechanism.lengths}')
+@pytest.mark.parametrize('mode', [1, 2])
+def test_dead_points_of_a_change_point_are_all_sign_changes_of_the_rate_in_its_branch(
+        mechanism, mode):
+    mechanism = mechanism.in_mode(mode)
+    assert mechanism.flat_inputs
+    output = mechanism.outputs[0].coordinate
+    low, high = ((0.0, mechanism.period) if mechanism.turns_fully else mechanism.input_ranges[0])
+    x = np.linspace(low, high, 20002)[1:-1] + 0.1 * mechanism.turns_fully
+    rates = getattr(mechanism.motion(x, 1.0), output.rate)
+    if np.nanmax(np.abs(rates)) < 1e-9:                  # it stands still
+        assert mechanism.dead_points == ()
+        return
+    changes = np.sign(rates[:-1]) * np.sign(rates[1:]) < 0.0
+    period, half = mechanism.period, 0.5 * (x[1] - x[0])
+    found = sorted((x[:-1][changes] + half + 0.01) % period - 0.01)     # one may lie at 0
+    points = sorted((point[0] + 0.01) % period - 0.01 for point in mechanism.dead_points)
+    assert found == pytest.approx(points, abs=1.01 * half)
+    for theta1, place, *_ in mechanism.dead_points:
+        motion = mechanism.motion(theta1, 1.0)
+        assert is_near(place, getattr(motion, output.position), output, 1e-14)
+        assert abs(getattr(motion, output.rate)) < 1e-14
+
+
 def is_near(one, other, coordinate, bound):
     """Return whether two values of a coordinate are as near as this, angles modulo a turn."""
     apart = one - other
