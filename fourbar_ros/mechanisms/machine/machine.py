@@ -203,8 +203,8 @@ class Machine(Mechanism):
 
     @property
     def signs(self) -> tuple[float, ...]:
-        """Return the assembly modes of all dyads as +-1."""
-        return tuple([dyad.sign for dyad in self.stages])
+        """Return the branches of all dyads as +-1: their modes, see :func:`.find_ranges`."""
+        return self._ranges.signs
 
     sign = signs     # type: ignore[assignment]  # one for each dyad
 
@@ -234,8 +234,8 @@ class Machine(Mechanism):
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
         far = 2.0 * max([size, *map(abs, stroke)])
-        ranges = find_ranges(self.layout, self.dyad_lengths, self.signs, (-far, far),
-                             self.input_unit)
+        ranges = find_ranges(self.layout, self.dyad_lengths,
+                             [dyad.sign for dyad in self.stages], (-far, far), self.input_unit)
         if self.input == SLIDE and self.stroke is None and any(
                 bound is not None and far in map(abs, (bound[0].x, bound[1].x))
                 for bound in ranges.limits):
