@@ -86,7 +86,7 @@ class Derivatives:
                                        'must be a number that the scene gives')
         self.scene, self.names, self.acceleration = scene, tuple(names) or known, acceleration
         self.quantities = Measures(scene).quantities
-        # of lengths of a change point there are no derivatives: with others it has other motions
+        # by these there are no derivatives, NaN: with other lengths there is another motion
         self.leaves_branch = np.array([
             scene.linkage.change_point_margin <= TIE and name.startswith(LENGTHS)
             for name in self.names])
@@ -121,7 +121,11 @@ class Derivatives:
         steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
         with np.errstate(all='ignore'):
             run(trace, steps, DUALS, known)
-        return [known[i] for i in indices]
+        unknown = {name: nan for name, leaves in zip(self.names, self.leaves_branch) if leaves}
+        return [Dual(dual.value, {name: unknown.get(name, change)
+                                  for name, change in dual.by.items()})
+                if unknown and isinstance(dual, Dual) else dual
+                for dual in [known[i] for i in indices]]
 
     def state(self, x: Array, with_loads: bool = True) -> State:
         """
@@ -143,9 +147,8 @@ class Derivatives:
         """Return values of a quantity at inputs x, shape (n,), and derivatives (parameters, n)."""
         dual, zero = self._quantity(name, x), np.zeros_like(x)
         slopes = derivatives_of(dual)
-        by = np.array([zero + slopes.get(parameter, 0.0) for parameter in self.names])
-        by[self.leaves_branch] = nan
-        return zero + value_of(dual), by
+        return zero + value_of(dual), np.array([zero + slopes.get(parameter, 0.0)
+                                                for parameter in self.names])
 
     def at_extremum(self, name: str, x: float) -> tuple[Array, Array]:
         """
@@ -163,7 +166,7 @@ class Derivatives:
             off = along.real / along.imag if along else 0.0     # a constant quantity has no input
             if STEP * abs(off) > SHARP * self.scene.linkage.input_unit:
                 off = nan
-            by_parameters = np.where(self.leaves_branch, nan, by)
+            by_parameters = np.array(by)
             return (by_parameters.real - off * by_parameters.imag,
                     -by_parameters.imag / along.imag + 0.0 * off)
 

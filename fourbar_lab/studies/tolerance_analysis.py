@@ -55,12 +55,18 @@ def tolerances(study: Study) -> tuple[list[Toleranced], dict[str, int]]:
     Reasons of :mod:`.chunks`: feasible, cannot be built, failed. With many parameters (see
     :data:`ALL_CORNERS`) each measure with a first order has two corners: every parameter moves as
     its derivative rises, or the opposite way; if no measure has, all are largest, or least.
-    InvalidParameter if the study has no box, or the design in its middle cannot be built.
+    InvalidParameter if the study has no box, or the design in its middle cannot be built or is a
+    change point whose lengths vary: others are in another pose where it changes its side.
     """
     box = box_of(study)
     scene = from_values({**study.values, **{name: centre for name, (centre, _) in box.items()}})
-    at_middle = sensitivities(Derivatives(scene, list(box), study.acceleration),
-                              [measure for measure in study.measures if measure.part != CLASS])
+    derivatives = Derivatives(scene, list(box), study.acceleration)
+    for name, leaves in zip(box, derivatives.leaves_branch):
+        if leaves and scene.linkage.change_point_margin == 0.0:
+            raise InvalidParameter(f'vary.{name}', box[name][0], 'the middle is a change point, '
+                                   'and with other lengths its mode is another branch')
+    at_middle = sensitivities(derivatives, [measure for measure in study.measures
+                                            if measure.part != CLASS])
     if len(box) <= ALL_CORNERS:
         signs = set(product((-1.0, 1.0), repeat=len(box)))
     else:

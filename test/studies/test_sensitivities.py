@@ -281,6 +281,9 @@ def test_no_length_of_a_change_point_has_a_derivative_and_every_mass_has_one(len
         _, by = derivatives.of(name, x)
         are_lengths = [name in LENGTHS for name in derivatives.names]
         assert np.isnan(by[are_lengths]).all() and np.isfinite(by[~np.array(are_lengths)]).all()
+        motion, loads = derivatives.state(x)
+        slopes = derivatives_of(getattr(motion, name, None) or getattr(loads, name))
+        assert all(np.isnan(slopes[length]).all() for length in LENGTHS)
         for slopes in derivatives.at_extremum(name, 1.0):
             assert np.isnan(slopes[are_lengths]).all()
     # of the mass of the output, beside a difference

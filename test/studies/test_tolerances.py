@@ -130,3 +130,15 @@ def test_where_two_inputs_tie_there_is_no_first_order_but_corners_and_draws(caps
     assert 'shaking_force.max has no first order: it has a kink: 4 extrema tie, as' in out
     row = next(line for line in out.splitlines() if line.startswith('shaking_force.max'))
     assert row.split()[3:5] == ['-', '-'] and row.split()[5] == '3023.18'
+
+
+def test_lengths_of_a_change_point_have_no_tolerances_and_masses_have():
+    """With any other length a scissor lift is in another pose: its mode is a side there."""
+    def study_of(scene, name):
+        return from_document({'scene': scene, 'rows': 4, 'quantities': ['shaking_force.max'],
+                              'vary': {name: {'uniform': 1e-4}}})
+
+    with pytest.raises(InvalidParameter, match=r'vary\.dyads\.lower\.length_1.* change point'):
+        tolerances(study_of('scissor_lift', 'dyads.lower.length_1'))
+    results, reasons = tolerances(study_of('parallelogram', 'bodies.rods.density'))
+    assert reasons == {'feasible': 2} and all(result.first_order > 0.0 for result in results)
