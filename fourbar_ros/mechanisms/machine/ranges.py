@@ -381,7 +381,9 @@ class _Search:
             changes = np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)) if moves else [0]
             for i in changes:
                 low, high = path.to_input(phi[i:i + 2]).tolist()
-                x = _root(lambda x: in_floats(x)[0], low, high, bool(value[i] > 0.0))
+                # to the floats beside 0 it is a thousand halvings
+                x = (0.0 if low < 0.0 < high and abs(in_floats(0.0)[0]) < SAME else
+                     _root(lambda x: in_floats(x)[0], low, high, bool(value[i] > 0.0)))
                 is_opposite = all(sign * in_floats(x)[1] < 0.0 for sign in signs)
                 if is_opposite and not is_driven:
                     raise InvalidParameter(
