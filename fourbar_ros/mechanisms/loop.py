@@ -50,7 +50,7 @@ where the second form of rho is for large q, so for all where a1 = a4. Every dif
 one that the data make: the error stays within a few eps times the condition at any link ratio.
 
 Change points. Where s2 = 0, w contains s^2, with s = sin(x/2); where s1 = 0, u contains c^2, with
-c = cos(x/2). Then root, sin mu, sin x and one of each pair g, h, or both, vanish at x = 0 or x = pi
+c = cos(x/2). Then root, sin mu, sin x and one of each pair g, h, or both, vanish at x = 0 or pi
 with
 
     (M13)  k = (s if s2 = 0) (c if s1 = 0),   root = R k,   R^2 = u w / k^2
@@ -64,8 +64,9 @@ changes its sign, without a jump and without 0/0, as k is left out of every quot
     (M15)  mu'' = 2 a1 a4 (s2 c (c/kc) u - s1 s (s/ks) w) / R^3 with k = ks kc, and with u, w
            without kc^2, ks^2
 
-A parallelogram (s1 = s2 = 0) repeats after one turn, a kite after two. Where a1 = a4 and a2 = a3
-also q vanishes at x = 0, with (M11) and (M12) y'' = mu''/2 = -b''. Elsewhere k is 1.
+A parallelogram (s1 = s2 = 0) repeats after one turn, a kite after two; one that swings through its
+flat position, s1 < 0 or s2 < 0, is where it was after one. Where a1 = a4 and a2 = a3 also q
+vanishes at x = 0, with (M11) and (M12) y'' = mu''/2 = -b''. Elsewhere k is 1.
 """
 from __future__ import annotations
 
@@ -208,6 +209,20 @@ def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Sh
                   0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
 
 
+def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
+                of_cosine: Scalar) -> tuple[Scalar, Scalar]:
+    """
+    Return sine and cosine of half an angle, the same after a turn if a crank swings through flat.
+
+    ``of_sine``: below zero if it swings through the zero of the sine, so that the cosine is
+    positive; ``of_cosine``: if through that of the cosine.
+    """
+    where, (s, c) = n.where, half
+    turn = where(of_sine.real < 0.0, where(c.real < 0.0, -1.0, 1.0),
+                 where(of_cosine.real < 0.0, where(s.real < 0.0, -1.0, 1.0), 1.0))
+    return turn * s, turn * c
+
+
 def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle) -> LoopMotion:
     """
     Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
@@ -220,6 +235,8 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
     s, c, ss, cc, sc = half
     u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
     flat_at_0, flat_at_pi = is_zero(n, shape.s2), is_zero(n, shape.s1)
+    s, c = in_one_turn(n, (s, c), where(flat_at_0, shape.s1, 0.0),
+                       where(flat_at_pi, shape.s2, 0.0))
     k_s, k_c = where(flat_at_0, s, 1.0), where(flat_at_pi, c, 1.0)                      # (M13)
     sc_left = where(flat_at_0, where(flat_at_pi, 1.0, c), where(flat_at_pi, s, sc))
     u_left, w_left, k = where(flat_at_pi, shape.c1, u), where(flat_at_0, shape.c2, w), k_s * k_c

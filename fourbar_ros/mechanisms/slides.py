@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fourbar_ros.mechanisms.loop import HalfAngle
+from fourbar_ros.mechanisms.loop import HalfAngle, in_one_turn
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
@@ -183,7 +183,8 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
               cos v)
 
     and k is left out of every quotient. With both, a1 = a2 and e = 0, b = -x and s = 2 a1 cos x
-    (mode 2) all the way. Elsewhere k is 1.
+    (mode 2) all the way. A crank that swings through one of them is where it was after a turn.
+    Elsewhere k is 1.
 
     Lengths within a few powers of two of one; ``sign``: of R, so that of cos b where k is 1.
     ``sin_v``, ``cos_v``: of v.
@@ -211,6 +212,8 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
         (h * h).real < level_square, (up, down, up * down, sin_x, at_x * h * cos_x),
         (u, w, factor, sine, rest))
     flat_down, flat_up = is_zero(n, about_down[0]), is_zero(n, about_up[1])             # (R10)
+    sin_v, cos_v = in_one_turn(n, (sin_v, cos_v), where(flat_down, about_up[1], 0.0),
+                               where(flat_up, about_down[0], 0.0))
     k_s, k_c = where(flat_down, sin_v, 1.0), where(flat_up, cos_v, 1.0)
     k, is_flat = k_s * k_c, is_zero(n, about_down[0] * about_up[1])
     cos_x_left = where(is_flat, 2.0 * (where(flat_down, 1.0, sin_v) * where(flat_up, 1.0, cos_v)),

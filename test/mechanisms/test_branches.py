@@ -25,7 +25,7 @@ WAY = mp.mpf(10)**-30        # from a pose in line, beyond which it leads on
 J = mp.mpc(0, 1)
 
 
-# --- the reference: (lengths, input, side) -> angles as unit vectors, slides -----------------------
+# --- the reference: (lengths, input, side) -> angles as unit vectors, slides ---------------------
 
 def meet(p, r1, q, r2, side):
     """Return where circles about p and q meet, on the left of the way from p to q, or right."""
@@ -89,21 +89,7 @@ def cylinder(lengths, s, side):
     return {'theta1': a / a1, 'theta4': (a - a4) / (s + J * e)}
 
 
-# --- linkages --------------------------------------------------------------------------------------
-
-def of_four_bar(driven, first, second, frame, turn=0.0):
-    """Return from where to where a drive has the side of its mode: the rods are in line there."""
-    low, high = -inf, inf
-    if abs(driven - frame) == abs(first - second):      # at an angle of 0 between both
-        low, high = -turn, 2.0 * pi - turn
-    if driven + frame == first + second:                # at pi
-        low, high = max(low, -pi - turn), min(high, pi - turn)
-    return low, high
-
-
-def of_slider_crank(a1, a2, e):
-    return (-0.5 * pi if a2 - e == a1 else -1.5 * pi, 0.5 * pi if a2 + e == a1 else 1.5 * pi)
-
+# --- linkages ------------------------------------------------------------------------------------
 
 class Drive(NamedTuple):
     """A kind with one of its inputs."""
@@ -111,33 +97,29 @@ class Drive(NamedTuple):
     make: object
     pose: object            # of the reference
     measure: object         # pose -> what has the sign of the mode: 2 is positive
-    has_side: object        # lengths -> the inputs between which it has that sign
+    has_sign: tuple         # the inputs between which it has that sign, links in line or not
     least: object           # lengths -> how near to each other the ends of the dyad come
     is_slide: bool = False
 
 
 DRIVES = {
-    'four-bar': Drive(FourBar, four_bar, lambda z: (z['theta4'] / z['beta']).imag, of_four_bar,
-                      lambda a1, a2, a3, a4: abs(a1 - a4)),
+    'four-bar': Drive(FourBar, four_bar, lambda z: (z['theta4'] / z['beta']).imag,
+                      (0.0, pi),                      lambda a1, a2, a3, a4: abs(a1 - a4)),
     'four-bar at A': Drive(
         partial(MovingJointFourBar, input='A'), four_bar_at_a, lambda z: z['theta4'].imag,
-        lambda a1, a2, a3, a4: of_four_bar(a2, a3, a4, a1, pi),
-        lambda a1, a2, a3, a4: abs(a1 - a2)),
+        (-pi, 0.0),        lambda a1, a2, a3, a4: abs(a1 - a2)),
     'four-bar at B': Drive(
         partial(MovingJointFourBar, input='B'), four_bar_at_b, lambda z: z['theta1'].imag,
-        lambda a1, a2, a3, a4: of_four_bar(a3, a4, a1, a2, pi),
-        lambda a1, a2, a3, a4: abs(a2 - a3)),
-    'slider-crank': Drive(SliderCrank, slider_crank, lambda z: z['beta'].real, of_slider_crank,
-                          lambda *a: 0),
+        (-pi, 0.0),        lambda a1, a2, a3, a4: abs(a2 - a3)),
+    'slider-crank': Drive(SliderCrank, slider_crank, lambda z: z['beta'].real,
+                          (-0.5 * pi, 0.5 * pi), lambda *a: 0),
     'inverted slider-crank': Drive(InvertedSlider, inverted_slider, lambda z: z['slide'],
-                                   lambda *_: (0.0, 2.0 * pi), lambda *a: abs(a[2])),
+                                   (0.0, 2.0 * pi), lambda *a: abs(a[2])),
     'slide of a slider-crank': Drive(
         partial(SliderCrank, input='slide'), driven_slider,
-        lambda z: (z['beta'] / z['theta1']).imag, lambda *_: (0.0, inf), lambda *a: abs(a[2]),
-        True),
+        lambda z: (z['beta'] / z['theta1']).imag, (0.0, inf), lambda *a: abs(a[2]), True),
     'cylinder': Drive(partial(InvertedSlider, input='slide'), cylinder,
-                      lambda z: z['theta1'].imag, lambda *_: (0.0, inf), lambda *a: abs(a[2]),
-                      True),
+                      lambda z: z['theta1'].imag, (0.0, inf), lambda *a: abs(a[2]), True),
 }
 COORDINATES = {'theta1': ('theta1', 'omega1', 'alpha1'), 'theta4': ('theta4', 'omega4', 'alpha4'),
                'beta': ('beta', 'omega_beta', 'alpha_beta'),
@@ -260,22 +242,27 @@ def sizes(levels, of_slide, by_slide, whole, least):
 
 
 def shares(name, whole, mode, rng):
-    """Yield (field, error in eps times condition, input) of a linkage, in metres, in four turns."""
+    """Yield (field, error in eps times condition, input) of a linkage in metres, in four turns."""
     drive = DRIVES[name]
     lengths = [mp.mpf(length) / 1000 for length in whole]
     mechanism = drive.make(*[length / 1000 for length in whole], mode=mode)
     assert mechanism.classification == 'change point' and mechanism.change_point_margin == 0.0
     for low, high in mechanism.closing_ranges:
-        begin, end = drive.has_side(*whole)
         if mechanism.turns_fully:
             low, high = -2.0 * pi, 6.0 * pi
-        start = mp.mpf(0.55 * max(begin, low) + 0.45 * min(end, high))
-        assert max(begin, low) < start < min(end, high)
+        begin, end = next((max(begin, low), min(end, high)) for begin, end in [
+            (drive.has_sign[0] + turn, drive.has_sign[1] + turn)
+            for turn in ((0.0,) if drive.is_slide else (0.0, 2.0 * pi, -2.0 * pi))]
+            if max(begin, low) < min(end, high))
+        start = mp.mpf(0.55 * begin + 0.45 * end)
         side, = [side for side in (1, -1) if
                  (drive.measure(drive.pose(lengths, start, side)) > 0) == (mode == 2)]
         branch = Branch(drive.pose, lengths, drive.is_slide, start, side)
         for x in inputs(rng, low, high, drive.is_slide):
-            exactly = mp.mpf(x) + BEYOND * lengths[0]
+            # a range of the crank is the same in every turn
+            turn = 0 if drive.is_slide or mechanism.turns_fully else rng.choice((0, 0, -1, 1, 3))
+            x += 2.0 * pi * turn
+            exactly = mp.mpf(x) - 2 * mp.pi * turn + BEYOND * lengths[0]
             motion, truth = mechanism.motion(x, 1.0), branch.levels(lengths, exactly)
             moved = [branch.levels(other, exactly) for other in moved_lengths(lengths, whole)]
             for coordinate, levels in truth.items():

@@ -365,7 +365,7 @@ class _Search:
     def flats(self, pair_range: PairRange, limits: Sequence[RangeEnds], dyad: int,
               turns: int) -> list[float]:
         """
-        Return the inputs within ``limits`` at which a pair away from the crank lies flat, in order.
+        Return the inputs within ``limits`` where a pair away from the crank lies flat, in order.
 
         Each to one float. InvalidParameter if it is of one direction, and passes the opposite one.
         """
@@ -388,7 +388,7 @@ class _Search:
                 if is_opposite and not is_driven:
                     raise InvalidParameter(
                         f'dyads.{name}', None, 'is a kite on links that turn fully against each '
-                        f'other, at input {x:.6g}: it can be one on the frame and the driven crank')
+                        f'other, at input {x:.6g}: on the frame and the driven crank it can be one')
                 if moves and not is_opposite:
                     is_angle = self._machine[0].driver == 'crank'
                     flats.append(x - 2.0 * pi if is_angle and x > pi else
