@@ -388,7 +388,7 @@ class _Search:
                 if is_opposite and not is_driven:
                     raise InvalidParameter(
                         f'dyads.{name}', None, 'is a kite on links that turn fully against each '
-                        f'other, at input {x:.6g}: on the frame and the driven crank it can be one')
+                        f'other, at input {x:.6g}: it may be one on the frame and the crank')
                 if moves and not is_opposite:
                     is_angle = self._machine[0].driver == 'crank'
                     flats.append(x - 2.0 * pi if is_angle and x > pi else
