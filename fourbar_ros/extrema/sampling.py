@@ -276,6 +276,7 @@ class Sampler:
         """
         motion, loads = state
         sine = np.broadcast_to(np.abs(self.linkage.transmission_sine(motion).real), x.shape)
+        of_reactions = np.clip(sine, SMALLEST, 1.0)     # lose digits in line, with a pole or not
         for flat_x in self._passed:
             away = x.real - flat_x
             size = np.abs(away if self.linkage.is_driven_by_slide else np.sin(0.5 * away))
@@ -294,4 +295,7 @@ class Sampler:
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
         least = 64.0 * EPS * np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
                                        for q in self.quantities])
-        return least, least / np.minimum(sine, 1.0), sine
+        is_reaction = np.array([q.name.startswith(self.linkage.reactions)
+                                for q in self.quantities])[:, None]
+        return least, least / np.where(is_reaction, np.minimum(of_reactions, sine),
+                                       np.minimum(sine, 1.0)), sine
