@@ -38,6 +38,7 @@ ROCKING = {
     '5:1:2:4': FourBar(5.0, 1.0, 2.0, 4.0, **PULL),
     'in decimals': FourBar(0.5, 0.1, 0.2, 0.4, mode=1, **PULL),
     'flat at pi': FourBar(2.0, 5.0, 1.0, 4.0, **PULL),
+    'kite': FourBar(4.0, 3.0, 3.0, 4.0, **PULL),
     'long crank': SliderCrank(0.7, 0.5, 0.2, **PULL),
     'slide of equal rods': SliderCrank(0.5, 0.5, 0.0, input='slide', **PULL),
     'slide with an offset': SliderCrank(0.5, 0.7, 0.2, input='slide', **PULL),

@@ -247,6 +247,7 @@ def test_what_differs_from_turn_to_turn_is_refused():
     swings = rods('k', ('crank', 4.0), ('ground', 4.0), 3.0, 3.0)
     machine = Machine([swings])
     assert machine.period == 2.0 * pi and machine.flat_inputs == (0.0,)
+    assert len(machine.driven_otherwise()) == 2
     assert Machine([swings, replace(kite, name='m', links=('m1', 'm2'))]).driven_otherwise() == ()
     both = Machine([kite, replace(kite, name='m', links=('m1', 'm2'), mode=1)])
     assert both.period == 4.0 * pi and both.flat_inputs == (0.0,)
