@@ -41,13 +41,13 @@ static int judged(int status, int refused, double closes, double condition, doub
   double motion = 0.0, load = 0.0;
   int i;
   if (!reaches(x)) return 1;
-  if (status == 0 && is_infinite(condition)) status = 3;
-  if (status == 0 && refused) status = is_at_limit(x) ? 3 : 1;
+  if (status == 0 && refused) status = is_infinite(condition) || is_at_limit(x) ? 3 : 1;
   if (status != 0) return closes != closes ? 1 : status;
   if (size_of(values, SUMMED) + size_of(values + MOTIONS, loads) < 1e300) return 0;
   for (i = 0; i < SUMMED; ++i) motion += values[i];
   for (i = MOTIONS; i < MOTIONS + loads; ++i) load += values[i];
-  return is_finite(motion + load) ? 0 : 2;
+  if (is_finite(motion + load)) return 0;
+  return is_finite(load) && is_infinite(condition) ? 3 : 2;
 }
 
 /* What there is no answer to is NaN, and all that depends on a rate (1) or acceleration (2) that
