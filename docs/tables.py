@@ -19,7 +19,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 import formulas  # noqa: E402
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
 from fourbar_ros.cli import main  # noqa: E402, I100
-from fourbar_ros.mechanisms.kinds import FACTS, kind_of, LOADS  # noqa: E402
+from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
+from fourbar_ros.mechanisms.load_table import LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import (  # noqa: E402
     known_quantities,
     POSITIONS,
@@ -63,14 +64,13 @@ def default(parameter):
 def having(quantity):
     """Return which mechanisms have a quantity, as text."""
     found = []
-    for name in FACTS:
-        kind = kind_of(name, 'crank')
+    for name, kind in KINDS.items():
         inputs = [driven for driven in kind.INPUTS if quantity in known_quantities(kind, driven)
                   | positions(kind, driven)]
         if inputs:
             found.append(name if len(inputs) == len(kind.INPUTS)
                          else f'{name} driven at its {inputs[0]}')
-    return 'all kinds' if found == list(FACTS) else ', '.join(found)
+    return 'all kinds' if found == list(KINDS) else ', '.join(found)
 
 
 def messages():
@@ -114,8 +114,8 @@ def reference_tables():
                              for p in table_of.values()]),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
                         [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'
-                                                 for joint in kind.joints))
-                         for name, kind in FACTS.items()]),
+                                                 for joint in kind.JOINTS))
+                         for name, kind in KINDS.items()]),
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))
                              for q in (*QUANTITIES.values(), *POSITIONS.values())]),

@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanics.bodies import Applied, Base, Bodies, Body, External
     from fourbar_ros.mechanics.rods import flat_bar, round_rod
-    from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion
+    from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion, MovingJointFourBar
     from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.mechanisms.moving_joint import MovingJointFourBar
     from fourbar_ros.mechanisms.parts import CROSSED, OPEN
     from fourbar_ros.mechanisms.points import point_motion
     from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
@@ -55,9 +54,8 @@ __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.extrema.find': 'find_extrema',
     'fourbar_ros.mechanics.bodies': 'Applied, Base, Bodies, Body, External',
     'fourbar_ros.mechanics.rods': 'flat_bar, round_rod',
-    'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion',
+    'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
-    'fourbar_ros.mechanisms.moving_joint': 'MovingJointFourBar',
     'fourbar_ros.mechanisms.parts': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.points': 'point_motion',
     'fourbar_ros.mechanisms.sliders': 'InvertedSlider, ScotchYoke, SliderCrank',

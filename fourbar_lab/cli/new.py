@@ -9,13 +9,13 @@ import re
 
 from fourbar_ros.cli.common import add_output, add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene.units import of, UNITS
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
 BAR = re.compile(r'([\d.]+)x([\d.]+)([a-z]*)')
-NAMES = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
+NAMES = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
 SCENE = """\
 # A {title}. Lengths in m, angles in rad, masses in kg.
 /**:
@@ -57,10 +57,10 @@ def add(verbs: Verbs) -> None:
     """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     add_output(new, 'file', metavar='FILE', suffix='.yaml', help='scene to write, e.g. my.yaml')
-    new.add_argument('--kind', choices=FACTS, default='four_bar', metavar='KIND',
-                     help=f'{", ".join(FACTS)} (default four_bar)')
+    new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
+                     help=f'{", ".join(KINDS)} (default four_bar)')
     for name in NAMES:
-        texts = dict.fromkeys(length.text for kind in FACTS.values() for length in kind.lengths
+        texts = dict.fromkeys(length.text for kind in KINDS.values() for length in kind.LENGTHS
                               if length.name == name)
         new.add_argument(f'--{name}', type=of('m'), metavar='LENGTH',
                          help=f'{"; ".join(texts)} [m], or with a unit: 50mm')
@@ -125,9 +125,9 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
     ``section``: YAML of bars or rods; without it there are no masses, and the node sends no loads.
     Links without a length, as slides, get zeros, for which the user puts in their own.
     """
-    texts = {length.name: length.text for length in FACTS[kind].lengths}
+    texts = {length.name: length.text for length in KINDS[kind].LENGTHS}
     slides = [f'      {link.name}: {{mass: 0.0{", inertia: 0.0" if link.turns else ""}}}     '
-              f'# {link.text}: give its own\n' for link in FACTS[kind].links if not link.length]
+              f'# {link.text}: give its own\n' for link in KINDS[kind].LINKS if not link.length]
     return SCENE.format(
         title=kind.replace('_', '-'), kind=kind, mode=mode,
         lengths='\n'.join(f'      {name}: {value!r}  # {texts.get(name, "")} [m]'

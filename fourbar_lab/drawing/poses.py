@@ -9,7 +9,7 @@ import re
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.kinds import LOADS
+from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
 from fourbar_ros.mechanisms.picture import Points

@@ -19,7 +19,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.batches import step_of_arrays
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import is_position, is_published
@@ -54,7 +54,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.kind not in FACTS:
+    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.kind not in KINDS:
         return none
     measures, designs = Measures(scene), Designs(scene, study.values, drawn)
     is_done, margins = designs.are_allowed(), designs.margins()

@@ -58,5 +58,4 @@ def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
         return float(getattr(motion, f'slide_{stage.slides()[0]}' if is_block
                              else f'sine_{stage.name}'))
     assert isinstance(mechanism, Kind)
-    return float(getattr(motion, mechanism.drive.sine[0] or 'slide')) if (
-        len(mechanism.modes) > 1) else 0.0
+    return mechanism.drive.sign * float(motion.sine) if len(mechanism.modes) > 1 else 0.0

@@ -36,8 +36,7 @@ class Needs(NamedTuple):
     moment: Scalar
 
 
-def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
-             link: Any, rates: tuple[Scalar, Scalar] | None = None) -> Needs:
+def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied, link: Any) -> Needs:
     """
     Return what the joints must give a link, (N1) and (N2), about its first joint.
 
@@ -52,8 +51,6 @@ def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
         Field of gravity (x, y) [m/s^2], or the motion of the base.
     link : :class:`.LinkMotion`
         Its motion, on a base that moves as seen from that; lengths in ``unit``.
-    rates : tuple of 2 numbers, optional
-        Rate and acceleration of the input, if ``link`` is its motion at unit rate.
 
     """
     # what hangs on data alone comes first: for a step of floats it is computed once
@@ -71,7 +68,6 @@ def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied,
     by_cosine = across * g_x - along * g_y + p_across * f_x - p_along * f_y
     by_sine = across * g_y + along * g_x + p_across * f_y + p_along * f_x
 
-    link = link if rates is None else link.at(*rates)
     a_x, a_y, omega, alpha = link.a_x, link.a_y, link.omega, link.alpha
     if isinstance(gravity, Base):
         w, e = gravity.rate, gravity.acceleration

@@ -72,13 +72,8 @@ def slide_ranges(p: float, r: float, e: float) -> Ranges:
 
     At their ends the rods p and r are in line: toggles.
     """
-    unit = power_of_two(p, r, e)
-    inner, outer = reach(p / unit, r / unit, e / unit)
-    far = unit * sqrt(outer)
-    if inner <= 0.0:
-        return ((-far, far),)
-    near = unit * sqrt(inner)
-    return ((-far, -near), (near, far))
+    near, far, *_ = [z.real for z in singular_slides(p, r, e)]
+    return ((-far, -near), (near, far)) if near else ((-far, far),)
 
 
 def singular_slides(p: float, r: float, e: float) -> list[complex]:
@@ -130,11 +125,8 @@ def bar_ranges(a1: float, a4: float, h: float) -> Ranges:
 
     (-pi, pi) of one that turns fully, else one through pi, at whose ends the pin is at the foot.
     """
-    near, far = reach(*scaled((a1, a4, h)))
-    if near >= 0.0:
-        return ((-pi, pi),)
-    low = 2.0 * atan2(sqrt(-near), sqrt(far))
-    return ((low, 2.0 * pi - low),)
+    low = singular_angles_of_bar(a1, a4, h)[0].real
+    return ((low, 2.0 * pi - low),) if low else ((-pi, pi),)
 
 
 def singular_angles_of_bar(a1: float, a4: float, h: float) -> list[complex]:

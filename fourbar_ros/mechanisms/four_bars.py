@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The four-bar: names, classes, ranges and dead points. Driven at A or B: :mod:`.moving_joint`.
+The four-bar, driven at its crank, or at A or B between two moving links.
 
 How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. To
 read how ``step`` gets theta4: mechanism.py runs a generated function, the trace of
-:meth:`.Kind.pose`; that places the coupler and the output link by ``rrr_pair`` of
+:meth:`.Kind._motion`; that places the coupler and the output link by ``rrr_pair`` of
 machine/solve/pairs.py, and (M1) to (M3) of :mod:`.loop` are the quadratic of plain.py without its
 differences. (D1) to (D3) of machine/solve/dyads.py are for other machines.
 
@@ -15,6 +15,11 @@ dyad:
 
     (C1)  condition = (p |cos c| + r1 + r2 |cos m| + q |cos b|) / (r2 |sin m|),   c from driven
           link to r1, m from r1 to r2, b from frame to r1
+
+>>> linkage = MovingJointFourBar(0.4, 1.2, 0.8, 1.0, input='A')
+>>> motion = linkage.motion(-0.5, 2.0)
+>>> print(f'{motion.theta1:.6f} {motion.theta4:.6f} rad, {motion.omega1:.6f} rad/s')
+0.835757 1.045407 rad, -1.807550 rad/s
 """
 from __future__ import annotations
 
@@ -25,25 +30,17 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanisms.closed_forms import four_bar_ranges, singular_angles, turned_ranges
-from fourbar_ros.mechanisms.geometry import cached_by_lengths
-from fourbar_ros.mechanisms.kind import DrivenMachine, FORWARD, Kind, results
-from fourbar_ros.mechanisms.kinds import FACTS
-from fourbar_ros.mechanisms.machine.structure import DyadLengths
-from fourbar_ros.mechanisms.parts import (
-    BETA,
-    CRANK,
-    CROSSED,
-    GROUND,
-    OPEN,
-    Output,
-    Ranges,
-    reaction,
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
+from fourbar_ros.mechanisms import kind, parts
+from fourbar_ros.mechanisms.closed_forms import (
+    four_bar_ranges,
+    singular_angles,
+    turned_angles,
+    turned_ranges,
 )
+from fourbar_ros.mechanisms.geometry import cached_by_lengths
+from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
+from fourbar_ros.mechanisms.machine.structure import DyadLengths
+from fourbar_ros.mechanisms.parts import BETA, CRANK, GROUND, THETA1, THETA2, THETA3, THETA4
 from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import exact_sum, Function, LEAST, Scalar
 
@@ -52,8 +49,14 @@ if TYPE_CHECKING:
 
 
 def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
-    """Return the numbers of RRR: rods from p and q, along the driven link and the frame [m]."""
+    """Return the lengths of RRR: rods from p and q, along the driven link and the frame [m]."""
     return DyadLengths((p, 0.0), (q, 0.0), (first, second), (), (p, q, (1.0, 0.0), 1.0, 0.0))
+
+
+def two_rods_behind(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
+    """Return the lengths of RRR: rods from p along the driven link and q behind its pivot [m]."""
+    # half the angle from one to the other is a right one
+    return DyadLengths((p, 0.0), (-q, 0.0), (first, second), (), (p, q, (0.0, 1.0), -1.0, 0.0))
 
 
 def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: Sequence[Scalar],
@@ -86,8 +89,14 @@ class FourBarLinks(Kind):
     a4: float
 
     TITLE = 'four-bar'
-    TEXT, LENGTHS, LINKS, JOINTS = FACTS['four_bar'][:4]
-    MODES = {CROSSED: '1 (crossed)', OPEN: '2 (open)'}
+    TEXT = 'four revolute joints'
+    LENGTHS = (kind.CRANK_LENGTH, kind.COUPLER_LENGTH,
+               parts.Length('a3', 'length of the output link O4-B'), kind.GROUND_LENGTH)
+    LINKS = (kind.CRANK_LINK, parts.Link('coupler', 'coupler', 'A', 'a2'),
+             parts.Link('output', 'output link', 'O4', 'a3'))
+    JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'coupler'),
+              parts.Joint('B', THETA3, 'coupler_output'), parts.Joint('O4', THETA4, 'output'))
+    MODES = {parts.CROSSED: '1 (crossed)', parts.OPEN: '2 (open)'}
     MARGIN_SIGNS = ((-1, -1, 1, 1), (-1, 1, -1, 1), (-1, 1, 1, -1))
     # McCarthy and Soh, Geometric Design of Linkages, with the first two margins exchanged. The
     # name of a non-Grashof linkage says whether theta1 and theta4 swing through 0 or pi.
@@ -101,23 +110,19 @@ class FourBarLinks(Kind):
         (1, -1, 1): 'non-Grashof pi-pi double-rocker',
         (1, 1, -1): 'non-Grashof 0-pi double-rocker',
     }
-    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
-                 reaction('A', 'coupler on crank', 'f21'),
-                 reaction('B', 'output link on coupler', 'f32'),
-                 reaction('O4', 'ground on output link', 'f43'))
+    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
+                 parts.reaction('A', 'coupler on crank', 'f21'),
+                 parts.reaction('B', 'output link on coupler', 'f32'),
+                 parts.reaction('O4', 'ground on output link', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
-             THETA4: 'output link',
-             BETA: 'coupler'}
+             THETA4: 'output link', BETA: 'coupler'}
     FROM_HALF_A_TURN = THETA3
     DRAWN = (THETA1, BETA, THETA4)
-    DIRECTIONS = {'x': THETA1, 'b': BETA, 'y': THETA4, 'mu': THETA3}
-    DRIVES = {
-        CRANK: DrivenMachine(
-            (GROUND, 'crank', 'coupler', 'output'), 'RRR',
-            lambda lengths: two_rods(lengths[0], lengths[3], lengths[1], lengths[2]),
-            four_bar_ranges, singular_angles, FORWARD,
-            ('sin_mu', 1.0), lambda f, a, d, _: condition_of_rods(
-                f, (a[0], a[3], a[1], a[2]), d[THETA2][0], d[THETA3], d[BETA][0]))}
+    DIRECTIONS = {'x': THETA1, 'b': BETA, 'y': THETA4}
+    DRIVES = {CRANK: DrivenMachine(
+        one_dyad(CRANK, GROUND, 'crank', 'RRR', ('coupler', 'output')),
+        lambda a1, a2, a3, a4: two_rods(a1, a4, a2, a3), four_bar_ranges, singular_angles,
+        kind.FORWARD)}
 
     def __post_init__(self) -> None:
         """Check the parameters, and that no link is as long as the other three together."""
@@ -164,14 +169,20 @@ class FourBar(FourBarLinks):
     a2: float
     a3: float
     a4: float
-    mode: int = OPEN
+    mode: int = parts.OPEN
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
 
     input = CRANK
-    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (Output(THETA4, 'velocity_ratio'),)}
+    INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (parts.Output(THETA4, 'velocity_ratio'),)}
     RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA}
+
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        """Return the error of theta4 for relative errors of the lengths, (C1)."""
+        a1, a2, a3, a4 = lengths
+        return condition_of_rods(fabs, (a1, a4, a2, a3), coordinates[THETA2][0],
+                                 coordinates[THETA3], coordinates[BETA][0])
 
     # --- what it is -----------------------------------------------------------------------------
 
@@ -181,7 +192,7 @@ class FourBar(FourBarLinks):
         return self.classification
 
     @cached_by_lengths
-    def output_ranges(self) -> Ranges:
+    def output_ranges(self) -> parts.Ranges:
         """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
         # seen from O4, of pi - theta4
         a1, a2, a3, a4 = self.lengths
@@ -213,8 +224,93 @@ class FourBar(FourBarLinks):
             SeenFromLink,  # motion by torque alone
         )
         drive = self.drive
-        return tuple([SeenFromLink(drive.layout, [drive.numbers(self.lengths)], [self.sign], 0,
+        return tuple([SeenFromLink(drive.layout, [drive.lengths(*self.lengths)], [self.sign], 0,
                                    mode) for mode in self.MODES])
 
 
-Motion, Loads = results(FourBar, 'Motion', 'Loads')
+@dataclass(frozen=True)
+class MovingJointFourBar(FourBarLinks):
+    """
+    Planar four-bar linkage O1-A-B-O4 that is driven at A or at B, between two moving links.
+
+    Parameters
+    ----------
+    a1, a2, a3, a4 : float
+        As of :class:`~FourBar`.
+    mode : int
+        Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
+    input : str
+        'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
+    bodies : Bodies, optional
+        Masses; without them there are no loads.
+    gravity : tuple of 2 floats, or Base
+        Field of gravity (x, y) [m/s^2], or the motion of the base.
+    external : External
+        Forces and couples on the links.
+
+    Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
+    coupler (B).
+
+    """
+
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    mode: int = parts.OPEN
+    input: str = parts.JOINT_A
+    bodies: Bodies | None = None
+    gravity: Gravity = (0.0, 0.0)
+    external: External = External()
+
+    MODES = {1: '1', parts.OPEN: '2'}
+    INPUTS = {parts.JOINT_A: THETA2, parts.JOINT_B: THETA3}
+    OUTPUTS = {joint: (parts.Output(THETA4, 'velocity_ratio'), parts.Output(THETA1, 'crank_ratio'))
+               for joint in INPUTS}
+    RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA, 'crank_ratio': THETA1}
+    # the frame begins at the driven joint, and its other end lies behind that
+    DRIVES = {
+        parts.JOINT_A: DrivenMachine(
+            one_dyad(CRANK, 'crank', 'coupler', 'RRR', ('output', GROUND)),
+            lambda a1, a2, a3, a4: two_rods_behind(a2, a1, a3, a4),
+            lambda a1, a2, a3, a4: turned_ranges(four_bar_ranges(a2, a3, a4, a1)),
+            lambda a1, a2, a3, a4: turned_angles(singular_angles(a2, a3, a4, a1)),
+            {'f41': '-dyad_second', 'f21': '-base', 'f32': '-dyad_first', 'f43': 'dyad_inner'},
+            reversed={'output': 'a3'}),
+        parts.JOINT_B: DrivenMachine(
+            one_dyad(CRANK, 'coupler', 'output', 'RRR', (GROUND, 'crank')),
+            lambda a1, a2, a3, a4: two_rods_behind(a3, a2, a4, a1),
+            lambda a1, a2, a3, a4: turned_ranges(four_bar_ranges(a3, a4, a1, a2)),
+            lambda a1, a2, a3, a4: turned_angles(singular_angles(a3, a4, a1, a2)),
+            {'f41': '-dyad_inner', 'f21': 'dyad_second', 'f32': '-base', 'f43': '-dyad_first'},
+            reversed={'output': 'a3', GROUND: 'a4', 'crank': 'a1'})}
+
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        """Return the error of theta4, or theta1 of a drive at B, (C1)."""
+        (a1, a2, a3, a4), of_crank, of_output = (
+            lengths, coordinates[THETA1], coordinates[THETA4])
+        if self.input == parts.JOINT_A:
+            return condition_of_rods(fabs, (a2, a1, a3, a4), coordinates[THETA3][0], of_output,
+                                     of_crank[0] * of_output[0] + of_crank[1] * of_output[1])
+        return condition_of_rods(fabs, (a3, a2, a4, a1), of_output[0], of_crank,
+                                 coordinates[BETA][0])
+
+    @property
+    def description(self) -> str:
+        """Return a short text: type, input."""
+        return f'{self.classification}, driven at its joint {self.input}'
+
+    @property
+    def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
+        """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
+        return 'T_{12}' if self.input == parts.JOINT_A else 'T_{23}'
+
+    def driven_otherwise(self) -> tuple[FourBar, ...]:
+        """Return the same links driven at the crank, which goes on at toggles of this drive."""
+        a1, a2, a3, a4 = self.lengths
+        return tuple(FourBar(a1, a2, a3, a4, mode, self.bodies, self.gravity, self.external)
+                     for mode in FourBar.MODES)
+
+
+Motion, Loads = kind.results(FourBar, 'Motion', 'Loads')
+kind.results(MovingJointFourBar, 'MovingJointMotion', 'Loads')

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import point_of
-from fourbar_ros.mechanisms.kinds import LOADS
+from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
 from fourbar_ros.numerics.number_types import Scalar

@@ -13,16 +13,14 @@ of the output, relative errors of the lengths -> its error [rad or m], is exact:
           (a1 |a1 - a4 cos theta1| + a4 |a4 - a1 cos theta1| + offset^2) / (a1 a4 |sin theta1|)
     (C4)  yoke: a1 |cos theta1|; of a driven slide 1 / |tan theta1|
 
-Reactions of an inverted one whose slide is driven come from the ground: in the frame of the bar,
-joint forces that grow as one over the sine of the toggle would cancel in the guide force. Block
-and bar are one rod r2 e2 from O4 to A. It and the crank need the moments m2 about O4 and m1 about
-O1, and the force F of the block on the crank follows as of RRR. Along and across the bar, with the
-slide s, the offset h, the force f that the block needs, and the moment m of block and bar each
-about its own joint, so that m2 = m + s f_across - h f_along,
+The guide force of an inverted one whose slide is driven comes from moments: in the sum of forces,
+those that grow as one over the sine of the toggle would cancel, next to it to 137 eps times the
+condition and more. With the force F of the block on the crank, the slide s and the offset h, the
+force f that the block needs, along and across the bar, and the moment m that block and bar need,
+each about its own joint,
 
-    (I1)  p = r2 F.e2 = ((m1 + m2/2) r2^2 + m2/2 (a1^2 - a4^2)) / (a1 a4 sin theta1)
-          r2^2 F = (s p + h m2, h p - s m2),   r2^2 = s^2 + h^2
-    (I2)  guide force = (h (h f_across + s f_along + p) - s m) / r2^2
+    (I1)  p = F . (A - O4)
+    (I2)  guide force = (h (h f_across + s f_along + p) - s m) / (s^2 + h^2)
 """
 from __future__ import annotations
 
@@ -33,47 +31,35 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanisms.closed_forms import (
-    bar_ranges,
-    reach,
-    rod_ranges,
-    singular_angles_of_bar,
-    singular_angles_of_rod,
-    singular_slides,
-    slide_ranges,
-)
+from fourbar_ros.mechanisms import closed_forms, kind, parts
 from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.mechanisms.kind import DrivenMachine, FORCES, FORWARD, Kind, LINKS, results
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.evaluation import Constants
+from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
+from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
-from fourbar_ros.mechanisms.parts import (
-    BETA,
-    CRANK,
-    GROUND,
-    NamedFields,
-    OPEN,
-    Output,
-    reaction,
-    SLIDE,
-    SLOT,
-    THETA1,
-    THETA2,
-    THETA3,
-    THETA4,
-    TRAVEL,
-)
+from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import exact_sum, LEAST, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import (
+    exact_sum,
+    Function,
+    LEAST,
+    NumberType,
+    power_of_two,
+    Scalar,
+)
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
 
 AT_O = (0.0, 0.0)      # as a place
+GUIDE = parts.Length('offset', 'y of the guide', signed=True)
+OF_DRIVEN_SLIDER = {'guide_force': 'base_normal', 'guide_couple': 'base_couple'}
+OF_CRANK, OF_SLIDE = parts.Output(THETA1, 'crank_ratio'), parts.Output(TRAVEL, 'slide_ratio')
 STRAIGHT = (1.0, 0.0)  # cosine and sine of half an angle of zero
 
 
 def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
-    """Return the numbers of RRR: rods from a driven slider at this height, from the frame [m]."""
+    """Return the lengths of RRR: rods from a driven slider at this height, from the frame [m]."""
     return DyadLengths(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
 
 
@@ -146,7 +132,7 @@ class SliderCrank(OffsetSlide):
     a1: float
     a2: float
     offset: float = 0.0
-    mode: int = OPEN
+    mode: int = parts.OPEN
     input: str = CRANK
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
@@ -154,47 +140,50 @@ class SliderCrank(OffsetSlide):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'slider-crank'
-    TEXT, LENGTHS, LINKS, JOINTS = FACTS['slider_crank'][:4]
-    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    REACTIONS = (reaction('O1', 'ground on crank', 'f41'),
-                 reaction('A', 'coupler on crank', 'f21'),
-                 reaction('B', 'slider on coupler', 'f32'),
-                 reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
-    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'slider to coupler',
+    TEXT = 'a slider on a guide parallel to x'
+    LENGTHS = (kind.CRANK_LENGTH, kind.COUPLER_LENGTH, GUIDE)
+    LINKS = (kind.CRANK_LINK, parts.Link('coupler', 'coupler', 'A', 'a2'),
+             parts.Link('output', 'slider', 'B', turns=False))
+    JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'rod'),
+              parts.Joint('B', parts.THETA3, 'pin'), parts.Joint('guide', TRAVEL, 'slider'))
+    OUTPUTS = {CRANK: (OF_SLIDE,), SLIDE: (OF_CRANK,)}
+    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
+                 parts.reaction('A', 'coupler on crank', 'f21'),
+                 parts.reaction('B', 'slider on coupler', 'f32'),
+                 parts.reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
+    PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', parts.THETA3: 'slider to coupler',
              TRAVEL: 'slider', BETA: 'coupler'}
     CLASSES = {(1, -1): 'Grashof crank-slider', (-1, 1): 'Grashof rocker-slider',
                (-1, -1): 'non-Grashof rocker-slider'}
     DRAWN = (THETA1, BETA, TRAVEL)
     RATIOS = {'crank_ratio': THETA1, 'coupler_ratio': BETA, 'slide_ratio': TRAVEL}
-    DIRECTIONS = {'x': THETA1, 'b': BETA, '2': THETA2}
+    DIRECTIONS = {'x': THETA1, 'b': BETA}
     OUTPUT = ''
     DRIVES = {
         CRANK: DrivenMachine(
-            (GROUND, 'crank', 'coupler', 'output'), 'RRP',
-            lambda lengths: rod_on_line(*lengths), rod_ranges, singular_angles_of_rod,
-            {**FORWARD, 'guide_force': ('second_normal', 1.0),
-             'guide_couple': ('second_couple', 1.0)},
-            ('cos_b', 1.0), lambda f, a, d, _: (                                        # (C2)
-                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (f(d[BETA][0]) + LEAST),
-            slides=(TRAVEL,)),
+            one_dyad(CRANK, parts.GROUND, 'crank', 'RRP', ('coupler', 'output')),
+            rod_on_line, closed_forms.rod_ranges, closed_forms.singular_angles_of_rod,
+            {**kind.FORWARD, 'guide_force': 'dyad_second_normal',
+             'guide_couple': 'dyad_second_couple'}, slides=(TRAVEL,)),
         SLIDE: DrivenMachine(
-            (GROUND, 'output', 'coupler', 'crank'), 'RRR',
-            lambda lengths: rods_of_slide(lengths[2], lengths[1], lengths[0]),
-            slide_ranges, singular_slides,
-            {'f41': ('second', 1.0), 'f21': ('inner', -1.0), 'f32': ('first', 1.0),
-             'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
-             'guide_couple': ('base_couple', 1.0)},
-            ('sin_2', 1.0), lambda f, a, d, _: (                                        # (C2)
-                a[0] * f(d[THETA2][0]) + a[1] + f(a[2] * d[BETA][1])) / (
-                a[0] * f(d[THETA2][1]) + LEAST),
-            lambda f, a, d: (f(d[THETA2][1]), d[THETA2][0]),
-            reversed=('coupler',), start=lambda lengths: (0.0, lengths[2]))}
+            one_dyad(SLIDE, parts.GROUND, 'output', 'RRR', ('coupler', 'crank')),
+            lambda a1, a2, offset: rods_of_slide(offset, a2, a1),
+            closed_forms.slide_ranges, closed_forms.singular_slides,
+            {'f41': 'dyad_second', 'f21': '-dyad_inner', 'f32': 'dyad_first', 'f43': 'base',
+             **OF_DRIVEN_SLIDER}, reversed={'coupler': 'a2'}, transmission=THETA2)}
+
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        """Return the error of the output, (C2)."""
+        (a1, a2, offset), of_coupler, turn = lengths, coordinates[BETA], coordinates[THETA2]
+        condition: Scalar = (a1 * fabs(turn[0]) + a2 + fabs(offset * of_coupler[1])) / (
+            (fabs(of_coupler[0]) if self.input == CRANK else a1 * fabs(turn[1])) + LEAST)
+        return condition
 
     def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
         """Yield up to two poses where the slider of a driven crank turns back."""
         unit = power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
-        folded, stretched = reach(a1, a2, e)
+        folded, stretched = closed_forms.reach(a1, a2, e)
         for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
             if square > 0.0 and self.input == CRANK:
                 x = side * sqrt(square) if is_stretched else -side * sqrt(square)       # of A
@@ -207,33 +196,6 @@ class InvertedDeadPoint(NamedTuple):
 
     theta1: float     # [rad]
     theta4: float     # [rad]
-
-
-class DrivenCylinder(DrivenMachine):
-    """The inverted slider-crank that is driven at its slide; its reactions by (I1) and (I2)."""
-
-    def forces(self, n: NumberType, numbers: DyadLengths, lengths: Mapping[str, Scalar],
-               links: Mapping[str, LinkMotion], needs: Mapping[str, Needs], sine: Scalar,
-               slides: Sequence[Scalar], drive: Scalar) -> dict[str, Scalar]:
-        """Return {field: reaction} at all joints."""
-        # of linkages with masses alone
-        from fourbar_ros.numerics.vectors import Vector
-        (f1, m1), (f, m_block), (f_bar, m_bar) = [needs[link] for link in LINKS]
-        a1, a4, (s,), h = lengths['crank'], lengths[GROUND], slides, numbers.shape[1]
-        crank, bar = links['crank'], Vector(links['output'].cosine, links['output'].sine)
-        f_along, f_across, m, square = f.dot(bar), bar.cross(f), m_bar + m_block, s * s + h * h
-        m2 = m + s * f_across - h * f_along
-        half = 0.5 * m2
-        p = (m1 + half) * square + half * ((a1 - a4) * (a1 + a4))                          # (I1)
-        p = p / (a1 * a4 * crank.sine)
-        on_crank = (bar * (s * p + h * m2) + bar.normal * (h * p - s * m2)) / square
-        guide = (h * (h * f_across + s * f_along + p) - s * m) / square                    # (I2)
-        on_block = bar * drive + bar.normal * guide
-        forces = dict(zip(FORCES, (f1 - on_crank, on_crank, on_block, f_bar + on_block)))
-        found = {'guide_force': guide, 'guide_couple': m_block}
-        for name, force in forces.items():
-            found |= {f'{name}_x': force.x, f'{name}_y': force.y, name: n.hypot(force.x, force.y)}
-        return {name: found[name] for name in self.fields_of_loads()}
 
 
 @dataclass(frozen=True)
@@ -276,7 +238,7 @@ class InvertedSlider(OffsetSlide):
     a1: float
     a4: float
     offset: float = 0.0
-    mode: int = OPEN
+    mode: int = parts.OPEN
     input: str = CRANK
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
@@ -284,42 +246,60 @@ class InvertedSlider(OffsetSlide):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'inverted slider-crank'
-    TEXT, LENGTHS, LINKS, JOINTS = FACTS['inverted_slider'][:4]
-    OUTPUTS = {CRANK: (Output(THETA4, 'output_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
-                 reaction('slide', 'bar on block', 'f32', 'guide_couple'),
-                 reaction('O4', 'ground on bar', 'f43'))
+    TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
+    LENGTHS = (kind.CRANK_LENGTH, kind.GROUND_LENGTH, parts.Length(
+        'offset', 'distance of the path of A on the bar from O4, positive to the left of the bar',
+        signed=True))
+    LINKS = (kind.CRANK_LINK, parts.Link('coupler', 'block', 'A'),
+             parts.Link('output', 'bar', 'O4'))
+    JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'block'),
+              parts.Joint('slide', TRAVEL, 'slide'), parts.Joint('O4', THETA4, 'bar'))
+    OUTPUTS = {CRANK: (parts.Output(THETA4, 'output_ratio'),), SLIDE: (OF_CRANK,)}
+    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
+                 parts.reaction('A', 'block on crank', 'f21'),
+                 parts.reaction('slide', 'bar on block', 'f32', 'guide_couple'),
+                 parts.reaction('O4', 'ground on bar', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
     CLASSES = {(1, -1): 'Grashof crank-rocker', (-1, 1): 'Grashof double-crank',
                (-1, -1): 'non-Grashof double-rocker'}
     DRAWN = (THETA1, THETA4, TRAVEL)
     RATIOS = {'crank_ratio': THETA1, 'output_ratio': THETA4, 'slide_ratio': TRAVEL}
-    DIRECTIONS = {'x': THETA1, 'y': THETA4, '2': THETA2}
+    DIRECTIONS = {'x': THETA1, 'y': THETA4}
     COUPLER = 'y'
     DRIVES = {
         CRANK: DrivenMachine(
-            (GROUND, 'crank', 'coupler', 'output'), 'RPR',
-            lambda lengths: bar_through_block(*lengths), bar_ranges, singular_angles_of_bar,
-            {**FORWARD, 'guide_force': ('inner_normal', 1.0),
-             'guide_couple': ('inner_couple', 1.0)},
-            ('', 1.0), lambda f, a, d, s: (                                             # (C3)
-                a[0] * f(d[THETA2][1]) + a[1] * f(d[THETA4][1]) + f(a[2])) / (
-                f(s[TRAVEL][0]) + LEAST),
-            slides=(TRAVEL,)),
-        SLIDE: DrivenCylinder(
-            ('output', 'coupler', 'crank', GROUND), 'RRR',
-            lambda lengths: rods_of_slide(lengths[2], lengths[0], lengths[1]),
-            slide_ranges, singular_slides,
-            {'f41': ('inner', 1.0), 'f21': ('first', 1.0), 'f32': ('base', 1.0),
-             'f43': ('second', -1.0), 'guide_force': ('base_normal', 1.0),
-             'guide_couple': ('base_couple', 1.0)},
-            ('sin_x', -1.0), lambda f, a, d, _: (                                       # (C3)
-                a[0] * f(a[0] - a[1] * d[THETA1][0]) + a[1] * f(a[1] - a[0] * d[THETA1][0])
-                + a[2] * a[2]) / (a[0] * a[1] * f(d[THETA1][1]) + LEAST),
-            lambda f, a, d: (a[1] * f(d[THETA1][1]), a[0] - a[1] * d[THETA1][0]),
-            slides=(TRAVEL,), reversed=('crank', GROUND),
-            start=lambda lengths: (0.0, lengths[2]), sign=-1.0)}
+            one_dyad(CRANK, parts.GROUND, 'crank', 'RPR', ('coupler', 'output')),
+            bar_through_block, closed_forms.bar_ranges, closed_forms.singular_angles_of_bar,
+            {**kind.FORWARD, 'guide_force': 'dyad_inner_normal',
+             'guide_couple': 'dyad_inner_couple'}, slides=(TRAVEL,)),
+        SLIDE: DrivenMachine(
+            one_dyad(SLIDE, 'output', 'coupler', 'RRR', ('crank', parts.GROUND)),
+            lambda a1, a4, offset: rods_of_slide(offset, a1, a4),
+            closed_forms.slide_ranges, closed_forms.singular_slides,
+            {'f41': 'dyad_inner', 'f21': 'dyad_first', 'f32': 'base', 'f43': '-dyad_second',
+             **OF_DRIVEN_SLIDER}, reversed={'crank': 'a1', parts.GROUND: 'a4'}, sign=-1.0)}
+
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        """Return the error of the output, (C3)."""
+        (a1, a4, offset), (cosine, sine, *_) = lengths, coordinates[THETA1]
+        if self.input == CRANK:
+            error = (a1 * fabs(coordinates[THETA2][1]) + a4 * fabs(coordinates[THETA4][1])
+                     + fabs(offset))
+            size = fabs(coordinates[TRAVEL][0])
+        else:
+            error = a1 * fabs(a1 - a4 * cosine) + a4 * fabs(a4 - a1 * cosine) + offset * offset
+            size = a1 * a4 * fabs(sine)
+        condition: Scalar = error / (size + LEAST)
+        return condition
+
+    def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: DyadMotion
+                     ) -> Sequence[Scalar]:
+        """Return that of the dyad, of a driven slide that at A from O1 to O4, times a length."""
+        if self.input == CRANK:
+            return super().transmission(lengths, coordinates, moved)
+        (a1, a4, _), (cosine, sine, *_) = lengths, coordinates[THETA1]
+        return a1 - a4 * cosine, a4 * sine
 
     def stalls(self, side: float) -> Iterator[InvertedDeadPoint]:
         """Yield up to two poses where the bar of a driven crank turns back."""
@@ -330,6 +310,25 @@ class InvertedSlider(OffsetSlide):
             if run > 0.0 and self.input == CRANK:
                 cosine, sine = -side * sqrt(run), rise
                 yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
+
+    def corrected(self, n: NumberType, constants: Constants, m: parts.NamedFields,
+                  needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
+                  ) -> Mapping[str, Scalar]:
+        """Return the force between bar and block of a driven slide, from moments."""
+        # of linkages with masses alone
+        from fourbar_ros.numerics.vectors import Vector
+        if self.input == CRANK:
+            return {}
+        (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)
+        per_unit = 1.0 / n.power_of_two(*constants.lengths)
+        s, h = m.slide * per_unit, constants.lengths[2] * per_unit
+        on_crank = Vector(loads['dyad_first_x'], loads['dyad_first_y'])
+        p = on_crank.dot(bar * s + bar.normal * h)                                         # (I1)
+        guide = (h * (h * bar.cross(f) + s * f.dot(bar) + p)
+                 - s * (m_block + m_bar)) / (s * s + h * h)                                # (I2)
+        force = bar * loads['driving_force'] + bar.normal * guide
+        return {'base_x': force.x, 'base_y': force.y, 'base': n.hypot(force.x, force.y),
+                'base_normal': guide}
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
@@ -346,14 +345,6 @@ class InvertedSlider(OffsetSlide):
         return (along, d_along + turn * across,
                 link.a_x * cosine + link.a_y * sine + 2.0 * turn * d_across + link.alpha * across
                 - turn * turn * along)
-
-    def transmission_sine(self, motion: NamedFields) -> Scalar:
-        """Return slide / |A O4|, or of a driven slide a4 sin(theta1) / |A O4|: zero at toggles."""
-        size = max(map(abs, self.lengths))
-        slide, aside = motion.slide / size, self.offset / size
-        opposite = slide if self.input == CRANK else self.a4 / size * motion.sin_x
-        sine: Scalar = opposite / (slide * slide + aside * aside)**0.5
-        return sine
 
 
 class YokeDeadPoint(NamedTuple):
@@ -395,7 +386,7 @@ class ScotchYoke(Kind):
 
     a1: float
     offset: float = 0.0
-    mode: int = OPEN
+    mode: int = parts.OPEN
     input: str = CRANK
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
@@ -403,38 +394,39 @@ class ScotchYoke(Kind):
     stroke: tuple[float, float] | None = None
 
     TITLE = 'Scotch yoke'
-    TEXT, LENGTHS, LINKS, JOINTS = FACTS['scotch_yoke'][:4]
+    TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
+    LENGTHS = (kind.CRANK_LENGTH, GUIDE)
+    LINKS = (kind.CRANK_LINK, parts.Link('coupler', 'block', 'A', turns=False),
+             parts.Link('output', 'yoke', 'B', turns=False))
+    JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'block'),
+              parts.Joint('slot', parts.SLOT, 'slot'), parts.Joint('guide', TRAVEL, 'yoke'))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    OUTPUTS = {CRANK: (Output(TRAVEL, 'slide_ratio'),), SLIDE: (Output(THETA1, 'crank_ratio'),)}
-    REACTIONS = (reaction('O1', 'ground on crank', 'f41'), reaction('A', 'block on crank', 'f21'),
-                 reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
-                 reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
+    OUTPUTS = {CRANK: (OF_SLIDE,), SLIDE: (OF_CRANK,)}
+    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
+                 parts.reaction('A', 'block on crank', 'f21'),
+                 parts.reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
+                 parts.reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', TRAVEL: 'yoke',
-             SLOT: 'block in the slot'}
-    DRAWN = (THETA1, TRAVEL, SLOT)
+             parts.SLOT: 'block in the slot'}
+    DRAWN = (THETA1, TRAVEL, parts.SLOT)
     RATIOS = {'crank_ratio': THETA1, 'slide_ratio': TRAVEL}
     DIRECTIONS = {'x': THETA1}
     COUPLER = OUTPUT = ''
     DRIVES = {
         CRANK: DrivenMachine(
-            (GROUND, 'crank', 'coupler', 'output'), 'RPP',
-            lambda lengths: DyadLengths((lengths[0], 0.0), (0.0, lengths[1]),
-                                        (1.0, 0.0, 0.0, 1.0)),
+            one_dyad(CRANK, parts.GROUND, 'crank', 'RPP', ('coupler', 'output')),
+            lambda a1, offset: DyadLengths((a1, 0.0), (0.0, offset), (1.0, 0.0, 0.0, 1.0)),
             lambda *_: ((-pi, pi),), lambda *_: [],
-            {**FORWARD, 'guide_force': ('second_normal', 1.0),
-             'guide_couple': ('second_couple', 1.0), 'slot_couple': ('inner_couple', 1.0)},
-            ('', 1.0), lambda f, a, d, _: a[0] * f(d[THETA1][0]),                      # (C4)
-            slides=(SLOT, TRAVEL)),
+            {**kind.FORWARD, 'guide_force': 'dyad_second_normal',
+             'guide_couple': 'dyad_second_couple',
+             'slot_couple': 'dyad_inner_couple'}, slides=(parts.SLOT, TRAVEL)),
         SLIDE: DrivenMachine(
-            (GROUND, 'output', 'crank', 'coupler'), 'RRP',
-            lambda lengths: DyadLengths(AT_O, AT_O, (lengths[0], 0.0, 1.0)),
+            one_dyad(SLIDE, parts.GROUND, 'output', 'RRP', ('crank', 'coupler'), first=0),
+            lambda a1, _: DyadLengths(AT_O, AT_O, (a1, 0.0, 1.0)),
             lambda a1, _: ((-a1, a1),), lambda a1, _: [complex(-a1), complex(a1)],
-            {'f41': ('first', 1.0), 'f21': ('inner', 1.0), 'f32': ('second', 1.0),
-             'f43': ('base', 1.0), 'guide_force': ('base_normal', 1.0),
-             'guide_couple': ('base_couple', 1.0), 'slot_couple': ('second_couple', 1.0)},
-            ('sin_x', 1.0), lambda f, a, d, _: f(d[THETA1][0] / d[THETA1][1]),           # (C4)
-            lambda f, a, d: (f(d[THETA1][1]), d[THETA1][0]), slides=(SLOT,), first=0,
-            start=lambda lengths: (0.0, lengths[1]))}
+            {'f41': 'dyad_first', 'f21': 'dyad_inner', 'f32': 'dyad_second', 'f43': 'base',
+             **OF_DRIVEN_SLIDER, 'slot_couple': 'dyad_second_couple'},
+            slides=(parts.SLOT,), transmission=THETA1)}
     MARGIN_SIGNS, CLASSES = ((1, 0),), {(1,): 'harmonic motion'}
 
     def __post_init__(self) -> None:
@@ -446,12 +438,19 @@ class ScotchYoke(Kind):
         """Return the assembly modes: two for a driven slide, one for a driven crank."""
         return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
 
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        """Return the error of the output, (C4)."""
+        cosine, sine, *_ = coordinates[THETA1]
+        condition: Scalar = (lengths[0] * fabs(cosine) if self.input == CRANK
+                             else fabs(cosine / sine))
+        return condition
+
     def stalls(self, side: float) -> tuple[YokeDeadPoint, ...]:
         """Return where the yoke of a driven crank turns back."""
         return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
                 else ())
 
 
-results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')
-results(InvertedSlider, 'InvertedSliderMotion', 'SliderLoads')
-results(ScotchYoke, 'ScotchYokeMotion', 'ScotchYokeLoads')
+kind.results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')
+kind.results(InvertedSlider, 'InvertedSliderMotion', 'SliderLoads')
+kind.results(ScotchYoke, 'ScotchYokeMotion', 'ScotchYokeLoads')

@@ -9,7 +9,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
-from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, FACTS, kind_of
+from fourbar_ros.mechanisms.kinds import inputs_of, kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Link, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
@@ -62,7 +62,7 @@ def linkage_of(values: ParameterValues) -> Mechanism:
 def _check_lengths(values: ParameterValues) -> None:
     """Refuse a scene without a length of its kind of mechanism, or with a length of another."""
     name = values['linkage.kind']
-    lengths = [] if name == MACHINE else [length.name for length in FACTS[name].lengths]
+    lengths = [] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS]
     for length in LENGTHS:
         parameter = PARAMETERS[f'linkage.{length}']
         value = values[parameter.name]
@@ -84,9 +84,9 @@ def _of_kind(values: ParameterValues) -> Mechanism:
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
-        inputs = [*kind.INPUTS, *AT_MOVING_JOINTS.get(name, ())]
-        raise InvalidParameter('linkage.input', values['linkage.input'],
-                               f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
+        raise InvalidParameter(
+            'linkage.input', values['linkage.input'],
+            f'linkage.kind {name} is driven at its {" or ".join(inputs_of(name))}')
     if values['linkage.range']:
         if arguments.get('input') != SLIDE:
             raise InvalidParameter('linkage.range', values['linkage.range'],

@@ -10,11 +10,11 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.kinds import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.machine.describe.description import ANGLES, by_link, Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
+from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, point_in

@@ -13,7 +13,7 @@ from math import nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import LinkFields, PointMotion
-from fourbar_ros.mechanisms.kinds import LOADS
+from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
 from fourbar_ros.numerics.arrays import Array

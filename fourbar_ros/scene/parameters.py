@@ -12,7 +12,7 @@ from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.settings import (
     FAMILIES,
@@ -156,8 +156,8 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
         mentioned['dyads'] = _names(values.get('linkage.dyads'))
         links = _links_of_machine(values)
     else:
-        kind = FACTS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
-        links = [link.name for link in kind.links] if kind else []
+        kind = KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
+        links = [link.name for link in kind.LINKS] if kind else []
     mentioned.update(dict.fromkeys(OF_LINKS, links))
     return [(family, name) for family, names in mentioned.items()
             for name in dict.fromkeys([*names, *names_in(family, values)]) if name != 'rods']

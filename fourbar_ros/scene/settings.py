@@ -21,8 +21,9 @@ from fourbar_ros.dynamics.sources import (
     MotorLine,
     SpeedController,
 )
-from fourbar_ros.mechanisms.kinds import AT_MOVING_JOINTS, DIMENSIONS, FACTS
-from fourbar_ros.mechanisms.parts import GROUND, Length
+from fourbar_ros.mechanisms.kinds import kind_of, KINDS
+from fourbar_ros.mechanisms.machine.structure import DIMENSIONS
+from fourbar_ros.mechanisms.parts import GROUND, JOINT_A, Length, SLIDE
 from fourbar_ros.numerics.arguments import FARTHEST, FASTEST
 from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.scene.topics import (
@@ -97,10 +98,10 @@ def _table(*parameters: Parameter) -> dict[str, Parameter]:
 def _length(name: str) -> Parameter:
     """Return the parameter of a length, whose text names the kinds that have it."""
     kinds: dict[Length, list[str]] = {}
-    for kind, facts in FACTS.items():
-        for length in facts.lengths:
+    for kind_name, kind in KINDS.items():
+        for length in kind.LENGTHS:
             if length.name == name:
-                kinds.setdefault(length, []).append(kind)
+                kinds.setdefault(length, []).append(kind_name)
     text = '; '.join(f'{length.text} ({", ".join(names)})' for length, names in kinds.items())
     is_signed = any(length.signed for length in kinds)
     return Parameter(f'linkage.{name}', 'double', 0.0 if is_signed else nan, 'm', text,
@@ -108,13 +109,13 @@ def _length(name: str) -> Parameter:
 
 
 # of all kinds together: names of the lengths
-LENGTHS = tuple(dict.fromkeys(length.name for kind in FACTS.values() for length in kind.lengths))
-_DRIVEN = tuple(dict.fromkeys(name for names in (*(kind.inputs for kind in FACTS.values()),
-                                                 *AT_MOVING_JOINTS.values()) for name in names))
-_KINDS_IN_WORDS = '; '.join(f'{kind.text} ({name})' for name, kind in FACTS.items())
-_JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.joints)} ({name})'
-                             for name, kind in FACTS.items())
-_WITH_SLIDES = ' or '.join(name for name, kind in FACTS.items() if len(kind.inputs) > 1)
+LENGTHS = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
+_DRIVEN = tuple(dict.fromkeys(driven for kind in (*KINDS.values(), kind_of('four_bar', JOINT_A))
+                              for driven in kind.INPUTS))
+_KINDS_IN_WORDS = '; '.join(f'{kind.TEXT} ({name})' for name, kind in KINDS.items())
+_JOINTS_IN_WORDS = '; '.join(f'{", ".join(joint.name for joint in kind.JOINTS)} ({name})'
+                             for name, kind in KINDS.items())
+_WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if SLIDE in kind.INPUTS)
 
 
 # --- motors --------------------------------------------------------------------------------------
@@ -294,7 +295,7 @@ def _point(name: str, text: str, link: Any, link_text: str, live: bool = True
 PARAMETERS = _table(
     Parameter('linkage.kind', 'string', 'four_bar', '',
               f'kind of linkage: {_KINDS_IN_WORDS}; a driven link and dyads ({MACHINE})',
-              choices=(*FACTS, MACHINE), live=False),
+              choices=(*KINDS, MACHINE), live=False),
     Parameter('linkage.input', 'string', 'crank', '',
               f'driven joint: the crank, or the slide of a {_WITH_SLIDES} or '
               f'{MACHINE}; of a {MACHINE} also a cylinder that turns the crank, of a four_bar '

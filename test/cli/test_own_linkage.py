@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.terminal import PlainConsole
 import numpy as np
 import pytest
@@ -56,9 +56,9 @@ def test_the_mode_that_is_printed_can_be_asked_for(capsys):
         assert 'one 2, two 2' in capsys.readouterr().out
 
 
-@pytest.mark.parametrize('kind', FACTS)
+@pytest.mark.parametrize('kind', KINDS)
 def test_every_kind_has_a_scene_that_has_loads_and_a_table(kind):
-    given = [word for length in FACTS[kind].lengths if not length.signed
+    given = [word for length in KINDS[kind].LENGTHS if not length.signed
              for word in (f'--{length.name}', {'a2': '90mm', 'a3': '80mm', 'a4': '70mm'}.get(
                  length.name, '30mm'))]
     assert main(['new', 'my', '--kind', kind, *given, '--bar', '20x5mm', '--speed=-300rpm']) == 0

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 from fourbar_ros import InvalidParameter
 from fourbar_ros.description.formats import describe
 from fourbar_ros.description.model import model_of, NoDescription, tree_of
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import sections, shipped
 from fourbar_ros.scene.scene import from_values, load
@@ -292,7 +292,7 @@ def test_no_number_loses_digits():
     """The lengths stand in the URDF as they stand in the scene."""
     text = describe(from_values({**PAPER, 'linkage.a1': 0.1 + 0.2}))
     assert '0.30000000000000004 0 0' in text
-    assert set(FACTS) == {case.name for case in CASES}
+    assert set(KINDS) == {case.name for case in CASES}
 
 
 # --- machines of dyads ---------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def test_every_field_of_every_message_has_its_unit_or_meaning():
 
 def test_every_module_and_message_field_is_named_as_in_the_core():
     from fourbar_ros.mechanisms.curves import PointMotion
-    from fourbar_ros.mechanisms.kinds import LOADS
+    from fourbar_ros.mechanisms.load_table import LOADS
     from fourbar_ros.scene.message_fields import STATE_FIELDS
 
     def fields(name):

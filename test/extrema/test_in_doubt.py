@@ -16,9 +16,9 @@ from fourbar_ros import (
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import _most_extreme
 from fourbar_ros.extrema.path_search import PathExtremum
+from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.moving_joint import MovingJointFourBar
 from fourbar_ros.mechanisms.quantities import Function, known_quantities
 from hypothesis import given
 from hypothesis import strategies as st

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from flint import acb, arb, arb_mat, ctx
 from fourbar_ros import Applied, Base
 from fourbar_ros.machine import Machine
-from fourbar_ros.mechanisms.kinds import FACTS, kind_of
+from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.numerics.number_types import direction
 import mpmath as mp
 import numpy as np
@@ -567,7 +567,7 @@ def reference_of(mechanism):
     """Return what a :class:`Cartesian` takes: a machine of dyads itself, a linkage as a Kind."""
     if isinstance(mechanism, (Kind, Machine)):
         return mechanism
-    name = next((name for name in FACTS if type(mechanism) is kind_of(name, 'crank')), 'four_bar')
+    name = next((name for name in KINDS if type(mechanism) is kind_of(name, 'crank')), 'four_bar')
     return Kind(name, mechanism.lengths, 2 * mechanism.mode - 3, mechanism.input,
                 mechanism.bodies, mechanism.external, mechanism.gravity,
                 mechanism.change_point_margin == 0.0)

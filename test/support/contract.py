@@ -23,7 +23,7 @@ from fourbar_ros import (
     round_rod,
     SliderCrank,
 )
-from fourbar_ros.mechanisms.kinds import FACTS, kind_of
+from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 import numpy as np
 import pytest
 from support import random_machines
@@ -59,7 +59,7 @@ def modes_of(kind, driven):
 
 
 CASES = [Case(name, kind, driven, mode) for name, kind in (
-    *[(name, kind_of(name, 'crank')) for name in FACTS], ('four_bar', MovingJointFourBar))
+    *[(name, kind_of(name, 'crank')) for name in KINDS], ('four_bar', MovingJointFourBar))
          for driven in kind.INPUTS for mode in modes_of(kind, driven)]
 
 

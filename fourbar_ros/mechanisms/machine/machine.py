@@ -20,7 +20,7 @@ from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
-from fourbar_ros.mechanisms.kinds import all_loads, DIMENSIONS
+from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -45,7 +45,13 @@ from fourbar_ros.mechanisms.machine.ranges import (
 )
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
+from fourbar_ros.mechanisms.machine.structure import (
+    CYLINDER,
+    DIMENSIONS,
+    DyadLengths,
+    Layout,
+    OF_ONE_MODE,
+)
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, CROSSED, GROUND, NamedFields, OPEN, SLIDE
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar

@@ -9,13 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.kinds import DERIVED
-from fourbar_ros.mechanisms.parts import Coordinate, GROUND
+from fourbar_ros.mechanisms.load_table import DERIVED
+from fourbar_ros.mechanisms.parts import Coordinate, GROUND, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
 
 CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
+# {kind of dyad: names of its dimensions, in order}: lengths and offsets [m], angles [rad]
+DIMENSIONS = {
+    'RRR': ('length_1', 'length_2'),
+    'RRP': ('length_1', 'direction_2'),
+    'RPR': ('offset',),
+    'RPP': ('direction_2', 'slot'),
+    'PRP': ('direction_1', 'direction_2'),
+}
 # Kinds that have one assembly mode.
 OF_ONE_MODE = ('RPP', 'PRP')
 
@@ -27,7 +35,7 @@ class DyadLengths(NamedTuple):
     q: tuple[Scalar, Scalar]            # ... of ``second``
     sizes: tuple[Scalar, ...]           # its dimensions
     reach: tuple[Scalar, ...] = ()      # sizes of p and q
-    shape: tuple[Scalar, ...] = ()      # of links joined to each other, see :func:`.joined.shaped`
+    shape: tuple[Any, ...] = ()         # of links joined to each other, see :func:`.joined.shaped`
 
 
 JOINTS = ('first', 'inner', 'second')
@@ -129,7 +137,7 @@ class Layout(NamedTuple):
 
     def joints(self) -> list[tuple[str, bool]]:
         """Return (name, whether it slides) of all joints, the one of the driven link first."""
-        return [(BASE, self.driven == SLIDER_LINK)] + [
+        return [(BASE, self.driver == SLIDE)] + [
             (name, joint in SLIDES[stage.kind]) for stage in self.stages
             for joint, name in stage.joints()]
 

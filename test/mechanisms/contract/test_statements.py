@@ -4,7 +4,7 @@
 
 
 from fourbar_ros import OutOfRange
-from fourbar_ros.mechanisms.kinds import FACTS
+from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.quantities import known_quantities
 import numpy as np
 from support import contract
@@ -13,7 +13,7 @@ from support.contract import CASES, every_case, every_mechanism
 
 
 def test_every_kind_has_a_case():
-    assert {case.name for case in CASES} == set(FACTS)
+    assert {case.name for case in CASES} == set(KINDS)
 
 
 @every_mechanism

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
     CYLINDER,
+    DIMENSIONS,
     DyadLengths,
     OF_ONE_MODE,
 )

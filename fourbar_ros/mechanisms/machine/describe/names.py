@@ -12,13 +12,13 @@ from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
-from fourbar_ros.mechanisms.kinds import DIMENSIONS
 from fourbar_ros.mechanisms.machine.describe.description import ANGLES, Dyad
 from fourbar_ros.mechanisms.machine.structure import (
     BASE,
     coordinate,
     CRANK_LINK,
     CYLINDER,
+    DIMENSIONS,
     Layout,
     load_fields,
     motion_fields,

@@ -20,24 +20,11 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
-from fourbar_ros.mechanisms.machine.solve.dyads import (
-    between,
-    Direction,
-    Driven,
-    DyadMotion,
-    Ends,
-    ORIGIN,
-)
-from fourbar_ros.mechanisms.machine.solve.pairs import (
-    FIRST_JOINT,
-    KnownJoints,
-    moving_link,
-    OnLink,
-    Slide,
-    slides_of,
-)
+from fourbar_ros.mechanisms.machine.solve import dyads, pairs
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, Ends
+from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, moving_link, OnLink
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
-from fourbar_ros.numerics.number_types import Scalar
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 
 class Hanging(NamedTuple):
@@ -51,12 +38,12 @@ class Hanging(NamedTuple):
     # start and direction of the slide in the frame
     joint: tuple[OnLink, OnLink]
     is_joined_by_slide: bool
-    slides: list[tuple[int, Slide]]      # of its own links: (link that slides, its slide)
+    slides: list[tuple[int, pairs.Slide]]      # of its own links: (link that slides, its slide)
 
 
 def hangings(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> list[Hanging]:
     """Return how the dyads hang, in their order."""
-    joints, hanging = KnownJoints(layout.driver), []
+    joints, hanging = pairs.KnownJoints(layout.driver), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         both = stage.first, stage.second
         links = next((link for link in (both, both[::-1]) if link in joints.slides), None)
@@ -65,7 +52,7 @@ def hangings(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> list[Hangin
             joint = joints.pin(moving_link(stage), stage.pair.frame)
         frame = stage.pair.frame if stage.pair else links[1] if links else 0
         hanging.append(Hanging(stage, lengths.p, lengths.q, frame, joint, links is not None,
-                               slides_of(stage, lengths)))
+                               pairs.slides_of(stage, lengths)))
         joints.add(stage, lengths)
     return hanging
 
@@ -97,7 +84,7 @@ def seen_from(curves: Sequence[LinkMotion], ground: int, still: Sequence[int]) -
     ``still`` do not turn, exactly.
     """
     link = curves[ground]
-    back = composed(LinkMotion(*ORIGIN, link.cosine, -link.sine, -link.omega, -link.alpha),
+    back = composed(LinkMotion(*dyads.ORIGIN, link.cosine, -link.sine, -link.omega, -link.alpha),
                     link._replace(cosine=1.0, sine=0.0, omega=0.0, alpha=0.0))
     frame = LinkMotion(-back.x, -back.y, -back.v_x, -back.v_y, -back.a_x, -back.a_y,
                        back.cosine, back.sine, back.omega, back.alpha)
@@ -110,15 +97,15 @@ def seen_from(curves: Sequence[LinkMotion], ground: int, still: Sequence[int]) -
 
 class Poses:
     """
-    What is known so far of one pose: the curves of links as the ground sees them.
+    What is known so far of one pose: the curves of links as the frame sees them, and the dyads.
 
-    Links have indices: 0 the ground, 1 the driven link, then those of the dyads in their order.
+    Links have indices: 0 the frame, 1 the driven link, then those of the dyads in their order.
     """
 
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
         """Start with the driven link (see :class:`.Driven`)."""
         self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half
-        self._curves = [FIXED, driven.curve]
+        self.curves, self.dyads = [FIXED, driven.curve], list[DyadMotion]()
         # {(link, link it is pinned to): direction of the first seen from the second}
         self._relations: dict[tuple[int, int], Direction] = {}
         # {(link that slides, its carrier): slide, first and second derivative}
@@ -129,7 +116,7 @@ class Poses:
         """Return the ends of a dyad and the links that carry them, in its frame."""
         hanging = self._hanging[index]
         stage, frame = hanging.stage, hanging.frame
-        first, second, relative = self._curves[stage.first], self._curves[stage.second], None
+        first, second, relative = self.curves[stage.first], self.curves[stage.second], None
         if frame or stage.pair:
             moving, relative = self._in_frame(hanging)
             first, second = (moving, FIXED) if stage.second == frame else (FIXED, moving)
@@ -142,7 +129,7 @@ class Poses:
             return Ends(p, q, None, relative, half, first, second)
         if stage.name == CYLINDER:
             return Ends(p, q, None, self._of_cylinder, None, first, second)
-        return Ends(p, q, between(p, q), None, None, first, second)
+        return Ends(p, q, dyads.between(p, q), None, None, first, second)
 
     def _in_frame(self, hanging: Hanging) -> tuple[LinkMotion, Any]:
         """Return the curve of the moving carrier in the frame, and its angle or slide there."""
@@ -151,7 +138,7 @@ class Poses:
         relative = (self._slides[moving, frame] if hanging.is_joined_by_slide
                     else self.relation(moving, frame))
         if not frame:
-            return self._curves[moving], relative
+            return self.curves[moving], relative
         if hanging.is_joined_by_slide:
             (x, y), (c, s) = hanging.joint
             slide, rate, change = relative
@@ -169,12 +156,12 @@ class Poses:
         if (link, seen_from) in known:
             return known[link, seen_from]
         if seen_from == ground:
-            return self._curves[link].turning
+            return self.curves[link].turning
         if (seen_from, link) in known or link == ground:
-            c, s, turn, bend = known.get((seen_from, link), self._curves[seen_from].turning)
+            c, s, turn, bend = known.get((seen_from, link), self.curves[seen_from].turning)
             return c, -s, -turn, -bend
-        c0, s0, turn0, bend0 = self._curves[seen_from].turning
-        c, s, turn, bend = self._curves[link].turning
+        c0, s0, turn0, bend0 = self.curves[seen_from].turning
+        c, s, turn, bend = self.curves[link].turning
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def add(self, index: int, moved: DyadMotion) -> tuple[LinkMotion, LinkMotion]:
@@ -182,10 +169,24 @@ class Poses:
         frame, slides = self._hanging[index].frame, self._hanging[index].slides
         curves = moved.first, moved.second
         if frame:
-            curves = (composed(self._curves[frame], moved.first),
-                      composed(self._curves[frame], moved.second))
-        self._curves += curves
+            curves = (composed(self.curves[frame], moved.first),
+                      composed(self.curves[frame], moved.second))
+        self.curves += curves
+        self.dyads.append(moved)
         self._relations.update(moved.relations)
         for k, (link, (carrier, _, _)) in enumerate(slides):
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
         return curves
+
+
+def pose_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+            signs: Sequence[Scalar], driven: Driven) -> Poses:
+    """
+    Return the pose of a machine from its driven link, dyad by dyad.
+
+    ``dyad_lengths``: of each dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
+    """
+    pose = Poses(hangings(layout, dyad_lengths), driven)
+    for i, moves in enumerate(pairs.make_moves(n, layout, dyad_lengths, signs)):
+        pose.add(i, moves(pose.hang(i)))
+    return pose

@@ -51,48 +51,63 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.machine.structure import (
-    COEFFICIENTS,
-    CYLINDER,
-    DyadLengths,
-    JOINTS,
-    Layout,
-    SLIDES,
-    Stage,
-    travel,
-)
-from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
+from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
 AXIS = Vector(1.0, 0.0)
+NONE_REVERSED: Mapping[str, Scalar] = {}
 
 
 def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
              bodies: Iterable[Body], gravity: Gravity, external: NamedTuple,
              motion: NamedFields) -> tuple[Scalar, ...]:
-    """Return the fields of :func:`.structure.load_fields` for a motion."""
-    curves = [LinkMotion(*[getattr(motion, f'{name}_{link}') for name in COEFFICIENTS])
-              for link in layout.moving]
-    slides = [[getattr(motion, travel(link).position) for link in stage.slides()]
+    """Return the fields of :func:`.structure.load_fields` for a motion of a machine."""
+    curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
+                                 for name in structure.COEFFICIENTS]) for link in layout.moving}
+    needs = {link: needs_of(body, 1.0, gravity, applied_to(external, link),
+                            curve.at(motion.rate, motion.acceleration))
+             for (link, curve), body in zip(curves.items(), bodies)}
+    slides = [[getattr(motion, structure.travel(link).position) for link in stage.slides()]
               for stage in layout.stages]
     sines = [getattr(motion, f'sine_{stage.name}') for stage in layout.stages]
-    rates = motion.rate, motion.acceleration
-    needs = [needs_of(body, 1.0, gravity, applied_to(external, name), curve, rates)
-             for curve, name, body in zip(curves, layout.moving, bodies)]
-    drive, shaking = drive_and_shaking(n, curves, needs)
-    if layout.ground:
-        curves[layout.ground - 1] = FIXED
-        needs[layout.ground - 1] = Needs(Vector(*shaking[:2]), shaking[3])              # (L2)
-    forces = forces_of_dyads(n, layout, dyad_lengths, curves, slides, sines, needs, drive)
-    return (*force_at_base(n, layout, needs[0], drive), *forces,
+    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines)
+
+
+def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+                curves: Mapping[str, LinkMotion], needs: dict[str, Needs],
+                slides: Sequence[Sequence[Scalar]], sines: Sequence[Scalar],
+                unit: Scalar = 1.0, lengths_of_reversed: Mapping[str, Scalar] = NONE_REVERSED
+                ) -> tuple[Scalar, ...]:
+    """
+    Return the fields of :func:`.structure.load_fields`.
+
+    ``curves``, ``needs``: of the moving links by name, curves at unit rate of the input;
+    ``slides``, ``sines``: of each dyad; ``unit``: of lengths [m], so that moments are in N unit.
+    ``lengths_of_reversed``: of links that the machine takes from their other joint on.
+    """
+    drive, shaking = drive_and_shaking(n, curves.values(), needs.values())
+    drive = unit * drive
+    directions = {link: Vector(curve.cosine, curve.sine) for link, curve in curves.items()}
+    directions[GROUND] = AXIS
+    needs = {**needs, GROUND: Needs(Vector(*shaking[:2]), shaking[3])}                  # (L2)
+    for link, length in lengths_of_reversed.items():
+        force, moment = needs[link]
+        needs[link] = Needs(force, moment - length * directions[link].cross(force))
+        directions[link] = -directions[link]
+    frame, *moving = [directions[link] for link in layout.links]
+    all_needs = [needs[link] for link in layout.links[1:]]
+    forces = forces_of_dyads(n, layout, dyad_lengths, moving, slides, sines, all_needs, drive)
+    return (*force_at_base(n, layout, all_needs[0], drive, frame), *forces,
             *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)), *shaking)
 
 
@@ -112,7 +127,7 @@ def drive_and_shaking(n: NumberType, curves: Iterable[LinkMotion],
 
 
 def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
-                  along: Vector = AXIS) -> tuple[Scalar, ...]:
+                  along: Vector) -> tuple[Scalar, ...]:
     """
     Return x, y and size of the force on the driven link; of a slide its normal force, and couple.
 
@@ -127,7 +142,7 @@ def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
 
 
 def forces_of_dyads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                    curves: Sequence[LinkMotion], slides: Sequence[Sequence[Scalar]],
+                    directions: Sequence[Vector], slides: Sequence[Sequence[Scalar]],
                     sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
     """
     Return the fields of all joints of the dyads, in their order.
@@ -135,7 +150,6 @@ def forces_of_dyads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLe
     Solves from the last dyad to the first: nothing hangs on the last one, so its needs are known,
     and each adds its forces to the needs of the links that carry it.
     """
-    directions = [Vector(link.cosine, link.sine) for link in curves]
     fields: list[Scalar] = []
     for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
                                                 sines)][::-1]:
@@ -192,8 +206,8 @@ def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:
 
 def fields_of(n: NumberType, stage: Stage, forces: DyadForces) -> list[Scalar]:
     """Return x, y and size at each joint, and normal force and couple of one that slides."""
-    fields, slides = list[Scalar](), list(SLIDES[stage.kind])
-    for joint in JOINTS:
+    fields, slides = list[Scalar](), list(structure.SLIDES[stage.kind])
+    for joint in structure.JOINTS:
         force: Vector = getattr(forces, joint)
         fields += (force.x, force.y, n.hypot(force.x, force.y))
         if joint in slides:

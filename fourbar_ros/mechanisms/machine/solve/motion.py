@@ -29,20 +29,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.dyads import crank_of_half, Driven, DyadMotion, ORIGIN
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses, seen_from
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, make_moves, turned_by
-from fourbar_ros.mechanisms.machine.structure import (
-    COEFFICIENTS,
-    coordinate,
-    CYLINDER,
-    DyadLengths,
-    Layout,
-    motion_fields,
-    Stage,
-    travel,
-)
+from fourbar_ros.mechanisms.machine.solve.frames import pose_of, seen_from
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import LEAST, NumberType, Scalar
@@ -130,18 +122,13 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     """
     Return the fields of :func:`.structure.motion_fields`: links, slides, pins, angles, curves.
 
-    The driven link is solved, then each dyad from the links it hangs on. ``dyad_lengths``:
-    of each dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
+    ``dyad_lengths``, ``signs``: as for :func:`.frames.pose_of`.
     """
     driven = driven_link(n, layout, dyad_lengths, signs, position)
-    poses, errors = Poses(hangings(layout, dyad_lengths), driven), [EXACT, driven.errors]
-    curves, dyads = [FIXED, driven.curve], list[DyadMotion]()
-    for i, moves in enumerate(make_moves(n, layout, dyad_lengths, signs)):
-        stage, moved = layout.stages[i], moves(poses.hang(i))
-        curves += poses.add(i, moved)
-        dyads.append(moved)
-        errors += errors_of(n, stage, dyad_lengths[i], errors[stage.first], errors[stage.second],
-                            moved)
+    pose = pose_of(n, layout, dyad_lengths, signs, driven)
+    curves, dyads, errors = pose.curves, pose.dyads, [EXACT, driven.errors]
+    for stage, lengths, moved in zip(layout.stages, dyad_lengths, dyads):
+        errors += errors_of(n, stage, lengths, errors[stage.first], errors[stage.second], moved)
     if layout.ground:
         turning = layout.turning()
         curves = seen_from(curves, layout.ground, [
@@ -154,23 +141,24 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         fields.update(zip(names, (value, slope * rate, slope * acceleration + bend * square)))
 
     for link, curve in zip(layout.moving, curves[1:]):
-        add(coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega, curve.alpha)
-        fields.update(zip([f'{name}_{link}' for name in COEFFICIENTS], curve))
+        add(structure.coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega,
+            curve.alpha)
+        fields.update(zip([f'{name}_{link}' for name in structure.COEFFICIENTS], curve))
     for stage, moved in zip(layout.stages, dyads):
         fields[f'sine_{stage.name}'] = moved.sine
         for k, link in enumerate(stage.slides()):
             slide, slope, bend = moved.slides[3 * k:3 * k + 3]
-            add(travel(link), slide, slope, bend)
+            add(structure.travel(link), slide, slope, bend)
             fields[f'slide_{link}_ratio'] = slope
     if layout.driver == 'crank':        # the input is not computed, it is as it is given
-        fields[coordinate(layout.driven).position] = position
+        fields[structure.coordinate(layout.driven).position] = position
     else:
         link = layout.stages[0].links[0] if layout.driver == CYLINDER else layout.driven
-        fields.update(zip(travel(link), (position, rate, acceleration)))
+        fields.update(zip(structure.travel(link), (position, rate, acceleration)))
         fields[f'slide_{link}_ratio'] = 1.0
-    of_pins = [(pin, poses.relation(j, i)) for pin, i, j in layout.pins()]
+    of_pins = [(pin, pose.relation(j, i)) for pin, i, j in layout.pins()]
     for pin, (c, s, slope, bend) in of_pins:
-        add(coordinate(pin), n.atan2(s, c), slope, bend)
+        add(structure.coordinate(pin), n.atan2(s, c), slope, bend)
     sines = [n.fabs(moved.sine) for moved in dyads]
     angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
     fields.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
@@ -179,7 +167,7 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         worst = n.where(pair[0].real < worst[0].real, pair, worst)
     fields.update(transmission_angle=worst[1], condition=condition, rate=rate,
                   acceleration=acceleration)
-    return tuple([fields[name] for name in motion_fields(layout)])
+    return tuple([fields[name] for name in structure.motion_fields(layout)])
 
 
 def condition_of(n: NumberType, layout: Layout, errors: Sequence[Errors],

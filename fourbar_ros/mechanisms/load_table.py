@@ -1,0 +1,63 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The table of the loads that mechanisms have.
+
+Manual, message LinkageLoads, services, extrema, pictures, page, FMU and C code read its rows.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import FourBarError
+
+
+class Load(NamedTuple):
+    """
+    A load, which the message LinkageLoads has as a field of its name.
+
+    ``text`` says what it is where it can be asked for by name, as for extrema; ``label``: in the
+    table of a pose. ``of``: of a load that follows from others, the function (mechanism, its
+    constants, motion, loads above) -> its value; of it mechanisms need state nothing. One trace
+    serves all mechanisms of a structure, so masses and lengths come from the constants.
+    """
+
+    name: str
+    unit: str
+    text: str = ''
+    label: str = ''
+    of: Callable[[Any, Any, Any, Any], Any] | None = None
+
+
+LOADS = {row.name: row for row in (
+    Load('shaking_force', 'N', 'magnitude of the force on the ground'),
+    Load('shaking_moment', 'N m', 'moment on the ground about O1', 'shaking moment about O1'),
+    Load('driving_torque', 'N m', 'torque of the drive on a driven crank', 'driving torque T41'),
+    Load('driving_force', 'N', 'force of the drive along a driven slide', 'driving force'),
+    Load('f41', 'N', 'magnitude of the reaction at O1'),
+    Load('f21', 'N', 'magnitude of the reaction at A'),
+    Load('f32', 'N', 'magnitude of the reaction at B, or of the bar on its block'),
+    Load('f43', 'N', 'magnitude of the reaction at O4, or of the guide'),
+    Load('guide_force', 'N', 'force of the guide, square to it', 'guide force'),
+    Load('guide_couple', 'N m', 'couple of the guide', 'guide couple'),
+    *(Load(f'{force}_{axis}', 'N') for force in ('f41', 'f21', 'f32', 'f43', 'shaking_force')
+      for axis in 'xy'),
+)}
+DERIVED = tuple(row for row in LOADS.values() if row.of)
+
+
+def all_loads(mechanism: Any, constants: Any, own_loads: Callable[..., Any], fields: Any) -> Any:
+    """Return LOADS for fields of a motion: its own, and those that follow from others."""
+    motion = mechanism.MOTION(*fields)
+    loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, own_loads(motion))))
+    for row in DERIVED:
+        assert row.of
+        try:
+            value = row.of(mechanism, constants, motion, loads)
+        except AttributeError as error:     # a field that other kinds have
+            raise FourBarError(f'load {row.name} of {mechanism.TITLE}: {error}; a row of LOADS '
+                               'holds for every kind of mechanism') from None
+        setattr(loads, row.name, value)
+    return mechanism.LOADS(**vars(loads))
