@@ -58,4 +58,7 @@ def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
         return float(getattr(motion, f'slide_{stage.slides()[0]}' if is_block
                              else f'sine_{stage.name}'))
     assert isinstance(mechanism, Kind)
-    return mechanism.drive.sign * float(motion.sine) if len(mechanism.modes) > 1 else 0.0
+    if len(mechanism.modes) == 1:
+        return 0.0
+    drive = mechanism.drive
+    return drive.sign * float(motion.slide if drive.layout.stages[0].kind == 'RPR' else motion.sine)

@@ -79,7 +79,7 @@ def tree(tmp_path):
 
 def add(tree, formula, *rows):
     """Add a formula and rows of loads; return the file."""
-    file = tree / 'fourbar_ros/mechanisms/kinds.py'
+    file = tree / 'fourbar_ros/mechanisms/load_table.py'
     file.write_text(file.read_text().replace('LOADS = {', f'{formula}\n\n\nLOADS = {{').replace(
         '\n)}\nDERIVED', ''.join(f'\n    {row}' for row in rows) + '\n)}\nDERIVED'))
     return file

@@ -24,18 +24,17 @@ EPS = 2.0**-52
 A1, A2, A3, A4 = 0.4, 1.2, 0.8, 1.0
 
 
-def test_near_toggles_loads_are_good_relative_to_the_largest(count=more(3, 10)):
-    """The needs of the ground are a sum over all links, so small loads share the largest error."""
+def test_near_toggles_small_loads_keep_their_digits(count=more(3, 10)):
+    """As differences of what the frame sees, they had errors of 4e10 eps times their condition."""
     for machine, given, _ in islice(between_moving_links(412, near_limit=True), count):
         with ctx.workprec(BITS):
             near = exact(machine, given)
             assert max(error for _, error, is_load in errors(machine, given, near)
-                       if not is_load) <= 10.0
+                       if not is_load) <= 5.0
             _, found = conditions(near, given)
             loads = machine.step(*given)[1]
-            largest = max(condition for _, condition in found.values())
-            for name, (truth, _) in found.items():
-                assert float(abs(off(name, loads, truth))) <= 10.0 * EPS * largest, name
+            for name, (truth, condition) in found.items():
+                assert float(abs(off(name, loads, truth))) <= 10.0 * EPS * condition, name
 
 
 # --- the shipped lift table ----------------------------------------------------------------------

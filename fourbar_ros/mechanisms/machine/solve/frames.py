@@ -16,7 +16,7 @@ with n the turn by +90 deg.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
@@ -76,23 +76,20 @@ def composed(frame: LinkMotion, inner: LinkMotion) -> LinkMotion:
         turn + inner.omega, bend + inner.alpha)
 
 
-def seen_from(curves: Sequence[LinkMotion], ground: int, still: Sequence[int]) -> list[LinkMotion]:
-    """
-    Return curves as seen from the link of index ``ground``; the frame takes its index.
+def pinned(on_link: OnLink, on_carrier: OnLink, turning: Direction) -> LinkMotion:
+    """Return the curve of a link that is pinned to a carrier, as that sees it."""
+    about_pin = LinkMotion(*on_carrier, 0.0, 0.0, 0.0, 0.0, *turning)
+    if on_link is FIRST_JOINT:
+        return about_pin
+    along, across = on_link
+    return LinkMotion(*point_of(about_pin, -along, -across), *turning)
 
-    By (K1), with the motion of the frame inverse to that of the link. Links of the indices
-    ``still`` do not turn, exactly.
-    """
-    link = curves[ground]
-    back = composed(LinkMotion(*dyads.ORIGIN, link.cosine, -link.sine, -link.omega, -link.alpha),
-                    link._replace(cosine=1.0, sine=0.0, omega=0.0, alpha=0.0))
-    frame = LinkMotion(-back.x, -back.y, -back.v_x, -back.v_y, -back.a_x, -back.a_y,
-                       back.cosine, back.sine, back.omega, back.alpha)
-    seen = [frame if link_index == ground else composed(frame, curve)
-            for link_index, curve in enumerate(curves)]
-    for link_index in still:
-        seen[link_index] = seen[link_index]._replace(omega=0.0, alpha=0.0)
-    return seen
+
+def slid(start: OnLink, direction: OnLink, slide: Sequence[Scalar]) -> LinkMotion:
+    """Return the curve of a link that slides on a carrier, as that sees it."""
+    (x, y), (c, s), (position, rate, change) = start, direction, slide
+    return LinkMotion(x + position * c, y + position * s, rate * c, rate * s, change * c,
+                      change * s, c, s, 0.0, 0.0)
 
 
 class Poses:
@@ -135,20 +132,12 @@ class Poses:
         """Return the curve of the moving carrier in the frame, and its angle or slide there."""
         stage, frame = hanging.stage, hanging.frame
         moving = stage.first if stage.second == frame else stage.second
-        relative = (self._slides[moving, frame] if hanging.is_joined_by_slide
-                    else self.relation(moving, frame))
+        relative: Any = (self._slides[moving, frame] if hanging.is_joined_by_slide
+                         else self.relation(moving, frame))
         if not frame:
             return self.curves[moving], relative
-        if hanging.is_joined_by_slide:
-            (x, y), (c, s) = hanging.joint
-            slide, rate, change = relative
-            return LinkMotion(x + slide * c, y + slide * s, rate * c, rate * s, change * c,
-                              change * s, c, s, 0.0, 0.0), relative
-        (along, across), on_frame = hanging.joint
-        about_pin = LinkMotion(*on_frame, 0.0, 0.0, 0.0, 0.0, *relative)
-        if hanging.joint[0] is FIRST_JOINT:
-            return about_pin, relative
-        return LinkMotion(*point_of(about_pin, -along, -across), *relative), relative
+        curve_of = slid if hanging.is_joined_by_slide else pinned
+        return curve_of(*hanging.joint, relative), relative
 
     def relation(self, link: int, seen_from: int) -> Direction:
         """Return the direction of a link, with derivatives, seen from a link it is pinned to."""
@@ -177,6 +166,38 @@ class Poses:
         for k, (link, (carrier, _, _)) in enumerate(slides):
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
         return curves
+
+    def seen_from(self, ground: int, joints: pairs.KnownJoints) -> list[LinkMotion]:
+        """
+        Return all curves as a link sees them, from that outward; the frame takes its index.
+
+        Each link as one that it is joined to sees it: differences of what the frame sees would
+        lose digits of small loads, all of them next to a toggle.
+        """
+        seen, reached = {ground: FIXED}, [ground]
+        for carrier in reached:
+            for link, curve in self._joined_to(carrier, joints):
+                if link not in seen:
+                    seen[link] = composed(seen[carrier], curve)
+                    reached.append(link)
+        return [seen[0 if link == ground else link] for link in range(len(self.curves))]
+
+    def _joined_to(self, link: int, joints: pairs.KnownJoints
+                   ) -> Iterator[tuple[int, LinkMotion]]:
+        """Yield (index, curve as ``link`` sees it) of the links that are joined to it."""
+        for pair, points in joints.pins.items():
+            if link in pair:
+                other, on_other, on_link = ((pair[0], *points) if pair[1] == link
+                                            else (pair[1], *points[::-1]))
+                yield other, pinned(on_other, on_link, self.relation(other, link))
+        for pair, (start, (c, s)) in joints.slides.items():
+            if pair[1] == link:
+                yield pair[0], slid(start, (c, s), self._slides[pair])
+            elif pair[0] == link:
+                curve = slid(start, (c, s), self._slides[pair])     # and back
+                vectors = [-part for k in (0, 2, 4) for part in (
+                    c * curve[k] + s * curve[k + 1], c * curve[k + 1] - s * curve[k])]
+                yield pair[1], LinkMotion._make((*vectors, c, -s, 0.0, 0.0))
 
 
 def pose_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],

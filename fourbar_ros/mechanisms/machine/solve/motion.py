@@ -32,8 +32,8 @@ from collections.abc import Sequence
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.dyads import crank_of_half, Driven, DyadMotion, ORIGIN
-from fourbar_ros.mechanisms.machine.solve.frames import pose_of, seen_from
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
+from fourbar_ros.mechanisms.machine.solve.frames import pose_of
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
@@ -130,9 +130,12 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     for stage, lengths, moved in zip(layout.stages, dyad_lengths, dyads):
         errors += errors_of(n, stage, lengths, errors[stage.first], errors[stage.second], moved)
     if layout.ground:
-        turning = layout.turning()
-        curves = seen_from(curves, layout.ground, [
-            i for i, link in enumerate(layout.moving, 1) if link not in turning])
+        turning, joints = layout.turning(), KnownJoints(layout.driver)
+        for stage, lengths in zip(layout.stages, dyad_lengths):
+            joints.add(stage, lengths)
+        curves = [curve if not i or layout.moving[i - 1] in turning
+                  else curve._replace(omega=0.0, alpha=0.0)
+                  for i, curve in enumerate(pose.seen_from(layout.ground, joints))]
     condition = condition_of(n, layout, errors, curves)
     fields, square = dict[str, Scalar](), rate * rate
 
