@@ -83,7 +83,7 @@ class MechanismGeometry(StatedMechanism):
         """
         Return the least size of :attr:`margins` over the sum of all lengths.
 
-        Zero is a change point: both assembly modes meet, and the linkage can leave its mode.
+        Zero is a change point: both assembly modes meet where it lies flat.
         """
         return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
 
