@@ -281,6 +281,14 @@ class Sampler:
             away = x.real - flat_x
             size = np.abs(away if self.linkage.is_driven_by_slide else np.sin(0.5 * away))
             sine = np.where(size > 0.0, sine / np.maximum(size, SMALLEST), 1.0)
+        off_real = [z / self.unit for z in self.linkage.singular_inputs if z.imag]
+        if self._passed.size and off_real:      # so near to these digits are lost all the same
+            away = x.real[..., None] - np.array(off_real)
+            if not self.linkage.is_driven_by_slide:
+                away = away - 2.0 * pi * np.round(away.real / (2.0 * pi))
+            near = np.abs(away).min(axis=-1)
+            sine = np.minimum(sine, np.maximum(of_reactions, near))
+            of_reactions = of_reactions * np.minimum(near, 1.0)
         for limit in set(self.linkage.flat_limits):     # a double root of a margin
             away = x.real - limit / self.unit
             if not self.linkage.is_driven_by_slide:
