@@ -60,5 +60,5 @@ def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
     assert isinstance(mechanism, Kind)
     if len(mechanism.modes) == 1:
         return 0.0
-    drive = mechanism.drive
-    return drive.sign * float(motion.slide if drive.layout.stages[0].kind == 'RPR' else motion.sine)
+    is_block = mechanism.drive.layout.stages[0].kind == 'RPR'
+    return mechanism.drive.sign * float(motion.slide if is_block else motion.sine)

@@ -48,11 +48,6 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
 
 
-def two_rods(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
-    """Return the lengths of RRR: rods from p and q, along the driven link and the frame [m]."""
-    return DyadLengths((p, 0.0), (q, 0.0), (first, second), (), (p, q, (1.0, 0.0), 1.0, 0.0))
-
-
 def two_rods_behind(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     """Return the lengths of RRR: rods from p along the driven link and q behind its pivot [m]."""
     # half the angle from one to the other is a right one
@@ -121,8 +116,9 @@ class FourBarLinks(Kind):
     DIRECTIONS = {'x': THETA1, 'b': BETA, 'y': THETA4}
     DRIVES = {CRANK: DrivenMachine(
         one_dyad(CRANK, GROUND, 'crank', 'RRR', ('coupler', 'output')),
-        lambda a1, a2, a3, a4: two_rods(a1, a4, a2, a3), four_bar_ranges, singular_angles,
-        kind.FORWARD)}
+        lambda a1, a2, a3, a4: DyadLengths((a1, 0.0), (a4, 0.0), (a2, a3), (),
+                                           (a1, a4, (1.0, 0.0), 1.0, 0.0)),
+        four_bar_ranges, singular_angles, kind.FORWARD)}
 
     def __post_init__(self) -> None:
         """Check the parameters, and that no link is as long as the other three together."""
@@ -241,12 +237,8 @@ class MovingJointFourBar(FourBarLinks):
         Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
     input : str
         'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
-    bodies : Bodies, optional
-        Masses; without them there are no loads.
-    gravity : tuple of 2 floats, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
-    external : External
-        Forces and couples on the links.
+    bodies, gravity, external
+        As of :class:`~FourBar`.
 
     Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
     coupler (B).

@@ -15,6 +15,7 @@ Lengths are scaled by a power of two, so that no square of one overflows.
 """
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
@@ -220,9 +221,9 @@ class Kind(Mechanism):
         angle = self.drive.transmission
         return coordinates[angle][:2] if angle else (moved.cosine, moved.sine)
 
+    @abstractmethod
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of the output in units of lengths, or its angle, of a pose."""
-        raise NotImplementedError
+        """Return the error of the output, in units of lengths or [rad], in a pose."""
 
     def link_motion(self, motion: parts.NamedFields, link: str) -> LinkMotion:
         """Return the motion of a link by name, its first joint O1, A, and O4 or B."""

@@ -15,8 +15,3 @@ def kind_of(name: str, driven: str) -> type[Kind]:
     """Return the class of a kind ('four_bar', ...) for an input; A and B have their own."""
     kind = KINDS[name]
     return MovingJointFourBar if kind is FourBar and driven in MovingJointFourBar.INPUTS else kind
-
-
-def inputs_of(name: str) -> tuple[str, ...]:
-    """Return the names of the inputs of a kind, those at joints between moving links too."""
-    return (*KINDS[name].INPUTS, *(MovingJointFourBar.INPUTS if name == 'four_bar' else ()))

@@ -39,17 +39,11 @@ from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import (
-    exact_sum,
-    Function,
-    LEAST,
-    NumberType,
-    power_of_two,
-    Scalar,
-)
+from fourbar_ros.numerics.number_types import exact_sum, LEAST, power_of_two, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
+    from fourbar_ros.numerics.number_types import Function, NumberType
 
 AT_O = (0.0, 0.0)      # as a place
 GUIDE = parts.Length('offset', 'y of the guide', signed=True)
@@ -61,17 +55,6 @@ STRAIGHT = (1.0, 0.0)  # cosine and sine of half an angle of zero
 def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     """Return the lengths of RRR: rods from a driven slider at this height, from the frame [m]."""
     return DyadLengths(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
-
-
-def rod_on_line(a1: Scalar, a2: Scalar, height: Scalar) -> DyadLengths:
-    """Return the numbers of RRP: a rod a2 from a crank a1 to a line at this height [m]."""
-    return DyadLengths((a1, 0.0), (0.0, height), (a2, 1.0, 0.0), (),
-                       (a1, height, STRAIGHT, 0.0, 0.0, 0.0))
-
-
-def bar_through_block(a1: Scalar, a4: Scalar, offset: Scalar) -> DyadLengths:
-    """Return the numbers of RPR: a block on a crank a1, on a bar from a4 on [m]."""
-    return DyadLengths((a1, 0.0), (a4, 0.0), (offset,), (), (a1, a4, STRAIGHT, 1.0, 0.0))
 
 
 class OffsetSlide(Kind):
@@ -162,7 +145,9 @@ class SliderCrank(OffsetSlide):
     DRIVES = {
         CRANK: DrivenMachine(
             one_dyad(CRANK, parts.GROUND, 'crank', 'RRP', ('coupler', 'output')),
-            rod_on_line, closed_forms.rod_ranges, closed_forms.singular_angles_of_rod,
+            lambda a1, a2, offset: DyadLengths((a1, 0.0), (0.0, offset), (a2, 1.0, 0.0), (),
+                                               (a1, offset, STRAIGHT, 0.0, 0.0, 0.0)),
+            closed_forms.rod_ranges, closed_forms.singular_angles_of_rod,
             {**kind.FORWARD, 'guide_force': 'dyad_second_normal',
              'guide_couple': 'dyad_second_couple'}, slides=(TRAVEL,)),
         SLIDE: DrivenMachine(
@@ -270,7 +255,9 @@ class InvertedSlider(OffsetSlide):
     DRIVES = {
         CRANK: DrivenMachine(
             one_dyad(CRANK, parts.GROUND, 'crank', 'RPR', ('coupler', 'output')),
-            bar_through_block, closed_forms.bar_ranges, closed_forms.singular_angles_of_bar,
+            lambda a1, a4, offset: DyadLengths((a1, 0.0), (a4, 0.0), (offset,), (),
+                                               (a1, a4, STRAIGHT, 1.0, 0.0)),
+            closed_forms.bar_ranges, closed_forms.singular_angles_of_bar,
             {**kind.FORWARD, 'guide_force': 'dyad_inner_normal',
              'guide_couple': 'dyad_inner_couple'}, slides=(TRAVEL,)),
         SLIDE: DrivenMachine(

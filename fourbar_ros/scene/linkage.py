@@ -9,9 +9,9 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
-from fourbar_ros.mechanisms.kinds import inputs_of, kind_of, KINDS
+from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Link, SLIDE
+from fourbar_ros.mechanisms.parts import JOINT_A, Link, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameters import member_of, of_name, unit_in
 from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues
@@ -84,9 +84,9 @@ def _of_kind(values: ParameterValues) -> Mechanism:
     if len(kind.INPUTS) > 1:
         arguments['input'] = values['linkage.input']
     elif values['linkage.input'] not in kind.INPUTS:
-        raise InvalidParameter(
-            'linkage.input', values['linkage.input'],
-            f'linkage.kind {name} is driven at its {" or ".join(inputs_of(name))}')
+        inputs = dict.fromkeys([*kind.INPUTS, *kind_of(name, JOINT_A).INPUTS])
+        raise InvalidParameter('linkage.input', values['linkage.input'],
+                               f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
     if values['linkage.range']:
         if arguments.get('input') != SLIDE:
             raise InvalidParameter('linkage.range', values['linkage.range'],

@@ -95,80 +95,45 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     ``slides``, ``sines``: of each dyad; ``unit``: of lengths [m], so that moments are in N unit.
     ``lengths_of_reversed``: of links that the machine takes from their other joint on.
     """
-    drive, shaking = drive_and_shaking(n, curves.values(), needs.values())
+    drive = shake_x = shake_y = shaking_moment = 0.0
+    for link, (force, moment) in needs.items():
+        curve = curves[link]
+        drive = drive + (force.x * curve.v_x + force.y * curve.v_y + moment * curve.omega)  # (L1)
+        shake_x, shake_y = shake_x - force.x, shake_y - force.y
+        shaking_moment = shaking_moment - (moment + curve.x * force.y - curve.y * force.x)
     drive = unit * drive
     directions = {link: Vector(curve.cosine, curve.sine) for link, curve in curves.items()}
     directions[GROUND] = AXIS
-    needs = {**needs, GROUND: Needs(Vector(*shaking[:2]), shaking[3])}                  # (L2)
+    needs = {**needs, GROUND: Needs(Vector(shake_x, shake_y), shaking_moment)}          # (L2)
     for link, length in lengths_of_reversed.items():
         force, moment = needs[link]
         needs[link] = Needs(force, moment - length * directions[link].cross(force))
         directions[link] = -directions[link]
-    frame, *moving = [directions[link] for link in layout.links]
-    all_needs = [needs[link] for link in layout.links[1:]]
-    forces = forces_of_dyads(n, layout, dyad_lengths, moving, slides, sines, all_needs, drive)
-    return (*force_at_base(n, layout, all_needs[0], drive, frame), *forces,
-            *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)), *shaking)
-
-
-def drive_and_shaking(n: NumberType, curves: Iterable[LinkMotion],
-                      needs: Iterable[Needs]) -> tuple[Scalar, tuple[Scalar, ...]]:
-    """
-    Return the drive by virtual power, and the loads of all links on the ground.
-
-    These are the shaking force x, y, its magnitude, and the moment about O1.
-    """
-    drive = shake_x = shake_y = moment = 0.0
-    for (force, m), link in zip(needs, curves):
-        drive = drive + (force.x * link.v_x + force.y * link.v_y + m * link.omega)      # (L1)
-        shake_x, shake_y = shake_x - force.x, shake_y - force.y
-        moment = moment - (m + link.x * force.y - link.y * force.x)
-    return drive, (shake_x, shake_y, n.hypot(shake_x, shake_y), moment)
-
-
-def force_at_base(n: NumberType, layout: Layout, needs: Needs, drive: Scalar,
-                  along: Vector) -> tuple[Scalar, ...]:
-    """
-    Return x, y and size of the force on the driven link; of a slide its normal force, and couple.
-
-    ``along``: the direction in which a driven slide moves.
-    """
-    force = needs.force
-    if layout.driver != 'slide':
-        return force.x, force.y, n.hypot(force.x, force.y)
-    normal = along.cross(force)
-    force = along * drive + along.normal * normal
-    return force.x, force.y, n.hypot(force.x, force.y), normal, needs.moment
-
-
-def forces_of_dyads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                    directions: Sequence[Vector], slides: Sequence[Sequence[Scalar]],
-                    sines: Sequence[Scalar], needs: list[Needs], drive: Scalar) -> list[Scalar]:
-    """
-    Return the fields of all joints of the dyads, in their order.
-
-    Solves from the last dyad to the first: nothing hangs on the last one, so its needs are known,
-    and each adds its forces to the needs of the links that carry it.
-    """
-    fields: list[Scalar] = []
+    # nothing hangs on the last dyad, and each adds its forces to the needs of its carriers
+    e, held, fields = ([directions[link] for link in layout.links],
+                       [needs[link] for link in layout.links], list[Scalar]())
     for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
                                                 sines)][::-1]:
-        i = stage.link - 1
-        forces = SOLVERS[stage.kind](lengths.sizes, directions[i], directions[i + 1], of_stage,
-                                     sine, needs[i], needs[i + 1])
+        i = stage.link
+        forces = SOLVERS[stage.kind](lengths.sizes, e[i], e[i + 1], of_stage, sine, held[i],
+                                     held[i + 1])
         if stage.name == CYLINDER:
-            forces = with_drive_along(forces, directions[i] * drive)
+            forces = with_drive_along(forces, e[i] * drive)
         fields = [*fields_of(n, stage, forces), *fields]
-        for parent, force, couple, arm in (
-                (stage.first - 1, forces.first, forces.first_couple,
-                 arm_of(stage, lengths, 0, of_stage)),
-                (stage.second - 1, forces.second, forces.second_couple,
-                 arm_of(stage, lengths, 1, of_stage))):
-            if parent >= 0:                 # not the frame
-                r, old = Vector(*arm).along(directions[parent]), needs[parent]
-                needs[parent] = Needs(old.force + force, old.moment + couple + r.x * force.y
-                                      - r.y * force.x)
-    return fields
+        for which, carrier, force, couple in (
+                (0, stage.first, forces.first, forces.first_couple),
+                (1, stage.second, forces.second, forces.second_couple)):
+            if carrier:                     # not the frame
+                r = Vector(*arm_of(stage, lengths, which, of_stage)).along(e[carrier])
+                held[carrier] = Needs(held[carrier].force + force, held[carrier].moment + couple
+                                      + r.x * force.y - r.y * force.x)
+    (force, moment), of_slide = held[1], list[Scalar]()
+    if layout.driver == 'slide':            # normal force and couple, and the drive along it
+        of_slide = [e[0].cross(force), moment]
+        force = e[0] * drive + e[0].normal * of_slide[0]
+    return (force.x, force.y, n.hypot(force.x, force.y), *of_slide, *fields,
+            *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)),
+            shake_x, shake_y, n.hypot(shake_x, shake_y), shaking_moment)
 
 
 def arm_of(stage: Stage, lengths: DyadLengths, which: int, slides: Sequence[Scalar]

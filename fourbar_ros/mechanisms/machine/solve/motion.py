@@ -136,7 +136,15 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         curves = [curve if not i or layout.moving[i - 1] in turning
                   else curve._replace(omega=0.0, alpha=0.0)
                   for i, curve in enumerate(pose.seen_from(layout.ground, joints))]
-    condition = condition_of(n, layout, errors, curves)
+    # the error of the output: of its angle [rad], or without turning of its joint [m]
+    output = layout.moving.index(layout.output) + 1
+    shift, turn = errors[output]
+    if layout.ground:       # errors of a link are those in the frame and those of the ground
+        (of_shift, of_turn), curve = errors[layout.ground], curves[output]
+        shift, turn = (0.0, 0.0) if output == layout.ground else (shift, turn)
+        shift = of_shift + shift + (n.fabs(curve.x) + n.fabs(curve.y)) * of_turn
+        turn = of_turn + turn
+    condition = turn if layout.output in layout.turning() else shift
     fields, square = dict[str, Scalar](), rate * rate
 
     def add(names: Coordinate, value: Scalar, slope: Scalar, bend: Scalar) -> None:
@@ -171,16 +179,3 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     fields.update(transmission_angle=worst[1], condition=condition, rate=rate,
                   acceleration=acceleration)
     return tuple([fields[name] for name in structure.motion_fields(layout)])
-
-
-def condition_of(n: NumberType, layout: Layout, errors: Sequence[Errors],
-                 curves: Sequence[LinkMotion]) -> Scalar:
-    """Return the error of the output: of its angle [rad], or without turning of its joint [m]."""
-    output = layout.moving.index(layout.output) + 1
-    shift, turn = errors[output]
-    if layout.ground:       # errors of a link are those in the frame and those of the ground
-        (of_shift, of_turn), curve = errors[layout.ground], curves[output]
-        shift, turn = (0.0, 0.0) if output == layout.ground else (shift, turn)
-        shift = of_shift + shift + (n.fabs(curve.x) + n.fabs(curve.y)) * of_turn
-        turn = of_turn + turn
-    return turn if layout.output in layout.turning() else shift
