@@ -254,10 +254,11 @@ class Transmission:
         """Return outputs in [-pi, pi] with the whole turns that the branch has at the inputs."""
         if self._output.unit != 'rad':
             return outputs
-        branch, near = self.branch, np.zeros(len(inputs))
+        branch = self.branch
+        near: Array = np.zeros(len(inputs))
         if branch.ends is None:
             period = self.mechanism.period
-            periods = np.floor((inputs - branch.inputs[0]) / period)
+            periods: Array = np.floor((inputs - branch.inputs[0]) / period)
             inputs, near = inputs - period * periods, branch.sense * branch.advance * periods
         near = near + np.interp(inputs, branch.inputs, branch.outputs)
         return outputs + tau * np.round((near - outputs) / tau)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
-from math import isfinite, isnan, nan, pi
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import in_words, InvalidParameter
@@ -266,10 +266,11 @@ class Search:
         proofs: dict[int, Proof] = {}
         for sampler, rows, paths in self._groups:
             done, part = len(proofs) / len(extrema), len(rows) / len(extrema)
-            proofs |= zip(rows, prove(
-                self._linkage, sampler.quantities, self._rates, paths,
-                [extrema[row] for row in rows],
-                lambda share, done=done, part=part: check(done + part * share), seconds))
+
+            def tell(share: float, done: float = done, part: float = part) -> None:
+                check(done + part * share)
+            proofs |= zip(rows, prove(self._linkage, sampler.quantities, self._rates, paths,
+                                      [extrema[row] for row in rows], tell, seconds))
         return [proofs[row] for row in range(len(extrema))]
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from math import comb, inf, isnan, nan, pi
+from math import comb, inf, isnan, nan
 from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler

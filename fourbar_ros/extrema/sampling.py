@@ -25,7 +25,6 @@ from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.number_types import Function, numbers_of, Scalar
 from fourbar_ros.numerics.roots import fold
-from fourbar_ros.numerics.tables import ARRAYS
 from fourbar_ros.numerics.trace import flat
 import numpy as np
 
@@ -191,7 +190,7 @@ class Sampler:
         size, noise = (part.reshape(-1, flats.size, 4)
                        for part in (np.abs(self.values(x)), noise))
         grows = (size[..., 2:] > 4.0 * size[..., :2]) & (size[..., 2:] > 16.0 * noise[..., 2:])
-        return [tuple(flats[is_pole].tolist()) for is_pole in grows.any(axis=-1)]
+        return [tuple(flats[is_pole].tolist()) for is_pole in np.any(grows, axis=-1)]
 
     def values(self, x: Array) -> Array:
         """Return the quantities at x, shape (quantities, *x.shape)."""

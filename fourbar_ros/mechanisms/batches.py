@@ -134,7 +134,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
         known[trace.count:trace.count + trace.size] = columns
         with np.errstate(all='ignore'):
             run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)
-            if not any([np.any(known[i]) for i in trace.switches]):
+            if not any(np.any(np.asarray(known[i])) for i in trace.switches):
                 trace = trace.unswitched
             for index, value in trace.literals().items():
                 known[index] = value

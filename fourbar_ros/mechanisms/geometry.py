@@ -8,7 +8,7 @@ from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, fsum, inf, nan, pi, remainder
-from typing import Any, TypeVar
+from typing import Any, cast, TypeVar
 
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
@@ -211,10 +211,11 @@ class MechanismGeometry(StatedMechanism):
         """
         if not self.flat_inputs:
             return tuple(sorted(self.stalls(self.sign)))
+
         def is_passed(point: Any) -> bool:
             """Return whether the motion has the output of a point there: on its own branch."""
-            place = self.outputs[0].coordinate.position
-            apart = getattr(self.motion(point.theta1), place) - point[1]
+            motion = cast(Any, self).motion(point.theta1)
+            apart = getattr(motion, self.outputs[0].coordinate.position) - point[1]
             if self.outputs[0].coordinate.unit == 'rad':
                 return abs(remainder(apart, 2.0 * pi)) < NEAR_DEAD_POINT
             return bool(abs(apart) < NEAR_DEAD_POINT * power_of_two(*self.lengths))

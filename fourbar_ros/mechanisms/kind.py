@@ -197,9 +197,11 @@ class Kind(Mechanism):
         """Return the coordinates of a pose, and how the dyad moves; x is in unit of lengths."""
         drive = self.drive
         links = drive.layout.links
-        driven = (dyads.Driven(LinkMotion(x, lengths[-1], 1.0, 0.0, 0.0, 0.0, *ALONG), (0.0, 0.0),
-                         slide=(x, 1.0, 0.0)) if self.is_driven_by_slide
-                  else dyads.crank_of_half(n.cos(0.5 * x), n.sin(0.5 * x)))
+        if self.is_driven_by_slide:
+            driven = dyads.Driven(LinkMotion(x, lengths[-1], 1.0, 0.0, 0.0, 0.0, *ALONG),
+                                  (0.0, 0.0), slide=(x, 1.0, 0.0))
+        else:
+            driven = dyads.crank_of_half(n.cos(0.5 * x), n.sin(0.5 * x))
         pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
                        [sign if drive.sign > 0.0 else -sign], driven)
         moved, = pose.dyads

@@ -267,7 +267,7 @@ class Trace:
     def is_switched(self, data: Sequence[float]) -> bool:
         """Return whether a switch is true for some data."""
         values = self.constants(data, self.makes_switches)
-        return any([values[index] for index in self.switches])
+        return any(values[index] for index in self.switches)
 
     @cached_property
     def makes_switches(self) -> list[int]:
@@ -282,7 +282,8 @@ class Trace:
         needed = set(simple.needed(flat(simple.results)))
         left_out = set(self.needed(flat(self.results))) - needed
         for index, step in enumerate(simple.steps):
-            if not step.is_given and (index in left_out or not left_out.isdisjoint(step.arguments)):
+            if not step.is_given and (index in left_out
+                                      or not left_out.isdisjoint(step.arguments)):
                 left_out.add(index)
                 simple.steps[index] = NOTHING       # nor need it refuse its arguments
         return simple

@@ -181,7 +181,7 @@ def test_exact_sums_and_powers_have_the_bits_of_python(ports):
     for terms in [*of_all_sizes(rng, (5000, 4)).tolist(), [0.0, -0.0, 0.0, 0.0],
                   [1e16, 1.0, 1e-16, -1e16], [1.0, 2.0**-53, 2.0**-106, 0.0],
                   [1.0, 2.0**-53, -2.0**-106, 0.0], [0.1, -0.1, 0.0, -0.0], [0.1, 0.5, -0.2, -0.4],
-                 *([1.0, 1.0, -2.0, k * EPS] for k in range(-18, 19))]:
+                  *([1.0, 1.0, -2.0, k * EPS] for k in range(-18, 19))]:
         given = (ctypes.c_double * 4)(*terms)
         assert ports.s(4, given).hex() == exact_sum(terms).hex()
         if any(terms):

@@ -103,7 +103,7 @@ def exact(linkage, x):
     with ctx.workprec(BITS):
         try:
             given = tuple(map(cartesian.number, (x, RATE, 0.0)))
-            if linkage.change_point_margin == 0.0:      # in which mode depends on the flat positions
+            if linkage.change_point_margin == 0.0:      # on which side depends on the branch
                 return cartesian.values_of(cartesian.Cartesian(
                     cartesian.reference_of(linkage), given, cartesian.pose_of(linkage, x)))
             return cartesian.values_of(cartesian.exact(linkage, given))

@@ -16,7 +16,7 @@ from fourbar_ros.extrema.find import find_extrema
 import mpmath as mp
 import numpy as np
 import pytest
-from support.cartesian import EPS     # and 150 digits
+from support.cartesian import EPS  # and 150 digits
 
 BOUND = 5.0                  # in eps times condition
 BEYOND = mp.mpf(10)**-25     # from an input: rates at a pose in line are those of its branch
@@ -104,13 +104,13 @@ class Drive(NamedTuple):
 
 DRIVES = {
     'four-bar': Drive(FourBar, four_bar, lambda z: (z['theta4'] / z['beta']).imag,
-                      (0.0, pi),                      lambda a1, a2, a3, a4: abs(a1 - a4)),
+                      (0.0, pi), lambda a1, a2, a3, a4: abs(a1 - a4)),
     'four-bar at A': Drive(
         partial(MovingJointFourBar, input='A'), four_bar_at_a, lambda z: z['theta4'].imag,
-        (-pi, 0.0),        lambda a1, a2, a3, a4: abs(a1 - a2)),
+        (-pi, 0.0), lambda a1, a2, a3, a4: abs(a1 - a2)),
     'four-bar at B': Drive(
         partial(MovingJointFourBar, input='B'), four_bar_at_b, lambda z: z['theta1'].imag,
-        (-pi, 0.0),        lambda a1, a2, a3, a4: abs(a2 - a3)),
+        (-pi, 0.0), lambda a1, a2, a3, a4: abs(a2 - a3)),
     'slider-crank': Drive(SliderCrank, slider_crank, lambda z: z['beta'].real,
                           (-0.5 * pi, 0.5 * pi), lambda *a: 0),
     'inverted slider-crank': Drive(InvertedSlider, inverted_slider, lambda z: z['slide'],

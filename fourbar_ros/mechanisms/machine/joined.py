@@ -52,7 +52,8 @@ def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: KnownJoint
 
 def not_zero(n: NumberType, length: Scalar) -> Scalar:
     """Return a length, 1.0 of a point in the pin itself, whose direction then does not matter."""
-    return n.where(is_zero(n, length), 1.0, length)
+    divisor: Scalar = n.where(is_zero(n, length), 1.0, length)
+    return divisor
 
 
 def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]

@@ -84,7 +84,7 @@ class Ends(NamedTuple):
     q: Node
     apart: Any                  # D = Q - P, a Node; None of a pair and of a cylinder
     relative: Any               # of a pair angle or slide of its carriers; of a cylinder its drive
-    half: Any                   # cosine, sine of half that angle if the driven link has it; or None
+    half: Any                   # cosine, sine of half that angle where the driven link has it
     first: LinkMotion           # carrier of P
     second: LinkMotion          # carrier of Q
 
