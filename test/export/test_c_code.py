@@ -336,7 +336,8 @@ def test_numbers_folded_in_have_the_same_bits_and_less_is_written(tmp_path):
     assert not folded.model.tunable and [one.name for one in few.model.tunable] == ['gravity.x']
     assert all(np.array_equal(*pair, equal_nan=True) for pair in zip(found, expected))
     places = [whole.model.mechanism.MOTION._fields.index('theta4'),
-              27 + whole.model.mechanism.LOADS._fields.index('driving_torque')]
+              len(whole.model.mechanism.MOTION._fields)
+              + whole.model.mechanism.LOADS._fields.index('driving_torque')]
     status, rows = few.compiled(*C)(inputs)
     # what overflows is judged by the outputs that are wanted
     assert (status == expected[0])[abs(inputs).max(axis=1) < 1e60].all()

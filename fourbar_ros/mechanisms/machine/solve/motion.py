@@ -4,7 +4,7 @@
 Motion of a machine: its driven link, then dyad by dyad.
 
 O1 = (0, 0) of the frame: the ground, or the link at the base of a cylinder between two moving
-links, and then all is turned at the end to where the ground sees it. The driven link is a crank
+links, and then all is seen from the ground at the end. The driven link is a crank about
 O1, a slider on the x axis, or a crank that is turned by a cylinder of length s between a point Q
 of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
 seen from O1, from Q on:
