@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 from fourbar_lab.export.statements import JUDGED
 from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
+from fourbar_ros.machine import Machine
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
