@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from fourbar_lab.export.statements import JUDGED
 from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
-from fourbar_ros.machine import Machine
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import PointMotion
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -173,23 +172,16 @@ class GeneratedModel:
             if self.moves_by_torque and name.rpartition('.')[0] not in topics:
                 raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
                                    'motion by torque has the numbers of the scene')
-            if self._is_of_its_lengths:
-                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as limits '
-                                   'or sides of a dyad are those of a change point of its lengths')
+            if self.mechanism.flat_limits:
+                raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as a limit '
+                                   'of its input is a change point of the lengths of the scene')
         return frozenset([*self.signs, *(names.index(name) for name in (
             *wanted, *(name for name in names if name.rpartition('.')[0] in topics)))])
 
     @property
     def _can_change_all(self) -> bool:
         return (self.parameters is None
-                and not (self._is_of_its_lengths or self.moves_by_torque))
-
-    @cached_property
-    def _is_of_its_lengths(self) -> bool:
-        """Return whether a limit is a change point, or a sign of one that lies flat nowhere."""
-        mechanism = self.mechanism
-        return bool(mechanism.flat_limits) or (isinstance(mechanism, Machine) and (
-            tuple([dyad.sign for dyad in mechanism.stages]) != mechanism.signs))
+                and not (self.mechanism.flat_limits or self.moves_by_torque))
 
     @property
     def _has_fixed_lengths(self) -> bool:

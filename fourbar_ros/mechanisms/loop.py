@@ -223,18 +223,21 @@ def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
     return turn * s, turn * c
 
 
-def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle) -> LoopMotion:
+def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle,
+         can_lie_flat: bool = True) -> LoopMotion:
     """
     Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
 
-    ``half``: of the crank's angle x. ``sign``: of R, the assembly mode.
+    ``half``: of the crank's angle x. ``sign``: of R, the assembly mode. ``can_lie_flat``: else k
+    is 1 whatever the lengths.
     """
     where, unit = n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
     shape = _shape(n, a1, a2, a3, a4)
     s, c, ss, cc, sc = half
     u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
-    flat_at_0, flat_at_pi = is_zero(n, shape.s2), is_zero(n, shape.s1)
+    flat_at_0 = can_lie_flat and is_zero(n, shape.s2)
+    flat_at_pi = can_lie_flat and is_zero(n, shape.s1)
     s, c = in_one_turn(n, (s, c), where(flat_at_0, shape.s1, 0.0),
                        where(flat_at_pi, shape.s2, 0.0))
     k_s, k_c = where(flat_at_0, s, 1.0), where(flat_at_pi, c, 1.0)                      # (M13)
@@ -253,8 +256,8 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
         """Return cos z and sin(z)/k of an angle, from its p, r and m, (M14)."""
         forms = []
         for g_s, g_c in ((r_s, r_c), (p_s, p_c)):       # t = g/h, t = h/g
-            twice_s = is_zero(n, n.fabs(shape.s2) + n.fabs(g_c))
-            twice_c = is_zero(n, n.fabs(shape.s1) + n.fabs(g_s))
+            twice_s = can_lie_flat and is_zero(n, n.fabs(shape.s2) + n.fabs(g_c))
+            twice_c = can_lie_flat and is_zero(n, n.fabs(shape.s1) + n.fabs(g_s))
             forms.append((g_s, g_c, where(twice_s, 1.0, ss), where(twice_c, 1.0, cc),
                           where(twice_s, s, 1.0) * where(twice_c, c, 1.0),
                           where(twice_s, 1.0, k_s) * where(twice_c, 1.0, k_c)))
@@ -278,7 +281,8 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
     d_mu = a1 * a4 / (a2 * a3) * sin_x_over_k * per                                     # (M5)
     d_y = -a1 / a3 * sin_bx * per                                                       # (M6)
     d_b = -a1 / a2 * sin_yx * per                                                       # (M7)
-    meets = is_zero(n, n.fabs(shape.C1) + n.fabs(shape.D1))     # a1 = a4, a2 = a3
+    # a1 = a4, a2 = a3
+    meets = can_lie_flat and is_zero(n, n.fabs(shape.C1) + n.fabs(shape.D1))
     q = where(meets, 1.0, (a1 - a4)**2 + 4.0 * a1 * a4 * ss)                            # (M8)
     per, e = 1.0 / q, shape.e
     turn = a1 * a4 * sin_x * where(q.real > n.fabs(e), (e + shape.f * d_mu) * per,      # (M9)

@@ -70,7 +70,7 @@ class BarMotion(NamedTuple):
 
 
 def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
-             s: Scalar) -> TriangleMotion:
+             s: Scalar, can_lie_flat: bool = True) -> TriangleMotion:
     """
     Return a triangle by its side s: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
 
@@ -100,8 +100,9 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     sqrt, where, ee = n.sqrt, n.where, e * e
     k_plus = difference_of_squares(a1, a2, e, 0.0, n.exact_sum)
     k_minus = difference_of_squares(a1, -a2, e, 0.0, n.exact_sum)
-    flat_at_0 = is_zero(n, k_minus)
-    meets = is_zero(n, n.fabs(n.exact_sum((a1, -a2, e))) + n.fabs(n.exact_sum((a1, -a2, -e))))
+    flat_at_0 = can_lie_flat and is_zero(n, k_minus)
+    meets = can_lie_flat and is_zero(
+        n, n.fabs(n.exact_sum((a1, -a2, e))) + n.fabs(n.exact_sum((a1, -a2, -e))))
     # a1 - a2 is as large as e there, which may have more digits
     less_a2 = where(flat_at_0, where((a1 - a2).real > 0.0, n.fabs(e), -n.fabs(e)), a1 - a2)
     f, k_product, u_plus_w = less_a2 * (a1 + a2), k_plus * k_minus, 4.0 * a1 * a2
@@ -142,7 +143,8 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
 
 
 def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, cos_x: Scalar,
-                sin_x: Scalar, sin_v: Scalar, cos_v: Scalar) -> RodMotion:
+                sin_x: Scalar, sin_v: Scalar, cos_v: Scalar,
+                can_lie_flat: bool = True) -> RodMotion:
     """
     Return where a rod that a crank carries meets a line, and its derivatives.
 
@@ -211,11 +213,12 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     u, w, factor, sine, rest = where(                                                   # (R9)
         (h * h).real < level_square, (up, down, up * down, sin_x, at_x * h * cos_x),
         (u, w, factor, sine, rest))
-    flat_down, flat_up = is_zero(n, about_down[0]), is_zero(n, about_up[1])             # (R10)
+    flat_down = can_lie_flat and is_zero(n, about_down[0])                              # (R10)
+    flat_up = can_lie_flat and is_zero(n, about_up[1])
     sin_v, cos_v = in_one_turn(n, (sin_v, cos_v), where(flat_down, about_up[1], 0.0),
                                where(flat_up, about_down[0], 0.0))
     k_s, k_c = where(flat_down, sin_v, 1.0), where(flat_up, cos_v, 1.0)
-    k, is_flat = k_s * k_c, is_zero(n, about_down[0] * about_up[1])
+    k, is_flat = k_s * k_c, can_lie_flat and is_zero(n, about_down[0] * about_up[1])
     cos_x_left = where(is_flat, 2.0 * (where(flat_down, 1.0, sin_v) * where(flat_up, 1.0, cos_v)),
                        cos_x)
     u, w = where(flat_down, 2.0 * a1, u), where(flat_up, 2.0 * a1, w)
@@ -240,7 +243,7 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
 
 
 def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
-                 half: HalfAngle) -> BarMotion:
+                 half: HalfAngle, can_lie_flat: bool = True) -> BarMotion:
     """
     Return the motion of a bar through a block on a crank.
 
@@ -266,8 +269,9 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
     a1_a4, more = a1 * a4, a1 + a4
     near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
     far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
-    flat_at_0 = is_zero(n, near)
-    meets = is_zero(n, n.fabs(n.exact_sum((a1, -a4, h))) + n.fabs(n.exact_sum((a1, -a4, -h))))
+    flat_at_0 = can_lie_flat and is_zero(n, near)
+    meets = can_lie_flat and is_zero(
+        n, n.fabs(n.exact_sum((a1, -a4, h))) + n.fabs(n.exact_sum((a1, -a4, -h))))
     h = where(meets, 0.0, h)
     # a1 - a4 is as large as h there, which may have more digits
     less = where(flat_at_0, where((a1 - a4).real > 0.0, n.fabs(h), -n.fabs(h)), a1 - a4)

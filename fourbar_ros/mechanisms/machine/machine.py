@@ -115,7 +115,7 @@ class Machine(Mechanism):
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
 
-    layout: ClassVar[Layout]      # set when it is made; no field
+    base_layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
     MARGIN_SIGNS = ()             # change points are not differences of lengths
     LEAVES_OUT_ZEROS = True       # most of their links have no mass or no offset
@@ -128,7 +128,7 @@ class Machine(Mechanism):
         self._set(dyads=checked_dyads(self.dyads, self.input),
                   cylinder=checked_cylinder(self.cylinder, self.input))
         layout = layout_of(self.input, self.stages, self.output)
-        self._set(layout=layout, output=layout.output, **names_of(layout),
+        self._set(base_layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
@@ -170,7 +170,12 @@ class Machine(Mechanism):
     @cached_by_lengths
     def dyad_lengths(self) -> tuple[DyadLengths, ...]:
         """Return what the formulas of each dyad take."""
-        return tuple(shaped(REAL, self.layout, [dyad.lengths for dyad in self.stages]))
+        return tuple(shaped(REAL, self.base_layout, [dyad.lengths for dyad in self.stages]))
+
+    @cached_by_lengths
+    def layout(self) -> Layout:
+        """Return the structure, with the pairs that lie flat nowhere, see :func:`.find_ranges`."""
+        return self._ranges.layout or self.base_layout
 
     # --- lengths and modes ----------------------------------------------------------------------
 
@@ -209,8 +214,8 @@ class Machine(Mechanism):
 
     @property
     def signs(self) -> tuple[float, ...]:
-        """Return the branches of all dyads as +-1: their modes, see :func:`.find_ranges`."""
-        return self._ranges.signs
+        """Return the assembly modes of all dyads as +-1."""
+        return tuple([dyad.sign for dyad in self.stages])
 
     sign = signs     # type: ignore[assignment]  # one for each dyad
 
@@ -240,8 +245,8 @@ class Machine(Mechanism):
         size = sum(map(abs, self.lengths))
         stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
         far = 2.0 * max([size, *map(abs, stroke)])
-        ranges = find_ranges(self.layout, self.dyad_lengths,
-                             [dyad.sign for dyad in self.stages], (-far, far), self.input_unit)
+        ranges = find_ranges(self.base_layout, self.dyad_lengths, self.signs, (-far, far),
+                             self.input_unit)
         if self.input == SLIDE and self.stroke is None and any(
                 bound is not None and far in map(abs, (bound[0].x, bound[1].x))
                 for bound in ranges.limits):

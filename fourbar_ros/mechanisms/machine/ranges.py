@@ -35,12 +35,11 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.margins import (
     has_toggles,
-    make_along,
     make_assembly_margin,
     make_flatness,
     make_square,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves, moving_link
+from fourbar_ros.mechanisms.machine.solve.pairs import moving_link
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
@@ -96,7 +95,7 @@ class DyadRanges(NamedTuple):
     flats: dict[float, str] = {}    # {input: the first pair that lies flat there}
     poles: tuple[Near, ...] = ()    # searches for complex inputs at which the ends of a dyad meet
     turns: int = 1                  # of a crank that turns fully, after which all repeats
-    signs: tuple[float, ...] = ()   # of the dyads' branches, see :func:`find_ranges`
+    layout: Layout | None = None    # with what is known of pairs, see :func:`find_ranges`
 
 
 def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
@@ -104,14 +103,12 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
     """
     Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
 
-    A pair whose lengths make a change point, but that lies flat nowhere in the ranges, has the
-    side of its mode there as any other dyad: its sign is the other one where k of (M13) is
-    negative.
+    A pair whose lengths make a change point, but that lies flat nowhere in the ranges, has no
+    branch that goes on: it has the side of its mode, as any other dyad.
 
     ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
     search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
     """
-    signs = list(signs)
     search = _Search(layout, dyad_lengths, signs)
     if layout.driver == 'crank':
         limits: list[RangeEnds] = [None]
@@ -128,20 +125,20 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
         is_driven = (pair_range is not None and {stage.first, stage.second} == {0, 1}
                      and layout.driver != CYLINDER)
         if pair_range and pair_range.is_impossible:
-            return DyadRanges((), (), stage.name, signs=tuple(signs))
+            return DyadRanges((), (), stage.name, layout=search.layout)
         turns = 2 if twice and not is_driven else 1
         if has_toggles(stage, lengths):
             split = [search.split(bound, i, turns) for bound in limits]
             limits = [part for parts, _ in split for part in parts]
             near += [toggles for _, toggles in split]
             if not limits:
-                return DyadRanges((), (), stage.name, signs=tuple(signs))
+                return DyadRanges((), (), stage.name, layout=search.layout)
         found: list[float] = []
         if pair_range and pair_range.flats:
             found = (flats_of_driven(pair_range, moving_link(stage) == 1, limits) if is_driven
                      else search.flats(pair_range, limits, i, turns))
-            if not found and search.is_on_other_side(limits[0], i):
-                signs[i] = -signs[i]
+            if not found:
+                search.without_branch(i)
         if turns == 2 and (found or limits != [None]):
             raise InvalidParameter(f'dyads.{stage.name}', None, 'ends the range or lies flat in '
                                    f'one turn of the crank, not in the next: dyad {twice} repeats '
@@ -156,7 +153,7 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
     turns = 2 if twice else 1
     return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
                       poles=tuple([partial(search.poles, bound, turns) for bound in limits]),
-                      turns=turns, signs=tuple(signs))
+                      turns=turns, layout=search.layout)
 
 
 def flats_of_driven(pair_range: PairRange, is_moving: bool, limits: Sequence[RangeEnds]
@@ -251,12 +248,19 @@ class _Search:
                  signs: Sequence[float]) -> None:
         self._machine = layout, dyad_lengths, signs
 
-    def is_on_other_side(self, bound: RangeEnds, dyad: int) -> bool:
-        """Return whether the sine of a dyad has not the sign of its mode inside a range."""
-        moves = make_moves(REAL, *self._machine)[dyad]
-        sine = make_along(REAL, *self._machine, dyad, lambda ends: moves(ends).sine)
-        inside = float(_Path.of(bound, 1).to_input(np.float64(SEAM)))
-        return bool(sine(inside) * self._machine[2][dyad] < 0.0)
+    def without_branch(self, dyad: int) -> None:
+        """Note that a pair lies flat nowhere, for those after it."""
+        layout, dyad_lengths, signs = self._machine
+        stages = list(layout.stages)
+        pair = stages[dyad].pair
+        assert pair is not None
+        stages[dyad] = stages[dyad]._replace(pair=pair._replace(can_lie_flat=False))
+        self._machine = layout._replace(stages=tuple(stages)), dyad_lengths, signs
+
+    @property
+    def layout(self) -> Layout:
+        """Return the structure of the machine as it is known."""
+        return self._machine[0]
 
     def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], Near]:
         """

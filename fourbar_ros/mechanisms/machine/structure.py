@@ -50,6 +50,9 @@ class Pair(NamedTuple):
 
     frame: int          # index of the carrier from which the motion of the dyad is seen
     slides: bool        # whether a slide joins the carriers, else a pin
+    # whether its branch goes on through flat positions; False if its lengths are those of a change
+    # point, but it lies flat nowhere in the ranges: then its side is its mode, as of any dyad
+    can_lie_flat: bool = True
 
 
 class Stage(NamedTuple):
@@ -67,6 +70,11 @@ class Stage(NamedTuple):
     def turns_first(self) -> bool:
         """Return whether its first link hangs on the one of a pair that moves in the frame."""
         return self.pair is not None and self.pair.frame == self.second
+
+    @property
+    def can_lie_flat(self) -> bool:
+        """Return whether it is a pair whose branch goes on through flat positions."""
+        return self.pair is not None and self.pair.can_lie_flat
 
     def slides(self) -> list[str]:
         """Return the names of the links that slide, in the order of the joints."""

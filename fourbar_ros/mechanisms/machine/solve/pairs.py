@@ -187,7 +187,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     # of a flat position at x = pi, sin(x/2) keeps its sign there
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
-    bars = loop(n, (a1, a2, a3, a4), side * sign, half)
+    bars = loop(n, (a1, a2, a3, a4), side * sign, half, stage.can_lie_flat)
     coupler: Direction = (*turned_by((bars.cos_b, bars.sin_b), of_g),
                           *by_input(angle, bars.d_b, bars.dd_b))
     output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
@@ -223,7 +223,8 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     else:
         sin_v, cos_v, *_ = half_angle(n, -sin_x, cos_x,
                                       n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
-    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v, cos_v)
+    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v, cos_v,
+                         stage.can_lie_flat)
     s = unit * slider.s
     d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
     rod = LinkMotion(*ends.p, *turned_by((slider.cos_b, slider.sin_b), line),
@@ -258,7 +259,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     pinned = link, moving_link(stage)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
-    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, half)
+    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
     bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
                       *by_input(angle, block.d_y, block.dd_y))
     on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
@@ -282,7 +283,7 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
     per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
     sides = triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
-                     (slide[0] + shift) * per)
+                     (slide[0] + shift) * per, stage.can_lie_flat)
     scaled = slide[1] * per, slide[2] * per
     of_frame: Direction = (*turned_by((sides.cos_x, sides.sin_x), line),
                            *by_input(scaled, sides.d_x, sides.dd_x))
@@ -304,8 +305,8 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     per, where = 1.0 / unit, n.where
     shift, e, h = shift * per, e * per, h * per
     k = difference_of_squares(e, 0.0, h, 0.0, n.exact_sum)
-    passes_foot = is_zero(n, k)
-    meets = is_zero(n, n.fabs(e) + n.fabs(h))       # P and Q, where sigma is zero
+    passes_foot = stage.can_lie_flat and is_zero(n, k)
+    meets = stage.can_lie_flat and is_zero(n, n.fabs(e) + n.fabs(h))     # P, Q at sigma = 0
     x = slide[0] * per + shift
     sigma, x_left = where(passes_foot, (x, 1.0), (1.0, x))
     q = where(meets, 1.0, x * x + e * e)
