@@ -16,12 +16,15 @@ RECORDED = Path(__file__).parent.parent / 'support' / 'data' / 'recorded'
 SCENES = {'paper': 5, 'slides_7_6': 3, 'slides_7_7': 3, 'slider_crank': 6, 'cylinder': 5}
 # Driven by torque, with earlier steps. rocker and pushed pass toggles.
 BEFORE = {'motor': 2, 'engine': 2, 'released': 3, 'pushed': 2, 'controlled': 2, 'engine_tables': 2}
+# With these steps.
+STEPPED = {'stepped_controlled': 2, 'stepped_rocker': 2}
 # Of change points, when a mode was a side: a given motion, which jumped, and a simulated one.
 SIDES = 'kite', 'parallelogram'
 
 
 def test_there_is_a_bag_of_every_scene():
-    assert {path.name for path in RECORDED.iterdir()} == {*SCENES, *BEFORE, *SIDES, 'rocker'}
+    assert {path.name for path in RECORDED.iterdir()} == {
+        *SCENES, *BEFORE, *STEPPED, *SIDES, 'rocker'}
 
 
 def test_a_bag_of_when_a_mode_was_a_side_tells_what_is_on_the_other_branch(capsys):
@@ -49,6 +52,14 @@ def test_a_bag_recorded_before_computes_again_within_rounding(scene):
     assert found.inputs > 90
     assert found.compared == SCENES[scene] * found.inputs
     assert found.problems(1e-10) == []
+
+
+@pytest.mark.parametrize('scene', STEPPED)
+def test_a_motion_that_followed_from_torque_is_stepped_again_exactly(scene):
+    found = recompute(RECORDED / scene)
+    assert found.inputs > 90 and found.stepped >= found.inputs - 2
+    assert found.compared == STEPPED[scene] * found.inputs
+    assert found.problems() == []
 
 
 @pytest.mark.parametrize('scene', BEFORE)
