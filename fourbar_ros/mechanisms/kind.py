@@ -295,6 +295,7 @@ class Kind(Mechanism):
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         by_name = dict(zip(self.length_names, lengths))
+        borne = [link for link in ('crank', 'output') if drive.layout.ground]
         needs = {link: needs_of(body, unit, constants.gravity,
                                 applied_to(constants.external, link), moving)
                  for (link, moving), body in zip(self._links(lengths, m, per_unit).items(),
@@ -303,7 +304,13 @@ class Kind(Mechanism):
             n, drive.layout, [drive.lengths(*lengths)],
             self._links(lengths, m, per_unit, are_ratios=True), needs,
             [[getattr(m, slide.position) * per_unit for slide in drive.slides]], [m.sine], unit,
-            {link: by_name[length] for link, length in drive.reversed.items()})))
+            {link: by_name[length] for link, length in drive.reversed.items()}, borne)))
+        for link in borne:
+            joint = drive.reactions['f41' if link == 'crank' else 'f43']
+            side, joint = -1.0 if joint.startswith('-') else 1.0, joint.lstrip('-')
+            force = needs[link].force * side
+            x, y = loads[f'{joint}_x'] + force.x, loads[f'{joint}_y'] + force.y
+            loads |= {f'{joint}_x': x, f'{joint}_y': y, joint: n.hypot(x, y)}
         loads |= self.corrected(n, constants, m, needs, loads)
 
         def named(name: str) -> Scalar:

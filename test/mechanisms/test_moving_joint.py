@@ -3,7 +3,7 @@
 """Four-bars driven at A or B: bags, change points, free motion, pictures."""
 
 from fourbar_lab.drawing.figure import make_figure
-from fourbar_ros import FourBar, MovingJointFourBar
+from fourbar_ros import Bodies, Body, FourBar, MovingJointFourBar
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.dynamics import simulate, System
 from fourbar_ros.scene.parameters import check
@@ -66,3 +66,23 @@ def test_pictures_name_the_torque_by_its_links():
         words = [text.get_text() for text in make_figure(
             linkage, *linkage.step(2.0, 3.0)).axes[0].texts]
         assert f'${symbol}$' in words and any(f'drive ${symbol}$' in word for word in words)
+
+
+@pytest.mark.parametrize('joint', ['A', 'B'])
+def test_a_flywheel_on_a_pin_of_the_ground_leaves_all_but_that_pin_as_it_is(joint):
+    """Its weight is borne there; in the sum of forces it cost 5e8 eps of f21 and f32."""
+    rod, rng = Body(1.0, cg_along=0.3, cg_across=0.1, inertia=0.1), np.random.default_rng(2)
+    for _ in range(20):
+        lengths = rng.uniform(0.7, 1.2, 4).tolist()
+        low, high = MovingJointFourBar(*lengths, input=joint).input_ranges[0]
+        given = float(low + rng.uniform(0.2, 0.8) * (high - low)), 2.0, 1.0
+        for bodies, at_pin in ((Bodies(Body(1e6), rod, Body(0.0)), 'f41'),
+                               (Bodies(Body(0.0), rod, Body(1e6)), 'f43')):
+            light = Bodies(Body(0.0), rod, Body(0.0))
+            heavy, without = [MovingJointFourBar(
+                *lengths, input=joint, bodies=masses, gravity=(0.0, -9.81)).loads(*given)
+                for masses in (bodies, light)]
+            for name in {'f41', 'f21', 'f32', 'f43', 'driving_torque'} - {at_pin}:
+                assert getattr(heavy, name) == getattr(without, name)
+            assert getattr(heavy, f'{at_pin}_y') == pytest.approx(
+                getattr(without, f'{at_pin}_y') + 9.81e6, rel=2.0**-51)

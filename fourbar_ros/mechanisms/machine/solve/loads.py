@@ -19,7 +19,7 @@ dyads are solved from the last to the first, each a statically determinate syste
 Where the ground is a link of a dyad and the frame moves, the ground needs the loads that hold all
 other links,
 
-    (L2)  f, m of the ground = shaking force and moment
+    (L2)  f, m of the ground = shaking force and moment, but for forces that it bears itself
 
 A dyad adds its forces to the *needs* of the links on which it hangs: the force f and the moment
 m about its first joint that the joints of a link must add up to. The force D of a
@@ -51,7 +51,7 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
@@ -86,25 +86,33 @@ def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
 def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                 curves: Mapping[str, LinkMotion], needs: dict[str, Needs],
                 slides: Sequence[Sequence[Scalar]], sines: Sequence[Scalar],
-                unit: Scalar = 1.0, lengths_of_reversed: Mapping[str, Scalar] = NONE_REVERSED
-                ) -> tuple[Scalar, ...]:
+                unit: Scalar = 1.0, lengths_of_reversed: Mapping[str, Scalar] = NONE_REVERSED,
+                borne: Collection[str] = ()) -> tuple[Scalar, ...]:
     """
     Return the fields of :func:`.structure.load_fields`.
 
     ``curves``, ``needs``: of the moving links by name, curves at unit rate of the input;
     ``slides``, ``sines``: of each dyad; ``unit``: of lengths [m], so that moments are in N unit.
     ``lengths_of_reversed``: of links that the machine takes from their other joint on.
+    ``borne``: links on first joints that the ground holds, if that moves in the frame. The force
+    that such a link needs is borne there; it is left out of all forces of joints, where a weight
+    on O1 would spoil those at A.
     """
     drive = shake_x = shake_y = shaking_moment = 0.0
+    of_ground = Needs(Vector(0.0, 0.0), 0.0)
     for link, (force, moment) in needs.items():
         curve = curves[link]
         drive = drive + (force.x * curve.v_x + force.y * curve.v_y + moment * curve.omega)  # (L1)
         shake_x, shake_y = shake_x - force.x, shake_y - force.y
-        shaking_moment = shaking_moment - (moment + curve.x * force.y - curve.y * force.x)
+        about_O1 = moment + curve.x * force.y - curve.y * force.x
+        shaking_moment = shaking_moment - about_O1
+        of_ground = (Needs(of_ground.force, of_ground.moment - moment) if link in borne
+                     else Needs(of_ground.force - force, of_ground.moment - about_O1))   # (L2)
     drive = unit * drive
     directions = {link: Vector(curve.cosine, curve.sine) for link, curve in curves.items()}
     directions[GROUND] = AXIS
-    needs = {**needs, GROUND: Needs(Vector(shake_x, shake_y), shaking_moment)}          # (L2)
+    needs = {**needs, GROUND: of_ground,
+             **{link: Needs(Vector(0.0, 0.0), needs[link].moment) for link in borne}}
     for link, length in lengths_of_reversed.items():
         force, moment = needs[link]
         needs[link] = Needs(force, moment - length * directions[link].cross(force))
