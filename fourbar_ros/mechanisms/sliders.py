@@ -13,17 +13,14 @@ of the output, relative errors of the lengths -> its error [rad or m], is exact:
           (a1 |a1 - a4 cos theta1| + a4 |a4 - a1 cos theta1| + offset^2) / (a1 a4 |sin theta1|)
     (C4)  yoke: a1 |cos theta1|; of a driven slide 1 / |tan theta1|
 
-Reactions of an inverted one whose slide is driven come from the ground. In the frame of the bar,
-joint forces that grow as one over the sine of the toggle cancel in the guide force (137 eps times
-the condition and more), and a weight on O1 in the force at A. Block and bar are one rod r2 e2 from
-O4 to A. It and the crank need the moments m2 about O4 and m1 about O1, and the force F of the
-block on the crank follows as of RRR. Along and across the bar, with the slide s, the offset h, the
-force f that the block needs, and the moment m of block and bar each about its own joint, so that
-m2 = m + s f_across - h f_along,
+The guide force of an inverted one whose slide is driven comes from moments: in the sum of forces,
+those that grow as one over the sine of the toggle would cancel, next to it to 137 eps times the
+condition and more. With the force F of the block on the crank, the slide s and the offset h, the
+force f that the block needs, along and across the bar, and the moment m that block and bar need,
+each about its own joint,
 
-    (I1)  p = r2 F.e2 = ((m1 + m2/2) r2^2 + m2/2 (a1^2 - a4^2)) / (a1 a4 sin theta1)
-          r2^2 F = (s p + h m2, h p - s m2),   r2^2 = s^2 + h^2
-    (I2)  guide force = (h (h f_across + s f_along + p) - s m) / r2^2
+    (I1)  p = F . (A - O4)
+    (I2)  guide force = (h (h f_across + s f_along + p) - s m) / (s^2 + h^2)
 """
 from __future__ import annotations
 
@@ -304,28 +301,21 @@ class InvertedSlider(OffsetSlide):
     def corrected(self, n: NumberType, constants: Constants, m: parts.NamedFields,
                   needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
                   ) -> Mapping[str, Scalar]:
-        """Return the forces of a driven slide from moments about O1 and O4."""
+        """Return the force between bar and block of a driven slide, from moments."""
         # of linkages with masses alone
         from fourbar_ros.numerics.vectors import Vector
         if self.input == CRANK:
             return {}
-        (f1, m1), (f, m_block), (f_bar, m_bar) = [needs[link] for link in kind.LINKS]
-        per_unit, bar = 1.0 / n.power_of_two(*constants.lengths), Vector(m.cos_y, m.sin_y)
-        s, (a1, a4, h) = m.slide * per_unit, [length * per_unit for length in constants.lengths]
-        f_along, f_across, moment = f.dot(bar), bar.cross(f), m_bar + m_block
-        square = s * s + h * h
-        m2 = moment + s * f_across - h * f_along
-        p = ((m1 + 0.5 * m2) * square + 0.5 * m2 * ((a1 - a4) * (a1 + a4))) / (
-            a1 * a4 * m.sin_x)                                                             # (I1)
-        on_crank = (bar * (s * p + h * m2) + bar.normal * (h * p - s * m2)) / square
-        guide = (h * (h * f_across + s * f_along + p) - s * moment) / square               # (I2)
-        on_block = bar * loads['driving_force'] + bar.normal * guide
-        corrected = {'base_normal': guide}
-        for joint, force in (('dyad_first', on_crank), ('dyad_inner', f1 - on_crank),
-                             ('base', on_block), ('dyad_second', -f_bar - on_block)):
-            corrected |= {f'{joint}_x': force.x, f'{joint}_y': force.y,
-                          joint: n.hypot(force.x, force.y)}
-        return corrected
+        (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)
+        per_unit = 1.0 / n.power_of_two(*constants.lengths)
+        s, h = m.slide * per_unit, constants.lengths[2] * per_unit
+        on_crank = Vector(loads['dyad_first_x'], loads['dyad_first_y'])
+        p = on_crank.dot(bar * s + bar.normal * h)                                         # (I1)
+        guide = (h * (h * bar.cross(f) + s * f.dot(bar) + p)
+                 - s * (m_block + m_bar)) / (s * s + h * h)                                # (I2)
+        force = bar * loads['driving_force'] + bar.normal * guide
+        return {'base_x': force.x, 'base_y': force.y, 'base': n.hypot(force.x, force.y),
+                'base_normal': guide}
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
