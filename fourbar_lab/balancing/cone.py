@@ -178,8 +178,10 @@ def _least(sites: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweig
     """
     Return the counterweights for the least t with |B_k p| <= t, and the bound (G3) of t.
 
-    ``blocks``, shape (k, components, 4 links): the matrices B_k.
+    ``blocks``, shape (k, components, MOMENTS * links): the matrices B_k; ``mass``: the most that
+    may be added [kg].
     """
+    # 1. the cones |B_k p| <= t, with loads and masses of about one and t as the last unknown
     unbalanced = blocks @ sites.loads.given                     # (k, components)
     largest = float(np.linalg.norm(unbalanced, axis=1).max())
     scale = largest if largest != 0.0 else 1.0
@@ -192,16 +194,17 @@ def _least(sites: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweig
         rows.append((A, np.append(0.0, constant), 'second order'))
     solution = sites.solved((LIGHT, 1.0), rows, mass / share)
     assert solution is not None                 # no added mass is always a solution
-    added, prices = solution
-    # within the radii and the mass, without the solver's tolerance
+    added, prices = solution        # prices: the dual variables of the cones
+    # 2. the solver keeps limits to its tolerance: here to the last bit, first the mass, then the
+    # radii (a place without mass has 0/0 and keeps its zeros), last the moments of inertia
     total = share * added[::MOMENTS].sum()
     added *= min(1.0, mass / (total if total != 0.0 else 1.0))
     m, x, y, inertia = added.reshape(-1, MOMENTS).T
     with np.errstate(divide='ignore', invalid='ignore'):
         added.reshape(-1, MOMENTS)[:, 1:3] *= np.fmin(1.0, m / np.hypot(x, y))[:, None]
     added[MOMENTS - 1::MOMENTS] = np.minimum(inertia, m)
-    # (G3): the sizes of the directions u_k have the sum one but for the solver's tolerance, and
-    # less where no load remains
+    # 3. the bound (G3) holds for any directions u_k whose sizes have a sum of one at most, so
+    # whatever the solver's tolerance; prices have that sum, and less where no load remains
     u = -np.array([price[1:] for price in prices])
     u = u / max(float(np.linalg.norm(u, axis=1).sum()), 1.0 - ENOUGH)
     slope = np.einsum('kc,kcp->p', u, blocks)

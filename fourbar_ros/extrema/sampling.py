@@ -28,9 +28,10 @@ from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.trace import flat
 import numpy as np
 
-# Distances from a flat position, in the unit of the input: a quantity that grows from the first to
-# the second as one over them has a pole there. No size of a float is below the last.
-FAR, NEAR, SMALLEST = 2.0**-30, 2.0**-36, 2.0**-1022
+# Pairs of distances from a flat position, in the unit of the input: a quantity that grows from one
+# to the other as one over them has a pole there. The first pair sees poles well above rounding, the
+# second weak ones. No size of a float is below SMALLEST.
+FAR, NEAR, SMALLEST = (2.0**-20, 2.0**-30), (2.0**-26, 2.0**-36), 2.0**-1022
 # So near to a limit that is a change point errors of accelerations are eps over the third power of
 # the distance [in the unit of the input].
 BESIDE_DOUBLE_ROOTS = 2.0**-6
@@ -184,12 +185,13 @@ class Sampler:
     def poles(self) -> list[tuple[float, ...]]:
         """Return for each quantity the flat positions of a change point at which it has a pole."""
         flats = np.array(self.linkage.flat_inputs)
-        x = (flats[:, None] / self.unit + np.array((FAR, -FAR, NEAR, -NEAR))).ravel()
+        x = np.add.outer(flats / self.unit, np.concatenate((FAR, np.negative(FAR), NEAR,
+                                                            np.negative(NEAR)))).ravel()
         _, noise, _ = type(self)(self.linkage, self.quantities, self.rates,
                                  self.linkage.flat_inputs).errors(x, self.state(x))
-        size, noise = (part.reshape(-1, flats.size, 4)
+        size, noise = (part.reshape(-1, flats.size, 8)
                        for part in (np.abs(self.values(x)), noise))
-        grows = (size[..., 2:] > 4.0 * size[..., :2]) & (size[..., 2:] > 16.0 * noise[..., 2:])
+        grows = (size[..., 4:] > 4.0 * size[..., :4]) & (size[..., 4:] > 16.0 * noise[..., 4:])
         return [tuple(flats[is_pole].tolist()) for is_pole in np.any(grows, axis=-1)]
 
     def values(self, x: Array) -> Array:

@@ -196,22 +196,30 @@ class FourBar(FourBarLinks):
 
     def stalls(self, side: float) -> Iterator[DeadPoint]:
         """
-        Yield where theta4 turns back on a side of the dyad, up to two points.
+        Yield the dead points, up to two, at which the dyad is on a side: the sign of sin(mu).
 
-        Crank and coupler are in line there, so that |O1 B| is |a1 + a2| (stretched) or |a1 - a2|
-        (folded), in the triangle of that side, a3 and a4.
+        Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
+        a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the
+        half angles at O1 and O4 follow by the law of cosines,
+
+            (DP1) tan^2(theta1/2) = (a3^2 - (r - a4)^2) / ((r + a4)^2 - a3^2)
+            (DP2) tan^2(theta4/2) = ((a3 + a4)^2 - r^2) / (r^2 - (a4 - a3)^2)
         """
         a1, a2, a3, a4 = self.lengths
         for stretched, coupler in ((True, a2), (False, -a2)):
-            # 4 (a1 + coupler) a4 times sin^2, cos^2 of half the angle at O1
-            sine = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
-            cosine = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
-            if sine * cosine > 0.0:         # both are negative where B lies behind O1
+            # products of exact sums, in which a1 + coupler is r: they keep their digits where the
+            # triangle is nearly flat; both are negative where r is
+            over = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
+            under = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
+            if over * under > 0.0:          # else there is no triangle
+                # folded, the coupler points back and B is on the other side of the crank
                 sign = side if stretched else -side
-                theta1 = sign * 2.0 * atan2(sqrt(abs(sine)), sqrt(abs(cosine)))
+                theta1 = sign * 2.0 * atan2(sqrt(abs(over)), sqrt(abs(under)))         # (DP1)
+                # behind O1, crank and rocker are on two sides of the ground
                 sign = sign if a1 + coupler > 0.0 else -sign
-                theta4 = sign * 2.0 * atan2(sqrt(difference_of_squares(a3, a4, a1, coupler)),
-                                            sqrt(difference_of_squares(a1, coupler, a4, -a3)))
+                theta4 = sign * 2.0 * atan2(                                           # (DP2)
+                    sqrt(difference_of_squares(a3, a4, a1, coupler)),
+                    sqrt(difference_of_squares(a1, coupler, a4, -a3)))
                 yield DeadPoint(theta1, theta4, stretched)
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:

@@ -259,7 +259,11 @@ class Trace:
 
     @cached_property
     def switches(self) -> frozenset[int]:
-        """Return the indices of conditions of data alone that choose between what inputs move."""
+        """
+        Return the indices of conditions of data alone that choose between numbers of inputs.
+
+        In formulas of linkages each is true for change points only.
+        """
         return frozenset([step.arguments[0] for index, step in enumerate(self.steps)
                           if step.operation == 'where' and index in self.varies
                           and step.arguments[0] not in self.varies])
@@ -276,16 +280,24 @@ class Trace:
 
     @cached_property
     def unswitched(self) -> Trace:
-        """Return the trace for data by which no switch is true, without what they choose then."""
+        """
+        Return the trace for data by which all switches are false, of the same indices.
+
+        Without the numbers that a true switch would choose: most mechanisms are no change points,
+        and their code is as if these had no formulas of their own.
+        """
+        # x - x stays, which arrays need to be NaN out of reach
         simple = self.simplified({**self.literals(), **dict.fromkeys(self.switches, 0.0)},
                                  keeps_nan=True)
+        # simplified() keeps steps that may refuse their arguments, as a division does. Those that
+        # only a true switch needed go too: with them a pose could be refused that is regular.
         needed = set(simple.needed(flat(simple.results)))
         left_out = set(self.needed(flat(self.results))) - needed
-        for index, step in enumerate(simple.steps):
+        for index, step in enumerate(simple.steps):         # arguments stand before their step
             if not step.is_given and (index in left_out
                                       or not left_out.isdisjoint(step.arguments)):
                 left_out.add(index)
-                simple.steps[index] = NOTHING       # nor need it refuse its arguments
+                simple.steps[index] = NOTHING
         return simple
 
     def constants(self, data: Sequence[float],
