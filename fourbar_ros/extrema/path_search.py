@@ -44,10 +44,6 @@ SMALLEST = 2.0**-1022
 # Distance from a root at which slopes tell a kink from a smooth minimum, in samples; how small the
 # value is then beside that of a sample.
 KINK, DEEP = 2.0**-12, 2.0**-12
-# Part of a square that a step leaves over, below which it has lost its digits: beside a kink.
-MOSTLY_CANCELLED = 2.0**-12
-# Distance of samples, in the path's unit, below which the rounding of an input moves a value.
-NARROW = 2.0**-10
 # How far from an extremum a quantity is evaluated with many digits to confirm it, in samples.
 BESIDE = 2.0**-6
 # Step in theta1 for the curvature, in distances of samples, at least.
@@ -178,34 +174,23 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
         """Return the slopes (or those of squares) and Newton steps for some of the brackets."""
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
-    def solved(which: Array) -> tuple[Array, Array]:
-        """Return the roots in some of the brackets, and the values there."""
-        root, step, value, slope = newton_roots(
-            newton, which, *(v[which] for v in (xa, xb, fa, guess)))
-        # the slope, of Q or where Q > 0 of Q^2/2, falls to 0 over the last step: by the mean
-        # slope, half of this one, Q changes by half of slope * step, Q^2 by twice that
-        change, is_of_square = slope * step, is_positive[which]
-        square = value * value - change
-        at_root = np.where(is_of_square, np.sqrt(np.maximum(square, 0.0)), value - 0.5 * change)
-        is_lost = is_of_square & (square < MOSTLY_CANCELLED * value * value)
-        near = np.flatnonzero(is_lost | (spacing[which] < NARROW))
-        if near.size:
-            at_root[near] = sampler.values(sampler.fold(root[near]))[
-                row[which[near]], np.arange(near.size)]
-        return root, at_root
+    def solved(which: Array) -> Array:
+        """Return the roots in some of the brackets."""
+        return newton_roots(newton, which, *(v[which] for v in (xa, xb, fa, guess)))[0]
 
-    root, value = solved(np.arange(row.size)) if row.size else (xa, xa)
+    root = solved(np.arange(row.size)) if row.size else xa
     which = np.flatnonzero(is_positive)
     if which.size:      # one that dips below zero between samples is no magnitude
         before, after = _beside(sampler, root[which], KINK * spacing[which], row[which])
         which = which[before * after > 0.0]
     if which.size:
         is_positive[which] = False
-        root[which], value[which] = solved(which)
+        root[which] = solved(which)
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
-        value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
+    # of the input as it is reported, where ``step`` has the same value
+    value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
                        for errors in (samples.rounding, samples.noise))
     return Roots(row, i, sense, root, spacing, value, rounding, noise)

@@ -29,8 +29,8 @@ from fourbar_ros.numerics.trace import flat
 import numpy as np
 
 # Pairs of distances from a flat position, in the unit of the input: a quantity that grows from one
-# to the other as one over them has a pole there. The first pair sees poles well above rounding, the
-# second weak ones. No size of a float is below SMALLEST.
+# to the other as one over them has a pole there. The first pair sees poles well above rounding,
+# the second weak ones. No size of a float is below SMALLEST.
 FAR, NEAR, SMALLEST = (2.0**-20, 2.0**-30), (2.0**-26, 2.0**-36), 2.0**-1022
 # So near to a limit that is a change point errors of accelerations are eps over the third power of
 # the distance [in the unit of the input].
@@ -231,9 +231,8 @@ class Sampler:
     def newton(self, x: Array, row: Array, spacing: Array,
                is_squared: Array) -> tuple[Array, ...]:
         """
-        Return the derivative of quantity ``row[i]`` at x[i], Newton's step to its zero, the value.
+        Return the derivative of quantity ``row[i]`` at x[i], and Newton's step to its zero.
 
-        The derivative comes last once more, for those who look back at the last step.
         ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
         """
         turn = self.TURN * spacing
@@ -241,7 +240,7 @@ class Sampler:
         value, slope = (part.reshape(2, -1) for part in both)
         here, there = np.where(is_squared, value * slope, slope)
         with np.errstate(divide='ignore', invalid='ignore'):
-            return here, here * turn / (there - here), value[0], here
+            return here, here * turn / (there - here)
 
     def exact(self, x: Array, row: Array) -> Array:
         """
