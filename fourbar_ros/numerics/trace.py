@@ -392,7 +392,12 @@ def _key(step: Step) -> Hashable:
 
 
 def _without(operation: str, values: Sequence[Recordable]) -> Recordable | None:
-    """Return the result of a sum or product with a float 0.0 or 1.0; None: it must be computed."""
+    """
+    Return the result of a sum or product with a float 0.0 or 1.0; None: it must be computed.
+
+    While a trace is written, of floats that stand in the formula; :func:`_passed` does the same in
+    a finished trace, for numbers that turn out to be known.
+    """
     if len(values) != 2 or isinstance(values[0], Number) and isinstance(values[1], Number):
         return None
     left, right = values
@@ -411,9 +416,11 @@ def _without(operation: str, values: Sequence[Recordable]) -> Recordable | None:
 
 def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     """
-    Return the argument that is the result of an operation which does nothing, or None.
+    Return the index of the argument that is the result of an operation which does nothing.
 
-    With the known ``values`` by index: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x.
+    With the known ``values`` by index: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x,
+    and a choice is what its known condition takes, or what it gives either way. None if it is
+    none of these, and where all is known: then it is computed.
     """
     operation, arguments = step.operation, step.arguments
     known = [values.get(i) for i in arguments]
