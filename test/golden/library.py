@@ -157,8 +157,7 @@ class Extrema:
         scene, linkage = scene_of(key)
         columns = {}
         for one in find_extrema(linkage, rate=rate_of(scene), acceleration=3.0):
-            sort = one.kind[:3] + {'limit': ' at a limit', 'one-sided': ' one-sided',
-                                   'interior': ''}[one.place]
+            sort = one.kind[:3] + {'limit': ' at a limit', 'interior': ''}[one.place]
             row = {'what': sort + ' global' * one.is_global, 'side': one.side,
                    'input': one.input, 'value': one.value,
                    'condition': float(f'{one.condition:.1e}'),
@@ -173,7 +172,7 @@ class Extrema:
         Return those of place and value: 1e3 eps of their condition, at least of one.
 
         Places of the general search are roots to about 1e-10 of the input. Conditions themselves
-        are rough: a factor of two. Below 1e-9 they are nothing, beyond 1 / eps the value is
+        are rough: a factor of two. Below 1e-9 they are nothing, beyond some 0.1 / eps the value is
         rounding and so is its condition.
         """
         found = {}
@@ -189,7 +188,7 @@ class Extrema:
                                for value, condition in zip(old[name],
                                                            old[f'{quantity}/value_condition'])]
             elif 'condition' in what:
-                found[name] = [known(value) + 1e-9 if value < 1.0 / EPS else math.inf
+                found[name] = [known(value) + 1e-9 if value < 0.1 / EPS else math.inf
                                for value in old[name]]
         return found
 
