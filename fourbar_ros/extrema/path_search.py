@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath
-from fourbar_ros.extrema.sampling import Sampler, Samples
+from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.newton import newton_roots, SMALL
 from fourbar_ros.numerics.roots import find_brackets, rises
@@ -38,9 +38,8 @@ NEIGHBOURS = 12
 NEARER = 2.0**-12
 # Growth of differences towards a pole, and their least share of the values: less may be rounding.
 GROWTH, SHARE = 1.5, 2.0**-10
-# Part of the bound of rounding errors that counts for an extremum; the least error of a value.
+# Part of the bound of rounding errors that counts for an extremum.
 PART_OF_NOISE = 0.25
-SMALLEST = 2.0**-1022
 # Distance from a root at which slopes tell a kink from a smooth minimum, in samples; how small the
 # value is then beside that of a sample.
 KINK, DEEP = 2.0**-12, 2.0**-12
@@ -176,7 +175,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
 
     def solved(which: Array) -> Array:
         """Return the roots in some of the brackets."""
-        return newton_roots(newton, which, *(v[which] for v in (xa, xb, fa, guess)))[0]
+        return newton_roots(newton, which, *(v[which] for v in (xa, xb, fa, guess)))
 
     root = solved(np.arange(row.size)) if row.size else xa
     which = np.flatnonzero(is_positive)

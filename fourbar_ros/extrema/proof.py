@@ -91,10 +91,8 @@ class Proof(NamedTuple):
             exist = len(left) + len(interior) - len(inside)
             return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
         coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, TOLERANCE
-        # paths may go beyond
-        turns = (0.0,) if self.linkage.is_driven_by_slide else (-2.0 * pi, 0.0, 2.0 * pi)
-        if self.linkage.period > 2.0 * pi:
-            turns = (*turns, -4.0 * pi, 4.0 * pi)
+        period = self.linkage.period        # of an angle, beyond which paths may go
+        turns = (0.0,) if period == inf else (-period, 0.0, period)
         for extremum in inside:
             part = next((part for part in left for turn in turns
                          if part.sense == extremum.sense and part.low - TOLERANCE <= extremum.x

@@ -42,7 +42,7 @@ from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Length
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, GROUND, THETA1, THETA2, THETA3, THETA4
 from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import exact_sum, Function, LEAST, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, Function, Scalar, TINY
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -63,7 +63,7 @@ def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: S
     """
     p, q, r1, r2 = lengths
     condition: Scalar = ((p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b))
-                         / (r2 * fabs(m[1]) + LEAST))                                      # (C1)
+                         / (r2 * fabs(m[1]) + TINY))                                      # (C1)
     return condition
 
 

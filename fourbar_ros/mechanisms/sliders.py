@@ -39,7 +39,7 @@ from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import exact_sum, LEAST, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import exact_sum, power_of_two, Scalar, TINY
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanics.newton_euler import Needs
@@ -161,7 +161,7 @@ class SliderCrank(OffsetSlide):
         """Return the error of the output, (C2)."""
         (a1, a2, offset), of_coupler, turn = lengths, coordinates[BETA], coordinates[THETA2]
         condition: Scalar = (a1 * fabs(turn[0]) + a2 + fabs(offset * of_coupler[1])) / (
-            (fabs(of_coupler[0]) if self.input == CRANK else a1 * fabs(turn[1])) + LEAST)
+            (fabs(of_coupler[0]) if self.input == CRANK else a1 * fabs(turn[1])) + TINY)
         return condition
 
     def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
@@ -277,7 +277,7 @@ class InvertedSlider(OffsetSlide):
         else:
             error = a1 * fabs(a1 - a4 * cosine) + a4 * fabs(a4 - a1 * cosine) + offset * offset
             size = a1 * a4 * fabs(sine)
-        condition: Scalar = error / (size + LEAST)
+        condition: Scalar = error / (size + TINY)
         return condition
 
     def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: DyadMotion

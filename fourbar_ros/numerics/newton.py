@@ -21,7 +21,7 @@ SAFETY = 64.0
 
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
-                 x: Array) -> list[Array]:
+                 x: Array) -> Array:
     """
     Return the root of a function in each bracket, to the last bits of x, all together.
 
@@ -32,16 +32,11 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     Parameters
     ----------
     function : callable
-        (x, row) -> f, the step f/f' (NaN: not known, so halve) and any other arrays.
+        (x, row) -> f, and the step f/f' (NaN: not known, so halve).
     row : ndarray
         The row of each bracket.
     xa, xb, fa, x : ndarray
         Where f changes its sign, its value at the first of them, and a first guess.
-
-    Returns
-    -------
-    list of ndarray
-        The roots; the last step to each; and the other arrays, at the root plus this step.
 
     """
     # A zero at an end may not be where the sign changes: it counts as positive.
@@ -49,7 +44,7 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
     positive: Array = fa >= 0.0
     width = last = xb - xa
     while True:
-        f, step, *state = function(x, row)
+        f, step = function(x, row)
         before = (f >= 0.0) == positive
         xa, xb = np.where(before, x, xa), np.where(before, xb, x)
         better = x - step
@@ -60,7 +55,7 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
                         xb - xa <= 2.0 * tolerance)
         done |= ~np.isfinite(f)              # overflow: no root to be found
         if done.all():
-            return [better, x - better, *state]
+            return np.asarray(better)
         last, x = np.where(done, last, np.abs(x - better)), np.where(done, x, better)
 
 

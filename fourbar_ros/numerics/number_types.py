@@ -37,8 +37,8 @@ _Choice = TypeVar('_Choice')
 SNAP = 4.0 * EPS
 # No other product of sums of lengths of about one is below it.
 NOTHING = 2.0**-500
-# Added to a size by which is divided, so that no float is zero there: it changes no other one.
-LEAST = 2.0**-1074
+# Added to a size before a division by it: only a size of zero is changed by it, to infinity.
+TINY = 2.0**-1074
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,8 +26,8 @@ def test_newton_in_a_bracket_against_brentq(function, derivative, low, high):
     truth = brentq(function, low, high, xtol=1e-15, rtol=4 * EPS, maxiter=1000)
     guess = 0.5 * (low + high)
     given = [np.array([v, v]) for v in (low, high, function(low), guess)]
-    many, *_ = newton_roots(lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))),
-                            np.arange(2), *given)
+    many = newton_roots(lambda x, row: tuple(np.array(v) for v in zip(*map(step, x))),
+                        np.arange(2), *given)
     # x^3 is flat
     tolerance = 1e-5 if abs(derivative(truth)) < 1e-4 else 1e-14 * max(1.0, abs(truth))
     assert np.abs(many - truth).max() <= tolerance
@@ -41,7 +41,7 @@ def test_a_zero_at_an_end_is_not_taken_for_the_change_of_sign(low, high, at_low)
         return f, f / (2.0 * np.sign(x) - 2.0 * x)
 
     given = [np.array([v]) for v in (low, high, at_low, 0.0)]
-    many, *_ = newton_roots(lambda x, row: step(x), np.arange(1), *given)
+    many = newton_roots(lambda x, row: step(x), np.arange(1), *given)
     assert abs(many[0]) == pytest.approx(2.0, rel=2 * EPS)
 
 

@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, 
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
-from fourbar_ros.numerics.number_types import LEAST, NumberType, Scalar
+from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
 Errors = tuple[Scalar, Scalar]
@@ -76,7 +76,7 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     beyond = half_angle(n, -z, sign * sides.cos_2, True)
     half = turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
     error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
-        n.fabs(sides.sin_2) + LEAST)                                                     # (V6)
+        n.fabs(sides.sin_2) + TINY)                                                      # (V6)
     square = per * per
     return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
                              sides.dd_theta2 * square),
@@ -97,7 +97,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     fabs, (reach_p, reach_q), sizes = n.fabs, lengths.reach, lengths.sizes
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
-    both, per = at_p + at_q, 1.0 / (fabs(moved.sine) + LEAST)
+    both, per = at_p + at_q, 1.0 / (fabs(moved.sine) + TINY)
     if stage.kind == 'RRR':                                                               # (V2)
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
@@ -108,7 +108,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
         return (at_p, shift / r1), (at_p + r1 + shift, second[1])
     if stage.kind == 'RPR':                                                               # (V4)
         offset = sizes[0]
-        turn = (both + fabs(offset)) / (fabs(slide) + LEAST)
+        turn = (both + fabs(offset)) / (fabs(slide) + TINY)
         return (at_p, turn), (at_q, turn)
     other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
     turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V5)
