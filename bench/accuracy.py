@@ -43,7 +43,7 @@ def ours(linkage, given):
 def by_plain(linkage, given):
     """Return the same by the equations of the paper."""
     # its mode is a side, that of the library a branch
-    mode = 2 if linkage.motion(*given).sin_mu > 0.0 else 1
+    mode = 1 if np.sin(linkage.motion(*given).theta3) > 0.0 else 2
     m = plain.motion(linkage.lengths, *given, mode)
     try:
         forces = plain.loads(linkage.lengths, linkage.bodies, m, linkage.gravity)
