@@ -45,6 +45,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     TRAJECTORIES,
     wrench_topic,
 )
+from fourbar_ros.scene.units import UNITS  # noqa: E402
 
 DOCS, MESSAGE = ROOT / 'docs', ROOT / 'msg_defs/msg/LinkageLoads.msg'
 COMMON = 3              # so many verbs share an argument that is listed once
@@ -119,6 +120,7 @@ def reference_tables():
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))
                              for q in (*QUANTITIES.values(), *POSITIONS.values())]),
+        'units': table(('SI', 'units'), [(si, ', '.join(units)) for si, units in UNITS.items()]),
         'messages': messages(),
     }
 

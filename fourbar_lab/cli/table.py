@@ -9,7 +9,16 @@ import sys
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_output, add_rates, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.cli.common import (
+    add_csv,
+    add_output,
+    add_rates,
+    add_scene,
+    add_verb,
+    csv_style,
+    PICTURE_HELP,
+    Verbs,
+)
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
@@ -23,6 +32,8 @@ examples:
   fourbar table paper -o paper.csv                       all that has a name
   fourbar table paper --speeds 0rpm 600rpm -o servo.csv
   fourbar table paper theta4 --speed 300rpm --samples 73 -o every_5_degrees.csv
+  fourbar table slider_crank slide f41 --units mm,deg,kN --digits 6 --excel -o excel.csv
+  fourbar table paper theta4 -o - | head
 """
 PLOT = """\
 examples:
@@ -34,12 +45,14 @@ examples:
 def add(verbs: Verbs) -> None:
     table = add_verb(verbs, 'table', 'quantities over the input as CSV',
                      'Write quantities over all of the input, a row for each sample. Angles are '
-                     'in degrees,\nall else is in SI.', TABLE)
-    _add_arguments(table, 'table to write: .csv', '.csv', 'default all')
+                     'in degrees,\nall else is in SI, or in --units.', TABLE)
+    _add_arguments(table, 'table to write: .csv, or - for standard output', '.csv', 'default all')
     table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
                             'mean square and peak of its torque, peak of its power')
+    add_csv(table, 'units of the columns that measure the same: mm,deg,rpm,N mm,kW; default: deg '
+                   'for angles, SI')
     table.set_defaults(run=_table)
     plot = add_verb(verbs, 'plot', 'quantities over the input as a picture',
                     'Draw quantities over all of the input, one pair of axes for each unit.\n'
@@ -62,19 +75,22 @@ def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) ->
 
 def _table(arguments: Namespace) -> None:
     """Write all quantities, or those asked for, or what the drive must give at some speeds."""
-    from fourbar_lab.drawing.curves import curves_of, envelope_of, write_table
+    from fourbar_lab.drawing.curves import curves_of, envelope_of, UNITS, write_table
+    from fourbar_ros.spreadsheet import STDOUT
     scene, linkage, speed = asked(arguments)
+    units = UNITS | arguments.units
     if arguments.speeds:
         if arguments.names:
             raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
         for each in arguments.speeds:
             require('--speeds', each, f'{linkage.input_coordinate.unit}/s')
-        curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration)
+        curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration, units)
     else:
         curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
-                           arguments.samples)
-    write_table(curves, arguments.out)
-    print(arguments.out)
+                           arguments.samples, units)
+    write_table(curves, arguments.out, csv_style(arguments))
+    if arguments.out != STDOUT:
+        print(arguments.out)
     _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
 
 

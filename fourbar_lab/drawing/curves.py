@@ -3,9 +3,7 @@
 """Quantities over the input of a mechanism, as a table with a row for each input, or a figure."""
 from __future__ import annotations
 
-from collections.abc import Sequence
-import csv
-import io
+from collections.abc import Mapping, Sequence
 from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
@@ -22,6 +20,8 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.units import in_unit
+from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceler
 SPEEDS = 25         # in a table over the speed
 SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
 OF_DRIVE = 'inertia', 'bias'        # by name alone
+UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
 
 
 class Curves(NamedTuple):
@@ -42,22 +43,24 @@ class Curves(NamedTuple):
 
     title: str
     names: tuple[str, ...]
-    units: tuple[str, ...]      # angles in degrees
+    units: tuple[str, ...]
     values: Array               # (columns, rows); a row of NaN between two ranges of the input
     symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
     period: float = inf         # of an input that is an angle [deg]
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
-              acceleration: float = 0.0, samples: int = 361) -> Curves:
+              acceleration: float = 0.0, samples: int = 361,
+              shown_units: Mapping[str, str] = UNITS) -> Curves:
     """
     Return quantities of a scene over all ranges of its input, at one speed and acceleration.
 
     ``names``: fields of motion or loads, NAME.speed and NAME.acceleration of the scene's points,
     or J and b of the drive's T = J alpha + b as ``inertia`` and ``bias``; empty: all but these,
     loads only with masses. ``linkage`` is the scene's in the assembly mode wanted; ``samples`` are
-    the inputs in each range. UnknownQuantity, with the nearest name; InvalidParameter for a load
-    without masses, or if a quantity overflows.
+    the inputs in each range; ``shown_units``: {SI unit: unit of the columns that measure the
+    same}. UnknownQuantity, with the nearest name; InvalidParameter for a load without masses, or
+    if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads = linkage.LOADS._fields
@@ -95,15 +98,21 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     for name, column in zip(columns, values):
         if not np.isfinite(column).any():
             raise InvalidParameter('speed', speed, f'too large: {name} overflows')
-    shown_units = [coordinate.unit, *(units[name] for name in wanted)]
-    for i, unit in enumerate(shown_units):
-        if unit == 'rad':
-            shown_units[i], values[i] = 'deg', np.degrees(values[i])
-    if linkage.turns_fully:
-        values[0] = values[0].round(10)         # whole degrees, for who looks up 60
     rates = rates_in_words(linkage, speed, acceleration, ', ')
-    return Curves(f'{linkage.description} at {rates}', columns, tuple(shown_units), values,
-                  symbols_of(linkage, columns), degrees(linkage.period))
+    curves = _in_units(Curves(
+        f'{linkage.description} at {rates}', columns,
+        (coordinate.unit, *(units[name] for name in wanted)), values,
+        symbols_of(linkage, columns), degrees(linkage.period)), shown_units)
+    if linkage.turns_fully and curves.units[0] == 'deg':
+        curves.values[0] = curves.values[0].round(10)       # whole ones, for who looks up 60
+    return curves
+
+
+def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
+    """Return curves in SI with their columns in other units."""
+    units = tuple(shown_units.get(unit, unit) for unit in curves.units)
+    return curves._replace(units=units, values=np.array(
+        [in_unit(*column) for column in zip(curves.values, curves.units, units)]))
 
 
 class Effort(NamedTuple):
@@ -161,7 +170,7 @@ def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration
 
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
-                acceleration: float = 0.0) -> Curves:
+                acceleration: float = 0.0, shown_units: Mapping[str, str] = UNITS) -> Curves:
     """Return the effort of the drive over the speed of the input, from one speed to another."""
     unit = linkage.input_coordinate.unit
     force = 'N' if linkage.is_driven_by_slide else 'N m'
@@ -170,8 +179,9 @@ def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
     columns = 'speed', *[f'{name}{efforts[0].how}'
                          for name in ('root_mean_square', 'peak', 'peak_power')]
     rows = [(speed, *effort[:3]) for speed, effort in zip(steps, efforts)]
-    return Curves(f'drive of {linkage.description}', columns, (f'{unit}/s', force, force, 'W'),
-                  np.array(rows).T, columns)
+    return _in_units(Curves(f'drive of {linkage.description}', columns,
+                            (f'{unit}/s', force, force, 'W'), np.array(rows).T, columns),
+                     shown_units)
 
 
 def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -226,21 +236,27 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     return units
 
 
-def write_table(curves: Curves, path: Path) -> None:
-    """Write a table as a CSV file; CannotDraw for another suffix, or if it cannot be written."""
+def write_table(curves: Curves, path: Path, style: CsvStyle) -> None:
+    """
+    Write a table as a CSV file, or ``-``, standard output.
+
+    CannotDraw for another suffix, or if it cannot be written.
+    """
+    if path == STDOUT:
+        style.save(path, *rows_of(curves))
+        return
     if path.suffix != '.csv':
-        raise CannotDraw(f'{path}: must end in .csv')
+        raise CannotDraw(f'{path}: must end in .csv, or be - for standard output')
     with writing(path):
-        path.write_text(csv_of(curves), encoding='utf-8', newline='')
+        style.save(path, *rows_of(curves))
 
 
-def csv_of(curves: Curves) -> str:
-    """Return a table as the text of a CSV file: names with units, then a row for each input."""
-    text = io.StringIO()
-    heads = [f'{name} [{unit}]' for name, unit in zip(curves.names, curves.units)]
-    rows = curves.values.T[np.isfinite(curves.values[0])]       # without gaps between ranges
-    csv.writer(text).writerows([heads, *rows.tolist()])
-    return text.getvalue()
+def rows_of(curves: Curves) -> tuple[list[str], list[list[float]]]:
+    """Return a table as names with units, and a row for each input."""
+    heads = [f'{name} [{unit}]' if unit else name
+             for name, unit in zip(curves.names, curves.units)]
+    # without gaps between ranges
+    return heads, curves.values.T[np.isfinite(curves.values[0])].tolist()
 
 
 def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = ()) -> Figure:

@@ -5,20 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-import re
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_ros.bag.reader import Bag, Progress
-from fourbar_ros.bag.tables import table_of
+from fourbar_ros.bag.tables import table_of, unit_of, units_in
 from fourbar_ros.errors import BagError, nearest
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.figure import Figure
-
-_UNIT = re.compile(r'^\s*\S+\s+(\w+)\s*#\s*\[([^\]]+)\]', re.M)    # float64 f41  # [N] ...
 
 
 def make_figure(path: str | Path, names: Sequence[str], progress: Progress | None = None,
@@ -75,9 +72,8 @@ def _read(bag: Bag, names: Sequence[str] | dict[str, None]) -> dict[str, Recorde
             raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
         stamps, values = map(np.concatenate, zip(*pieces))
         order = np.argsort(stamps, kind='stable')
-        units = dict(_UNIT.findall(bag.definition_of(topics[name])))
         curves[name] = (stamps[order], values[order],
-                        units.get(name.rpartition('.')[2].partition('[')[0], ''))
+                        unit_of(name, units_in(bag, topics[name])))
     return curves
 
 

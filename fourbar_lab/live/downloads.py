@@ -8,12 +8,13 @@ from html import escape
 import json
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.curves import csv_of
+from fourbar_lab.drawing.curves import rows_of
 from fourbar_lab.live.model import Shown
 from fourbar_lab.live.picture import document, mechanism_svg, traces_svg, USUAL
 from fourbar_lab.live.svg import HEIGHT, PRINTED_STYLE, WIDTH
 from fourbar_lab.live.tables import extrema_rows
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.spreadsheet import CsvStyle
 from nicegui import run, ui
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def picture(page: Page) -> str:
 
 def cycle_csv(shown: Shown) -> str:
     """Return the table of ``fourbar table`` as CSV: angles in degrees, all else in SI."""
-    return csv_of(shown.curves())
+    return CsvStyle().text(*rows_of(shown.curves()))
 
 
 def html(page: Page) -> str:

@@ -3,9 +3,9 @@
 """Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-import csv
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
+import re
 from typing import Any
 
 from fourbar_ros.bag.metadata import folder_beside
@@ -13,24 +13,31 @@ from fourbar_ros.bag.reader import Bag, Columns, Progress
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.optional import MissingPackage
+from fourbar_ros.scene.units import in_unit, UNITS
+from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
 FORMATS = ('csv', 'npz', 'parquet')
 TopicTable = dict[str, Array]
+# float64 f41  # [N] ...
+FIELD = re.compile(r'^[ \t]*[^#\s]\S*[ \t]+(\w+)[ \t]*(?:#[ \t]*\[([^\]]+)\])?', re.M)
 
 
 def export(path: str | Path, out: str | Path, kind: str | None = None,
            topics: Collection[str] | None = None, progress: Progress | None = None,
-           tell: Callable[[str], object] | None = None) -> dict[str, int]:
+           tell: Callable[[str], object] | None = None, style: CsvStyle = CsvStyle(),
+           units: Mapping[str, str] | None = None) -> dict[str, int]:
     """
     Write each topic of a bag as a table; return {table: rows}.
 
     ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
-    one topic; ``kind``: one of FORMATS, by default by the ending of ``out``, csv for a folder. The
-    columns are log_time [ns], header.stamp [ns] and the fields, each item of an array, but not
-    arrays of bytes. ``out`` appears only when it is complete. Topics that are not named and
-    whose messages are not known here, as JSON, are left out; ``tell`` is called with a line for
-    each. Raises BagError; MissingPackage without pyarrow.
+    one topic, or ``-``, which prints it as CSV; ``kind``: one of FORMATS, by default by the ending
+    of ``out``, csv for a folder. The columns are log_time [ns], header.stamp [ns] and the fields,
+    each item of an array, but not arrays of bytes. ``out`` appears only when it is complete.
+    Topics that are not named and whose messages are not known here, as JSON, are left out;
+    ``tell`` is called with a line for each. ``style``: of CSV. ``units``: {SI unit: unit in which
+    to write what measures the same}; columns whose unit the definition of their message tells
+    then have it behind their name. Raises BagError; MissingPackage without pyarrow.
     """
     bag, out = Bag(path, progress), Path(out)
     ending = out.suffix.removeprefix('.')
@@ -41,13 +48,19 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
             raise BagError(f'{topic}: not in the bag; it has {", ".join(sorted(bag.types))}')
     if not names:
         raise BagError(f'{path}: holds no topic that can be read')
-    is_file = ending == kind
+    if kind != 'csv' and (out == STDOUT or style != CsvStyle()):
+        raise BagError(f'{out}: standard output, digits and Excel are for csv, not {kind}')
+    is_file = ending == kind or out == STDOUT
     if is_file and kind != 'npz' and len(names) != 1:
         raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')
-    if out.exists():
+    if out.exists() and out != STDOUT:
         raise BagError(f'{out}: exists already')
-    tables = _tables(bag, names)
+    tables = _tables(bag, names, units)
     bag.refuse_damage()
+    if out == STDOUT:
+        for table in tables.values():
+            _write_csv(out, table, style)
+        return {name: len(table['log_time']) for name, table in tables.items()}
     with folder_beside(out) as folder:
         if kind == 'npz':
             arrays: Any = {f'{name}/{column}': values for name, table in tables.items()
@@ -55,8 +68,11 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
             np.savez(folder / 'all.npz', **arrays)
         else:
             for name, table in tables.items():
-                write = _write_csv if kind == 'csv' else _write_parquet
-                write(folder / f'{name}.{kind}', table)
+                file = folder / f'{name}.{kind}'
+                if kind == 'csv':
+                    _write_csv(file, table, style)
+                else:
+                    _write_parquet(file, table)
         (next(folder.iterdir()) if is_file else folder).rename(out)
     return {name: len(table['log_time']) for name, table in tables.items()}
 
@@ -77,12 +93,47 @@ def _decoded(bag: Bag, tell: Callable[[str], object]) -> list[str]:
     return names
 
 
-def _tables(bag: Bag, topics: Collection[str]) -> dict[str, TopicTable]:
+def _tables(bag: Bag, topics: Collection[str], units: Mapping[str, str] | None
+            ) -> dict[str, TopicTable]:
     """Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state."""
     parts: dict[str, list[TopicTable]] = {}
     for columns in bag.columns(topics):
         parts.setdefault(columns.topic, []).append(table_of(columns))
-    return {topic.strip('/').replace('/', '.'): _joined(tables) for topic, tables in parts.items()}
+    tables = {topic: _joined(tables) for topic, tables in parts.items()}
+    if units is not None:
+        tables = {topic: dict(_in_units(table, units_in(bag, topic), units))
+                  for topic, table in tables.items()}
+    return {topic.strip('/').replace('/', '.'): table for topic, table in tables.items()}
+
+
+def units_in(bag: Bag, topic: str) -> dict[str, str]:
+    """
+    Return {field: unit} by the comments in the definition of a topic's messages.
+
+    A field is named without the messages around it; where some of a name differ, it has no unit.
+    """
+    units: dict[str, str] = {}
+    for field, unit in FIELD.findall(bag.definition_of(topic)):
+        if units.setdefault(field, unit) != unit:
+            units[field] = ''
+    return units
+
+
+def unit_of(column: str, units: Mapping[str, str]) -> str:
+    """Return the unit of a column as ``f21.x`` or ``position[crank]``; '' if nothing tells it."""
+    return units.get(column.partition('[')[0].rpartition('.')[2], '')
+
+
+def _in_units(table: TopicTable, known: Mapping[str, str], units: Mapping[str, str]
+              ) -> Iterator[tuple[str, Array]]:
+    """Yield the columns of a table in other units, which stand behind their names."""
+    for column, values in table.items():
+        si = unit_of(column, known)
+        if si in UNITS:
+            unit = units.get(si, si)
+            yield f'{column} [{unit}]', in_unit(values, si, unit)
+        else:
+            yield column, values
 
 
 def table_of(columns: Columns) -> TopicTable:
@@ -120,11 +171,8 @@ def _joined(parts: list[TopicTable]) -> TopicTable:
     return {name: values[order] for name, values in joined.items()}
 
 
-def _write_csv(path: Path, table: TopicTable) -> None:
-    with open(path, 'x', newline='', encoding='utf-8') as file:
-        writer = csv.writer(file)
-        writer.writerow(table)
-        writer.writerows(zip(*(values.tolist() for values in table.values())))
+def _write_csv(path: Path, table: TopicTable, style: CsvStyle) -> None:
+    style.save(path, table, zip(*(values.tolist() for values in table.values())))
 
 
 def _write_parquet(path: Path, table: TopicTable) -> None:

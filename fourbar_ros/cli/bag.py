@@ -6,9 +6,11 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from datetime import datetime
+import sys
 from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import (
+    add_csv,
     add_json,
     add_node,
     add_output,
@@ -17,12 +19,14 @@ from fourbar_ros.cli.common import (
     add_verb,
     BAD,
     BAG_HELP,
+    csv_style,
     json_line,
     PICTURE_HELP,
     reading,
     Verbs,
 )
 from fourbar_ros.optional import lab
+from fourbar_ros.spreadsheet import STDOUT
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:      # a verb imports the rest when it runs
@@ -229,11 +233,13 @@ def _add_export(actions: Verbs) -> None:
                      ': CSV, NumPy (.npz) or Parquet.')
     export.add_argument('-o', '--out', metavar='PATH', required=True,
                         help='new folder for the tables, new .npz file, or new .csv or .parquet '
-                             'file for one topic')
+                             'file for one topic, which - prints as CSV')
     export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
                         help='default: by the ending of PATH, csv for a folder; parquet requires '
                              'pyarrow')
     add_topics(export, 'export only these topics')
+    add_csv(export, 'units of the columns that measure the same: mm,deg,rpm; columns whose unit '
+                    'is known then have it in their head, others are as recorded')
 
 
 def _export(arguments: Namespace) -> int:
@@ -241,11 +247,12 @@ def _export(arguments: Namespace) -> int:
     left_out: list[str] = []
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step,
-                         left_out.append)
+                         left_out.append, csv_style(arguments), arguments.units or None)
+    told = sys.stderr if arguments.out == str(STDOUT) else sys.stdout
     for name, rows in written.items():
-        print(f'{arguments.out}: {name}, {rows} rows')
+        print(f'{arguments.out}: {name}, {rows} rows', file=told)
     for text in left_out:
-        print(text)
+        print(text, file=told)
     return BAD if left_out else 0
 
 

@@ -16,7 +16,8 @@ from typing import Any, Protocol
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.settings import MODES
-from fourbar_ros.scene.units import of
+from fourbar_ros.scene.units import of, wanted_units
+from fourbar_ros.spreadsheet import CsvStyle
 
 Json = dict[str, Any]      # values that --json prints: text, numbers, lists and records
 
@@ -114,6 +115,22 @@ def add_tolerance(parser: argparse.ArgumentParser) -> None:
 def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
     """Add ``--topics``."""
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
+
+
+def add_csv(parser: argparse.ArgumentParser, units_help: str) -> None:
+    """Add ``--units``, ``--digits`` and ``--excel``; :func:`csv_style` reads the last two."""
+    parser.add_argument('--units', type=wanted_units, default={}, metavar='UNIT,...',
+                        help=units_help)
+    parser.add_argument('--digits', type=int, choices=range(1, 18), metavar='N',
+                        help='significant digits of the numbers in CSV (default: all)')
+    parser.add_argument('--excel', action='store_true',
+                        help='CSV for Excel and others where the decimal sign is a comma: ; '
+                             'between cells, which are empty for NaN')
+
+
+def csv_style(arguments: argparse.Namespace) -> CsvStyle:
+    """Return how to write CSV by the arguments of :func:`add_csv`."""
+    return CsvStyle(arguments.digits, arguments.excel)
 
 
 def json_line(record: Json) -> str:

@@ -372,7 +372,9 @@ class RosYaml(PlainYaml):
                     problem=f'a list must be of one type: write {float(item)} for {item}',
                     problem_mark=item_node.start_mark)
             if type(item) is not type(items[0]) or isinstance(item, list):
+                hint = ('' if {*map(type, items)} - {int, float, str} else
+                        '; give all its numbers a unit, or none')
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type, and {item!r} is not of that of '
-                            f'{items[0]!r}', problem_mark=item_node.start_mark)
+                            f'{items[0]!r}{hint}', problem_mark=item_node.start_mark)
         return items

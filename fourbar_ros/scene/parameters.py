@@ -204,12 +204,14 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                 raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
-        # some joints turn and others slide: numbers for all joints have no unit
-        unit = '' if ' or ' in parameter.unit else parameter.unit
-        value = [as_number(name, item, unit) for item in value]
-        for item in value:
+        # some joints turn and others slide: a text stays until the mechanism tells which
+        units, are_of_joints = parameter.unit.split(' or '), ' or ' in parameter.unit
+        numbers = [as_number(name, item, *units) for item in value]
+        for item in numbers:
             if not isinstance(item, float) or not isfinite(item):
                 raise InvalidParameter(name, item, 'must hold finite numbers')
+        value = [item if are_of_joints and isinstance(item, str) else number
+                 for item, number in zip(value, numbers)]
     elif choices and value not in choices:
         raise InvalidParameter(name, value, one_of(choices, value))
     if kind in (float, int):
@@ -242,11 +244,13 @@ def _check_number(parameter: Parameter, value: float) -> None:
         raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 
 
-def as_number(name: str, value: Any, unit: str) -> Any:
+def as_number(name: str, value: Any, *units: str) -> Any:
     """Return an integer, or a text as '40mm', as a float in SI; anything else as it is."""
     if isinstance(value, str):
         try:
-            return float(quantity(value, *filter(None, [unit])))
+            return float(quantity(value, *filter(None, units)))
         except WrongQuantity as error:
-            raise InvalidParameter(name, value, str(error)) from None
+            beside = f'{name[:-1]}_unit'        # forces.NAME.place_unit, of all places
+            hint = f'; {beside} is that of all' if find_parameter(beside) else ''
+            raise InvalidParameter(name, value, f'{error}{hint}') from None
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

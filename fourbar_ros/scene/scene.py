@@ -23,7 +23,15 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.scene import groups
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.parameters import check, check_value, names_in, of_name, point_in, unit_in
+from fourbar_ros.scene.parameters import (
+    as_number,
+    check,
+    check_value,
+    names_in,
+    of_name,
+    point_in,
+    unit_in,
+)
 from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import (
     ANSWERS,
@@ -376,10 +384,15 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
                        carried=groups.read(groups.CarriedBody, 'base.carried', values))
     wrenches = groups.read(groups.WrenchSettings, 'external', values, links=tuple(
         link for link in mechanism.EXTERNAL._fields if values[f'external.{link}.from_topic']))
+    offsets = values['joint_states.offsets']
+    if str in map(type, offsets) and len(offsets) == len(joints):       # 90deg, or 5mm of a slide
+        offsets = [as_number('joint_states.offsets', offset, joint.coordinate.unit)
+                   for offset, joint in zip(offsets, joints)]
+        values = {**values, 'joint_states.offsets': offsets}
     joint_states = groups.read(
         groups.JointStates, 'joint_states', values,
         ratios=values['joint_states.ratios'] or [1.0] * len(joints),
-        offsets=values['joint_states.offsets'] or [0.0] * len(joints))
+        offsets=offsets or [0.0] * len(joints))
     joint_names = values['joint_names'] or [joint.name or joint.place for joint in joints]
     node = groups.NodeSettings(values['services'], values['trajectories'],
                                values['trajectory_fields'], values['pictures.rate'])

@@ -15,10 +15,15 @@ from __future__ import annotations
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from decimal import Decimal
+from fractions import Fraction
 from math import inf, isfinite, pi
 import re
+from typing import TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, nearest
+
+if TYPE_CHECKING:       # no numpy for a command line
+    from fourbar_ros.numerics.arrays import Value
 
 DEGREE = pi / 180.0
 # {SI unit: {unit: its size in SI}}; decimal sizes are texts, as a number times one is rounded once
@@ -36,12 +41,23 @@ UNITS: dict[str, dict[str, str | float]] = {
     'kg/m^3': {'kg/m^3': '1', 'g/cm^3': '1e3'},
     'N': {'N': '1', 'kN': '1e3'},
     'N m': {'N m': '1', 'kN m': '1e3', 'N mm': '1e-3'},
+    'W': {'W': '1', 'kW': '1e3'},
+    'J': {'J': '1', 'kJ': '1e3'},
     'Pa': {'Pa': '1', 'kPa': '1e3', 'MPa': '1e6', 'bar': '1e5'},
     'N/m': {'N/m': '1', 'N/mm': '1e3', 'kN/m': '1e3'},
+    'N s/m': {'N s/m': '1', 'N s/mm': '1e3', 'kN s/m': '1e3'},
+    'N m/rad': {'N m/rad': '1', 'N mm/rad': '1e-3', 'N m/deg': 1.0 / DEGREE,
+                'N mm/deg': 1e-3 / DEGREE},
+    'N m s/rad': {'N m s/rad': '1', 'N mm s/rad': '1e-3', 'N m s/deg': 1.0 / DEGREE},
+    'N m/A': {'N m/A': '1', 'mN m/A': '1e-3'},
+    'V': {'V': '1', 'mV': '1e-3', 'kV': '1e3'},
+    'ohm': {'ohm': '1', 'mohm': '1e-3', 'kohm': '1e3'},
+    'H': {'H': '1', 'mH': '1e-3', 'uH': '1e-6'},
+    'MB': {'MB': '1', 'kB': '1e-3', 'GB': '1e3'},
 }
 # kg/m3 and kg/m³ are kg/m^3, Nm is N m, 60° is 60deg
 SPELLINGS = str.maketrans({' ': '', '^': '', '*': '', '·': '', '²': '2', '³': '3', 'µ': 'u',
-                           '°': 'deg'})
+                           '°': 'deg', 'Ω': 'ohm'})
 NUMBER = re.compile(r'([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(.*)')
 COMMA = re.compile(r'[-+]?[0-9]*,[0-9]+.*')
 
@@ -115,3 +131,32 @@ def require(name: str, value: float, unit: str) -> None:
     if si not in ('', unit):
         raise WrongQuantity(f'{name} has a unit of the kind {si}; this mechanism takes '
                             + ', '.join(units_of(unit)))
+
+
+def wanted_units(text: str) -> dict[str, str]:
+    """
+    Return {SI unit: unit in which to show what measures the same} of a text as ``mm,deg,N mm``.
+
+    It is the ``type=`` of ``--units``.
+    """
+    kinds = {unit.translate(SPELLINGS): (si, unit)      # of Hz the first kind counts, a speed
+             for si, units in reversed(UNITS.items()) for unit in units}
+    wanted: dict[str, str] = {}
+    for word in text.split(','):
+        si, unit = kinds.get(word.translate(SPELLINGS), ('', ''))
+        if not si:
+            known = [unit for units in UNITS.values() for unit in units]
+            raise ArgumentTypeError(f'{word!r} is no unit'
+                                    + (nearest(word, known) or '; docs/reference.md lists all'))
+        if wanted.setdefault(si, unit) != unit:
+            raise ArgumentTypeError(f'{wanted[si]} and {unit} measure the same: name one')
+    return wanted
+
+
+def in_unit(values: Value, si: str, unit: str) -> Value:
+    """Return values in SI in another unit that measures the same; decimal ones round once."""
+    size = UNITS.get(si, {}).get(unit, '1')
+    if isinstance(size, float):
+        return values * (1.0 / size)
+    share = Fraction(size)
+    return values * share.denominator / share.numerator

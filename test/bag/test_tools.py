@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is done with a bag: export, plot, diff, its scene, and the command line around them."""
 import csv
+import io
 import json
 import math
 from operator import attrgetter
@@ -141,6 +142,31 @@ def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path,
     assert main(['bag', 'export', str(bag), '-o', str(tmp_path / 'x.csv'), '--topics',
                  '/fourbar/state']) == 0
     assert (tmp_path / 'x.csv').read_text().startswith('log_time,header.stamp,')
+
+
+def test_a_table_in_other_units_names_them_and_keeps_whole_numbers(bag, tmp_path, capfdbinary):
+    command = ['bag', 'export', str(bag), '-o', '-', '--topics', '/fourbar/state']
+    assert main(command) == 0
+    plain = list(csv.DictReader(io.StringIO(capfdbinary.readouterr().out.decode())))
+    assert main([*command, '--units', 'deg,mm', '--digits', '5']) == 0
+    out, err = capfdbinary.readouterr()
+    rows = list(csv.DictReader(io.StringIO(out.decode())))
+    assert err == f'-: fourbar.state, {STEPS} rows\n'.encode() and len(rows) == STEPS
+    for before, row in zip(plain, rows):
+        assert row['theta4 [deg]'] == f'{math.degrees(float(before["theta4"])):.5g}'
+        assert row['omega4 [rad/s]'] == f'{float(before["omega4"]):.5g}'
+        assert (row['log_time'], row['condition']) == (
+            before['log_time'], f'{float(before["condition"]):.5g}')
+        assert 'theta4' not in row and 'slide [mm]' in row
+    export(bag, tmp_path / 'all.npz', units={'rad': 'deg'})
+    found = np.load(tmp_path / 'all.npz')
+    assert found['fourbar.state/theta4 [deg]'].tolist() == [
+        math.degrees(float(row['theta4'])) for row in plain]
+    assert 'joint_states/position[crank]' in found      # whose definition tells no unit
+    for more, why in ((['--excel', '--format', 'npz'], 'are for csv, not npz'),
+                      (['--format', 'parquet'], 'are for csv, not parquet')):
+        assert main([*command, *more]) == 1
+        assert why in capfdbinary.readouterr().err.decode()
 
 
 # Run with -B: Python would leave bytecode cut at the limit, which no later process can import.

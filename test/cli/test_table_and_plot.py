@@ -2,15 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person reads in tables, plots, show and new: units, whole degrees, left-out weight."""
 import csv
-from math import radians
+from fractions import Fraction
+import io
+from math import isnan, radians
+import subprocess
+import sys
 
 from fourbar_lab.drawing.curves import (
-    csv_of,
     curves_of,
     effort_of,
     extrema_of,
     make_figure,
     marks_of,
+    rows_of,
 )
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live.downloads import cycle_csv
@@ -19,6 +23,7 @@ from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.spreadsheet import CsvStyle
 import numpy as np
 import pytest
 
@@ -27,11 +32,83 @@ NEW = ['--a1', '60mm', '--a2', '200mm', '--a3', '15cm', '--bar', '20x5mm']
 
 def test_a_table_has_whole_degrees_and_units_and_so_has_the_page():
     paper = load_scene('paper')
-    text = csv_of(curves_of(paper, paper.linkage, (), paper.drive.speed))
+    text = CsvStyle().text(*rows_of(curves_of(paper, paper.linkage, (), paper.drive.speed)))
     head, *rows = csv.reader(text.splitlines())
     assert [row[0] for row in rows] == [f'{degrees}.0' for degrees in range(361)]
     assert all(name.endswith(']') for name in head) and head[0] == 'theta1 [deg]'
     assert cycle_csv(shown(paper.values)) == text
+
+
+# {unit: (column of `slider_crank` in SI, size of the unit)}
+SHOWN = {'mm': ('slide [m]', Fraction(1, 1000)),
+         'cm/s': ('slide_velocity [m/s]', Fraction(1, 100)),
+         'kN': ('f41 [N]', Fraction(1000)), 'N mm': ('driving_torque [N m]', Fraction(1, 1000)),
+         'm/s^2': ('slide_acceleration [m/s^2]', Fraction(1))}
+NAMES = [column.partition(' ')[0] for column, _ in SHOWN.values()]
+
+
+@pytest.fixture
+def printed(capfdbinary):
+    """Return a function: options of `fourbar table slider_crank` -> what it prints."""
+    def printed(*options):
+        assert main(['table', 'slider_crank', *NAMES, *options, '-o', '-']) == 0
+        return capfdbinary.readouterr().out.decode()
+    return printed
+
+
+def test_a_table_in_other_units_holds_the_same_quantities(printed):
+    si = list(csv.DictReader(io.StringIO(printed())))
+    rows = list(csv.DictReader(io.StringIO(printed('--units', f'{",".join(SHOWN)},turn'))))
+    assert len(si) == len(rows) == 361
+    assert [*rows[0]] == ['theta1 [turn]', *(f'{column.partition(" ")[0]} [{unit}]'
+                                             for unit, (column, _) in SHOWN.items())]
+    for before, row in zip(si, rows):
+        for unit, (column, size) in SHOWN.items():
+            number = float(row[f'{column.partition(" ")[0]} [{unit}]'])
+            assert number == float(Fraction(float(before[column])) / size)
+        turn = float(row['theta1 [turn]'])
+        assert abs(turn - float(before['theta1 [deg]']) / 360.0) <= 4 * 2.0**-53
+
+
+@pytest.mark.parametrize('digits', [1, 6, 17])
+def test_digits_are_significant_ones_and_excel_has_decimal_commas(printed, digits):
+    every = list(csv.reader(io.StringIO(printed())))
+    some = printed('--digits', str(digits))
+    excel = printed('--digits', str(digits), '--excel')
+    assert excel[0] == '\ufeff' and '\ufeff' not in some and '\r' not in some
+    assert ',' in excel and ';' not in some and '.' not in excel.partition('\n')[2]
+    rows = list(csv.reader(io.StringIO(some)))
+    assert list(csv.reader(io.StringIO(excel[1:].replace(',', '.')), delimiter=';')) == rows
+    for whole, row in zip(every[1:], rows[1:]):
+        for number, text in zip(map(float, whole), row):
+            assert len(text.lstrip('-').partition('e')[0].replace('.', '').lstrip('0')) <= digits
+            # half a unit of the last digit
+            assert abs(float(text) - number) <= 0.5 * 10.0**(1 - digits) * abs(number)
+
+
+def test_of_what_is_not_known_excel_has_an_empty_cell():
+    rows = [[1.5, float('nan'), float('inf'), 12345678901234567, 'a;b']]
+    assert CsvStyle(3, True).text('vwxyz', rows).splitlines() == [
+        '\ufeffv;w;x;y;z', '1,5;;inf;12345678901234567;"a;b"']
+    assert CsvStyle().text('vwxyz', rows).splitlines()[1] == '1.5,nan,inf,12345678901234567,a;b'
+    assert isnan(rows[0][1])
+
+
+def test_a_file_for_excel_is_what_is_printed(printed, tmp_path):
+    file, options = tmp_path / 'it.csv', ['--units', 'mm', '--digits', '5', '--excel']
+    text = printed(*options)
+    assert main(['table', 'slider_crank', *NAMES, *options, '-o', str(file)]) == 0
+    assert file.read_bytes() == text.replace('\n', '\r\n').encode()
+
+
+def test_a_reader_that_ends_early_is_no_error():
+    """More than a pipe holds."""
+    verb = subprocess.Popen([sys.executable, '-m', 'fourbar_ros', 'table', 'paper', '-o', '-'],
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert verb.stdout.readline().startswith(b'theta1 [deg],')
+    verb.stdout.close()
+    assert verb.stderr.read() in (b'', b'weight: left out (gravity 0)\n')
+    assert verb.wait() == 0
 
 
 def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
@@ -53,6 +130,11 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
                        (['--speeds', '0', '1m/s'], '--speeds has a unit of the kind m/s')):
         assert main(['table', 'paper', *given, '--force', '-o', str(file)])
         assert why in capsys.readouterr().err
+    assert not main(['table', 'paper', '--speeds', '0', '600rpm', '--units', 'rpm,N mm,kW',
+                     '--digits', '6', '-o', '-'])
+    head, *_, last = csv.reader(capsys.readouterr().out.splitlines())
+    assert head == ['speed [rpm]', 'root_mean_square [N mm]', 'peak [N mm]', 'peak_power [kW]']
+    assert last == ['600', f'{1e3 * mean:.6g}', f'{1e3 * peak:.6g}', f'{1e-3 * power:.6g}']
 
 
 def test_the_drive_of_a_four_stroke_is_that_of_both_turns_and_says_that_it_is_sampled(

@@ -47,7 +47,8 @@ def test_units_and_an_override_of_another_type_reach_the_node(tmp_path):
     file = tmp_path / 'scene.yaml'
     file.write_text('/**:\n  ros__parameters:\n'
                     '    linkage: {a1: 40cm, a2: 1.2, a3: 0.8 m, a4: 1.0}\n'
-                    '    drive: {speed: 3.0, start: 90deg, rate: 200}\n')
+                    '    drive: {speed: 3.0, start: 90deg, rate: 200}\n'
+                    '    joint_states: {offsets: [90deg, 0deg, 0deg, 1 rad]}\n')
     arguments = ['--ros-args', '--params-file', str(file), '-p', 'drive.speed:=300rpm',
                  '-p', 'linkage.a2:=1300mm', '-p', 'other:linkage.a4:=9.0',
                  '-p', 'drive.rate:=9.5']
@@ -61,9 +62,11 @@ def test_units_and_an_override_of_another_type_reach_the_node(tmp_path):
     finally:
         rclpy.try_shutdown()
     wanted = {'linkage.a1': 0.4, 'linkage.a2': 1.3, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
-              'drive.speed': 10.0 * pi, 'drive.start': 0.5 * pi, 'drive.rate': 9.5}
+              'drive.speed': 10.0 * pi, 'drive.start': 0.5 * pi, 'drive.rate': 9.5,
+              'joint_states.offsets': [0.5 * pi, 0.0, 0.0, 1.0]}
     assert {name: values[name] for name in wanted} == wanted
-    assert {name: declared[name] for name in wanted} == wanted
+    assert {name: list(value) if type(value) is not float else value
+            for name, value in declared.items() if name in wanted} == wanted
     assert load(file).values['drive.start'] == 0.5 * pi
 
 

@@ -93,7 +93,7 @@ TABLE = [
         ('joint_states.ratios', [1.0, 1.0], '4 numbers'),
         ('joint_states.ratios', [1.0, inf, 1.0, 1.0], 'finite'),
         ('joint_states.ratios', 2.0, 'a list of numbers'),
-        ('joint_states.offsets', ['a', 'b', 'c', 'd'], 'must be a number without a unit'),
+        ('joint_states.offsets', ['a', 'b', 'c', 'd'], 'must be a number in rad or m'),
         ('joint_states.offsets', [0.0] * 5, '4 numbers'),
         ('joint_states.when_unknown', 'nan', 'skip, hold, send_nan'),
         ('drive.joint_ratio', 0.0, 'must not be zero'),

@@ -4,18 +4,29 @@
 from argparse import ArgumentTypeError
 from fractions import Fraction
 import json
-from math import pi, radians
+from math import pi, radians, ulp
 import re
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.scene import from_values
+from fourbar_ros.scene import from_values, load
+from fourbar_ros.scene.files import SceneError
 from fourbar_ros.scene.parameters import of_name
-from fourbar_ros.scene.units import of, quantity, require, UNITS, WrongQuantity
+from fourbar_ros.scene.units import (
+    in_unit,
+    of,
+    quantity,
+    require,
+    UNITS,
+    wanted_units,
+    WrongQuantity,
+)
+from hypothesis import given
+from hypothesis import strategies as st
 import mpmath
 import pytest
 from support.scenes import PAPER, RODS
 
-# {SI unit: {unit: (its size, whether times 2 pi)}}; all other sizes are decimal
+# {SI unit: {unit: (its size, power of 2 pi)}}; all other sizes are decimal
 SIZES = {
     'rad': {'deg': (Fraction(1, 360), 1), 'turn': (1, 1)},
     'm': {'cm': (Fraction(1, 100), 0), 'mm': (Fraction(1, 1000), 0),
@@ -34,20 +45,50 @@ SIZES = {
     'N m': {'kN m': (1000, 0), 'N mm': (Fraction(1, 1000), 0)},
     'Pa': {'kPa': (1000, 0), 'MPa': (10**6, 0), 'bar': (10**5, 0)},
     'N/m': {'N/mm': (1000, 0), 'kN/m': (1000, 0)},
+    'W': {'kW': (1000, 0)}, 'J': {'kJ': (1000, 0)},
+    'N s/m': {'N s/mm': (1000, 0), 'kN s/m': (1000, 0)},
+    'N m/rad': {'N mm/rad': (Fraction(1, 1000), 0), 'N m/deg': (360, -1),
+                'N mm/deg': (Fraction(360, 1000), -1)},
+    'N m s/rad': {'N mm s/rad': (Fraction(1, 1000), 0), 'N m s/deg': (360, -1)},
+    'N m/A': {'mN m/A': (Fraction(1, 1000), 0)}, 'V': {'mV': (Fraction(1, 1000), 0),
+                                                       'kV': (1000, 0)},
+    'ohm': {'mohm': (Fraction(1, 1000), 0), 'kohm': (1000, 0)},
+    'H': {'mH': (Fraction(1, 1000), 0), 'uH': (Fraction(1, 10**6), 0)},
+    'MB': {'kB': (Fraction(1, 1000), 0), 'GB': (1000, 0)},
 }
 CASES = [(si, unit) for si, units in UNITS.items() for unit in units]
 
 
 @pytest.mark.parametrize(('si', 'unit'), CASES)
 def test_a_unit_has_the_size_of_its_definition(si, unit):
-    size, times_turn = SIZES[si].get(unit, (1, 0))
+    size, power = SIZES[si].get(unit, (1, 0))
+    size = Fraction(size)
     with mpmath.workdps(30):
         expected = mpmath.mpf(3.7) * mpmath.mpf(size.numerator) / size.denominator
-        expected = expected * 2 * mpmath.pi if times_turn else expected
+        expected = expected * (2 * mpmath.pi)**power
     value = quantity(f'3.7{unit}', si)
     # two roundings of pi and the size, one of the product, one of 3.7 here
     assert value == pytest.approx(float(expected), rel=4 * 2.0**-53, abs=0.0)
     assert value.unit == si
+
+
+@given(st.sampled_from(CASES), st.floats(1e-6, 1e6))
+def test_a_number_in_another_unit_is_read_as_itself(case, number):
+    si, unit = case
+    value = quantity(f'{number!r}{unit}', si)
+    # a rounding of pi and the size each way, and of each product
+    assert abs(in_unit(value, si, unit) - number) <= 6 * ulp(number)
+    assert in_unit(value, si, si) == value
+
+
+def test_units_to_show_are_one_for_each_kind():
+    assert wanted_units('mm, °,rpm,Nmm,kg mm²') == {
+        'm': 'mm', 'rad': 'deg', 'rad/s': 'rpm', 'N m': 'N mm', 'kg m^2': 'kg mm^2'}
+    assert wanted_units('Hz') == {'rad/s': 'Hz'}
+    for text, why in (('rpmm', 'did you mean rpm'), ('', 'no unit'), ('mm,cm', 'measure the same'),
+                      ('mm;deg', 'no unit')):
+        with pytest.raises(ArgumentTypeError, match=why):
+            wanted_units(text)
 
 
 def test_decimal_units_round_once_and_angles_of_command_lines_are_in_degrees():
@@ -107,8 +148,52 @@ def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
     (PAPER, 'bodies.crank.mass', '40mm', 'units kg, g, t'),
     (PAPER, 'drive.speed', '30mm/s', 'units rad/s'), (SLIDE, 'drive.speed', '60rpm', 'units m/s'),
     (PAPER, 'drive.joint_ratio', '3mm', 'without a unit'),
-    (PAPER, 'joint_states.offsets', ['1deg', '2deg', '3deg', '4deg'], 'without a unit'),
+    (PAPER, 'joint_states.offsets', ['1deg', '2deg', '3deg', '4mm'], 'units rad, deg, turn'),
+    (SLIDE, 'joint_states.offsets', ['1deg', '2mm', '3deg', '4deg'], 'in rad, or'),
+    (PAPER, 'joint_states.offsets', ['1deg', '2deg', '3deg', '4kg'], 'in rad or m, or'),
+    (PAPER, 'joint_states.offsets', ['1deg'], 'must be 4 numbers'),
+    ({**PAPER, 'forces.gas.link': 'crank', 'forces.gas.acts': 'x'}, 'forces.gas.places', ['0deg'],
+     'without a unit; forces.gas.place_unit is that of all'),
     (PAPER, 'linkage.mode', '2', 'must be one of'), (PAPER, 'frame_id', 3, 'must be a text')])
 def test_a_scene_refuses_units_of_other_kinds(values, name, text, why):
     with pytest.raises(InvalidParameter, match=re.escape(why)):
         from_values({**values, name: text})
+
+
+def test_offsets_of_joints_are_angles_or_lengths_by_joint():
+    scene = from_values({**SLIDE, 'joint_states.offsets': ['90deg', '0', 0.25, '5mm']})
+    units = [joint.coordinate.unit for joint in scene.linkage.JOINTS]
+    assert units == ['rad', 'rad', 'rad', 'm']
+    assert scene.joint_states.offsets == [0.5 * pi, 0.0, 0.25, 0.005]
+    assert scene.values['joint_states.offsets'] == scene.joint_states.offsets
+
+
+def test_a_file_with_units_is_written_in_numbers(tmp_path):
+    file = tmp_path / 'scene.yaml'
+    file.write_text("""/**:
+  ros__parameters:
+    linkage: {a1: 40mm, a2: 210 mm, a3: 7.5cm, a4: 205mm}
+    bodies: {rods: {density: 7.85 g/cm³, width: 20mm, thickness: 5 mm}}
+    drive: {source: torque, speed: 45rpm}
+    springs:
+      back: {first: {link: ground, along: 205mm}, second: {link: output, along: 60mm},
+             stiffness: 5 N/mm, free_length: 60mm, damping: 0.1 N s/mm}
+    torsion_springs: {t: {second: output, stiffness: 1 N·m/°}}
+    external: {output: {force_x: 2 kN, couple: 5 Nm}}
+    joint_states: {offsets: [90deg, 0deg, 0deg, 0deg]}
+""")
+    scene = load(file)
+    for name, number in {'linkage.a2': 0.21, 'springs.back.stiffness': 5000.0,
+                         'springs.back.damping': 100.0, 'external.output.force_x': 2000.0,
+                         'bodies.rods.width': 0.02, 'drive.speed': 1.5 * pi,
+                         'torsion_springs.t.stiffness': 180.0 / pi}.items():
+        assert scene.values[name] == number
+    file.write_text(scene.as_text)
+    assert 'mm' not in scene.as_text and load(file).values == scene.values
+
+
+def test_a_list_with_units_has_them_everywhere(tmp_path):
+    file = tmp_path / 'scene.yaml'
+    file.write_text('/**:\n  ros__parameters:\n    linkage: {range: [0, 150mm]}\n')
+    with pytest.raises(SceneError, match='give all its numbers a unit, or none'):
+        load(file)

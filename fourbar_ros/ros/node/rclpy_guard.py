@@ -164,12 +164,14 @@ def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParamete
     that is no number.
     """
     declared, types = find_parameter(parameter.name), RosParameter.Type
-    kind = declared.type if declared else ''
+    if not declared or not declared.live:       # rclpy refuses what is fixed
+        return parameter
+    kind = declared.type
     is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
-    if declared and kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
+    if kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
         return RosParameter(parameter.name, types.DOUBLE,
                             check_value(declared, parameter.value, values))
-    if declared and kind == 'doubles' and (
+    if kind == 'doubles' and (
             is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
         return RosParameter(parameter.name, types.DOUBLE_ARRAY,
                             check_value(declared, list(parameter.value), values))
