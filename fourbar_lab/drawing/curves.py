@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # what a vertical axis of a unit shows
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
-        'N m': 'torque, moment', 'kg m^2': 'inertia', 'kg': 'inertia'}
+        'N m': 'torque, moment', 'W': 'power', 'kg m^2': 'inertia', 'kg': 'inertia'}
 SPEEDS = 25         # in a table over the speed
 SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
 OF_DRIVE = 'inertia', 'bias'        # by name alone

@@ -301,6 +301,8 @@ class Sampler:
             scales['N'] = force = sum(abs(getattr(loads, name).real)
                                       for name in self.linkage.reactions)
             scales['N m'] = max(map(abs, self.linkage.lengths)) * force
+            scales['W'] = abs(self.rates[0]) * (
+                force if self.linkage.is_driven_by_slide else scales['N m'])
         least = 64.0 * EPS * np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
                                        for q in self.quantities])
         is_reaction = np.array([q.name.startswith(self.linkage.reactions)

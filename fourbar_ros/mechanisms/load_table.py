@@ -31,6 +31,12 @@ class Load(NamedTuple):
     of: Callable[[Any, Any, Any, Any], Any] | None = None
 
 
+def _driving_power(mechanism: Any, constants: Any, motion: Any, loads: Any) -> Any:
+    """Return the power [W] that the drive puts in: its torque or force times the input's rate."""
+    return (getattr(loads, mechanism.drive_load)
+            * getattr(motion, mechanism.input_coordinate.rate))
+
+
 LOADS = {row.name: row for row in (
     Load('shaking_force', 'N', 'magnitude of the force on the ground'),
     Load('shaking_moment', 'N m', 'moment on the ground about O1', 'shaking moment about O1'),
@@ -44,6 +50,8 @@ LOADS = {row.name: row for row in (
     Load('guide_couple', 'N m', 'couple of the guide', 'guide couple'),
     *(Load(f'{force}_{axis}', 'N') for force in ('f41', 'f21', 'f32', 'f43', 'shaking_force')
       for axis in 'xy'),
+    Load('driving_power', 'W', 'power of the drive, positive where it drives', 'driving power',
+         _driving_power),
 )}
 DERIVED = tuple(row for row in LOADS.values() if row.of)
 

@@ -11,7 +11,7 @@ import pytest
 from support import ROOT
 
 GUIDE = (ROOT / '.github/CONTRIBUTING.md').read_text()
-EXAMPLE = re.search(r'```python\n(def drive_power.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
+EXAMPLE = re.search(r'```python\n(def winding_loss.*?)\n\n\n(Load\(.*?)\n```', GUIDE,
                     re.DOTALL).groups()
 LINTERS = ROOT / '.venv-lint/bin'
 TREES = ('fourbar_ros', 'fourbar_lab', 'docs', 'examples', 'msg_defs', 'config')
@@ -36,16 +36,15 @@ for name in ('paper', 'cylinder', 'jansen'):
     linkage = scene.linkage
     low, high = linkage.input_ranges[0]
     motion, loads = linkage.step(0.3 * low + 0.7 * high, 2.0)
-    slides = linkage.is_driven_by_slide
-    found[name] = {'power': loads.drive_power,
-                   'expected': 2.0 * (loads.driving_force if slides else loads.driving_torque),
-                   'unit': fields_of(linkage)['drive_power'].unit,
+    root = (loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque) / 0.5
+    found[name] = {'loss': loads.winding_loss, 'expected': root * root,
+                   'unit': fields_of(linkage)['winding_loss'].unit,
                    'field': replace(scene, outputs=('loads',)).layout.fields['loads'].get(
-                       'drive_power'),
-                   'extrema': len(find_extrema(linkage, ('drive_power',), 2.0))}
+                       'winding_loss'),
+                   'extrema': len(find_extrema(linkage, ('winding_loss',), 2.0))}
 scene = load_scene('paper')
 page = shown(scene.values)
-found['page'] = [page.values(page.poses[0])['drive_power'], 'drive_power' in page.quantities]
+found['page'] = [page.values(page.poses[0])['winding_loss'], 'winding_loss' in page.quantities]
 found['per_mass'] = []
 for density in (2700.0, 7750.0):      # two linkages that share a trace
     rods = Bodies(*(round_rod(length, density, 0.01) for length in (0.4, 1.2, 0.8)))
@@ -53,9 +52,9 @@ for density in (2700.0, 7750.0):      # two linkages that share a trace
     found['per_mass'].append(linkage.step(1.0, 25.0)[1].per_mass)
 console = Console(width=100, record=True, file=open('/dev/null', 'w'))
 console.print(loads_table(scene.linkage, scene.linkage.loads(1.0, 25.0)))
-found['show'] = 'drive power' in console.export_text()
-model = GeneratedModel(scene, 'paper', outputs=('drive_power',))
-found['texts'] = model.units_and_texts['drive_power']
+found['show'] = 'winding loss' in console.export_text()
+model = GeneratedModel(scene, 'paper', outputs=('winding_loss',))
+found['texts'] = model.units_and_texts['winding_loss']
 print(json.dumps(found))
 """
 
@@ -107,16 +106,16 @@ def test_a_load_of_what_a_kind_does_not_have_is_refused_in_a_line(tree):
 def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tree):
     add(tree, *EXAMPLE, OF_MASSES)
     run(tree, 'docs/tables.py')
-    assert '| `drive_power` | W | power of the drive | all kinds |' in (
+    assert '| `winding_loss` | W | heat in the winding | all kinds |' in (
         tree / 'docs/reference.md').read_text()
-    assert 'float64 drive_power' in (tree / 'docs/reference.md').read_text()
-    assert '# [W] power of the drive' in (tree / 'msg_defs/msg/LinkageLoads.msg').read_text()
+    assert 'float64 winding_loss' in (tree / 'docs/reference.md').read_text()
+    assert '# [W] heat in the winding' in (tree / 'msg_defs/msg/LinkageLoads.msg').read_text()
     found = json.loads(run(tree, '-c', SCRIPT).splitlines()[-1])
     assert found['home'].startswith(str(tree))
     for name in ('paper', 'cylinder', 'jansen'):
         own = found[name]
-        assert own['power'] == own['expected'] != 0.0
-        assert own['unit'] == 'W' and own['field'] == 'drive_power' and own['extrema']
+        assert own['loss'] == own['expected'] != 0.0
+        assert own['unit'] == 'W' and own['field'] == 'winding_loss' and own['extrema']
     assert found['page'][0][1] == 'W' and found['page'][1]
     assert found['per_mass'][0] == pytest.approx(found['per_mass'][1], rel=1e-7)
-    assert found['show'] and found['texts'] == ['W', 'power of the drive']
+    assert found['show'] and found['texts'] == ['W', 'heat in the winding']

@@ -176,7 +176,8 @@ class Kind(NamedTuple):
         loads = {'f41': found['base'], 'f21': -found['A'], 'f32': found['inner'],
                  'f43': found['outer'], 'driving_torque': found['driving_torque'],
                  'shaking_force': found['shaking_force'],
-                 'shaking_moment': found['shaking_moment']}
+                 'shaking_moment': found['shaking_moment'],
+                 'driving_power': found['driving_power']}
         if names:
             joint = sliding[-1].name
             loads |= {'guide_force': found[f'{joint}_normal'],
@@ -469,6 +470,8 @@ class Cartesian:
             found[joint] = found.get(joint, NONE) + size * force
             if field:
                 found[field] = size
+        # what all links need, along their velocities: no reaction is in it
+        found['driving_power'] = (needs * wide.q[1].reshape(needs.shape)).sum(axis=0)
         places = [wide.link(name)[0][0] for name in self.names]
         pushes = [x + J * y for x, y in zip(needs[::3], needs[1::3])]
         found['shaking_force'] = -sum(pushes)

@@ -36,17 +36,18 @@ def test_power_and_momentum_balance(case, count=more(15, 60)):
         )
         assert abs(loads.shaking_moment + moment) <= 1e-13 * size_moment
         drives = [getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force')]
-        assert abs(sum(drives) * given[1] - power) <= 1e-13 * size_power
+        assert loads.driving_power == sum(drives) * given[1]
+        assert abs(loads.driving_power - power) <= 1e-13 * size_power
         assert drives[not mechanism.is_driven_by_slide] == 0.0
         assert drives[mechanism.is_driven_by_slide] != 0.0
 
 
 @every_mechanism
 def test_loads_that_overflow_are_refused(case, count=more(2, 10)):
-    """At rising speeds each load is a number, or all are refused."""
+    """At rising speeds each load is a number, or all are refused: power overflows first."""
     refused = given = 0
     for mechanism, (position, rate, acceleration) in contract.ordinary(case, 216, count):
-        for power in np.linspace(500.0, 512.0, 97).tolist():
+        for power in np.linspace(333.0, 345.0, 97).tolist():
             try:
                 loads = mechanism.step(position, rate * 2.0**power, acceleration)[1]
                 given += 1

@@ -64,5 +64,5 @@ def test_scaling_by_a_power_of_two_changes_no_bit(case, power):
         for one, other in zip(mechanism.step(*given), scaled.step(*moved)):
             for name, value, found in zip(one._fields, one, other):
                 powers = (-2, -1, 0, 1) if name not in known else (1,) if known[name].unit in (
-                    'm', 'm/s', 'm/s^2', 'N m') else (0,)
+                    'm', 'm/s', 'm/s^2', 'N m', 'W') else (0,)
                 assert found in [value * scale**power for power in powers], name
