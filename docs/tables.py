@@ -23,6 +23,7 @@ from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.load_table import LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import (  # noqa: E402
     known_quantities,
+    of_drive,
     POSITIONS,
     positions,
     QUANTITIES,
@@ -67,11 +68,21 @@ def having(quantity):
     found = []
     for name, kind in KINDS.items():
         inputs = [driven for driven in kind.INPUTS if quantity in known_quantities(kind, driven)
-                  | positions(kind, driven)]
+                  | positions(kind, driven) | of_drive(kind, driven)]
         if inputs:
             found.append(name if len(inputs) == len(kind.INPUTS)
                          else f'{name} driven at its {inputs[0]}')
     return 'all kinds' if found == list(KINDS) else ', '.join(found)
+
+
+def drive_quantities():
+    """Return rows of the quantities of the drive, with the units that kinds and inputs have."""
+    every = [quantity for kind in KINDS.values() for driven in kind.INPUTS
+             for quantity in of_drive(kind, driven).values()]
+    return [(f'`{name}`', ' or '.join(dict.fromkeys(
+        quantity.unit or '1' for quantity in every if quantity.name == name)),
+             next(quantity.text for quantity in every if quantity.name == name), having(name))
+            for name in dict.fromkeys(quantity.name for quantity in every)]
 
 
 def messages():
@@ -119,7 +130,8 @@ def reference_tables():
                          for name, kind in KINDS.items()]),
         'quantities': table(('quantity', 'unit', 'what', 'of'),
                             [(f'`{q.name}`', q.unit, q.text, having(q.name))
-                             for q in (*QUANTITIES.values(), *POSITIONS.values())]),
+                             for q in (*QUANTITIES.values(), *POSITIONS.values())]
+                            + drive_quantities()),
         'units': table(('SI', 'units'), [(si, ', '.join(units)) for si, units in UNITS.items()]),
         'messages': messages(),
     }

@@ -54,7 +54,7 @@ def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
     from fourbar_lab.drawing.curves import effort_of
     from fourbar_lab.drawing.poses import evaluate_at, position_of
-    from fourbar_lab.drawing.record import record_of
+    from fourbar_lab.drawing.record import drive_of, record_of
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.scene.files import find
@@ -72,12 +72,13 @@ def _show(arguments: Namespace) -> None:
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
               if scene.tells_loads else None)
     bare = scene.bare_linkage.in_mode(linkage.mode)         # with masses, without springs
+    drive = drive_of(linkage, speed, acceleration, within)
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
             **({'within': list(within)} if within else {}), 'why_no_loads': scene.why_no_loads,
             **({'drive_effort': effort._asdict()} if effort else {}),
-            **record_of(bare, extrema, scene.points, pose)}))
+            'drive': drive, **record_of(bare, extrema, scene.points, pose)}))
     else:
         from fourbar_lab.drawing import tables
         from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
@@ -97,6 +98,7 @@ def _show(arguments: Namespace) -> None:
             blocks.append(f'{linkage.drive_load.replace("_", " ")}: root mean square '
                           f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} '
                           f'over the input{effort.how}')
+        blocks += tables.drive_in_words(linkage, drive)
         if pose:
             blocks += [motion_table(linkage, pose),
                        loads_table(linkage, pose.loads) if pose.loads else None,

@@ -65,8 +65,8 @@ def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) ->
     """Add the arguments of both verbs; ``default``: the text of no QUANTITY."""
     add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
-                      help='e.g. omega4, f41, inertia and bias of the drive, middle.speed of a '
-                           f'point; {default}')
+                      help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
+                           f'middle.speed of a point; {default}')
     add_rates(verb)
     verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')

@@ -18,7 +18,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.quantities import Asked, known_quantities, positions, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import by_name, Named, of_drive, UnknownQuantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import in_unit
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 # what a vertical axis of a unit shows
 AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
         'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
-        'N m': 'torque, moment', 'W': 'power', 'kg m^2': 'inertia', 'kg': 'inertia'}
+        'N m': 'torque, moment', 'W': 'power', 'kg m^2': 'inertia', 'kg': 'inertia',
+        **dict.fromkeys(('', 'N/(N m)', 'N m/N'), 'ratio')}
 SPEEDS = 25         # in a table over the speed
 SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
-OF_DRIVE = 'inertia', 'bias'        # by name alone
 UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
 
 
@@ -56,22 +56,22 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     Return quantities of a scene over all ranges of its input, at one speed and acceleration.
 
     ``names``: fields of motion or loads, NAME.speed and NAME.acceleration of the scene's points,
-    or J and b of the drive's T = J alpha + b as ``inertia`` and ``bias``; empty: all but these,
-    loads only with masses. ``linkage`` is the scene's in the assembly mode wanted; ``samples`` are
-    the inputs in each range; ``shown_units``: {SI unit: unit of the columns that measure the
-    same}. UnknownQuantity, with the nearest name; InvalidParameter for a load without masses, or
-    if a quantity overflows.
+    or those of :func:`.of_drive`; empty: all but these, loads only with masses. ``linkage`` is the
+    scene's in the assembly mode wanted; ``samples`` are the inputs in each range;
+    ``shown_units``: {SI unit: unit of the columns that measure the same}. UnknownQuantity, with
+    the nearest name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
-    of_loads = linkage.LOADS._fields
+    of_loads, own = linkage.LOADS._fields, of_drive(linkage, linkage.input)
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     for name in wanted:
         if name not in units:
             raise UnknownQuantity(name, units)
-    wanted = wanted or [name for name in units if name not in OF_DRIVE
+    wanted = wanted or [name for name in units if name not in own
                         and (name not in of_loads or scene.tells_loads)]
-    loads_wanted = [name for name in wanted if name in of_loads]
+    loads_wanted = [name for name in wanted
+                    if name in of_loads or name in own and own[name].is_load]
     if loads_wanted and not scene.has_loads:
         raise InvalidParameter(loads_wanted[0], None, scene.why_no_loads)
 
@@ -80,10 +80,11 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         """Return a quantity at inputs, whose motion and loads are known."""
         if name in of_points:
             return np.asarray(of_points[name].of(motion, loads))
-        if name == 'inertia':
-            return np.asarray(scene.bare_linkage.in_mode(linkage.mode).inertia(inputs))
-        if name == 'bias':                  # what the drive takes at no acceleration
-            loads, name = scene.loads(inputs, speed, 0.0, linkage.mode), linkage.drive_load
+        if name in own and (own[name].is_weightless or not own[name].is_load):
+            return own[name].values(scene.bare_linkage.in_mode(linkage.mode), inputs, speed)
+        if name in own:
+            loads = scene.loads(inputs, *own[name].rates(speed), linkage.mode)
+            name = linkage.drive_load
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
     parts: list[Array] = []
@@ -192,14 +193,14 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
     A component of a force is not searched, nor are loads that springs or forces over a position
     add to.
     """
-    searched = _searched(linkage, scene)
+    searched = by_name(linkage, scene.point_quantities)
     wanted = [searched[name] for name in names if name in searched
               and is_searched(linkage, searched[name])]
     return (find_extrema(linkage, wanted, speed, acceleration, conditions=False) if wanted
             else [])
 
 
-def is_searched(linkage: Mechanism, quantity: Asked) -> bool:
+def is_searched(linkage: Mechanism, quantity: Named) -> bool:
     """Return whether a quantity has extrema over the input: loads follow from motion alone."""
     return not quantity.is_load or linkage.bodies is not None
 
@@ -214,18 +215,10 @@ def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
             for extremum in extrema if extremum.kind != CONSTANT and isfinite(extremum.value)]
 
 
-def _searched(linkage: Mechanism, scene: Scene) -> dict[str, Asked]:
-    """Return {name: quantity} of all that can be searched for extrema."""
-    return {**positions(linkage, linkage.input), **known_quantities(linkage, linkage.input),
-            **{quantity.name: quantity for quantity in scene.point_quantities}}
-
-
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     """Return {name: unit} of all quantities that a user may name, components of forces too."""
-    units = {name: quantity.unit for name, quantity in _searched(linkage, scene).items()}
-    if scene.has_loads:
-        units.update(zip(OF_DRIVE, ('kg', 'N') if linkage.is_driven_by_slide else
-                         ('kg m^2', 'N m')))
+    units = {name: quantity.unit
+             for name, quantity in by_name(linkage, scene.point_quantities).items()}
     for part in linkage.PARTS:
         if part != linkage.input_coordinate:
             units |= {name: unit for name, unit in zip(part, part.units)
@@ -273,7 +266,7 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
                       if turned else [first])]
     rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
-    figure = make_panels({f'{AXES.get(unit, "value")} [{unit}]':
+    figure = make_panels({AXES.get(unit, 'value') + (f' [{unit}]' if unit else ''):
                           [(symbol, curves.values[0], values) for _, symbol, _, values in group]
                           for unit, group in by_unit.items()},
                          f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)

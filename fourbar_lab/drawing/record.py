@@ -16,7 +16,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import positions
+from fourbar_ros.mechanisms.quantities import of_drive, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 
 ANGLE = 'transmission_angle'
@@ -44,9 +44,7 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         'mode_name': linkage.modes[linkage.mode],
         'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
         | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
-        'outputs': [_with_ranges(coordinate, sorted([(swept.low, swept.high) for swept
-                                                     in output_ranges(linkage, coordinate)]))
-                    for coordinate, _ in linkage.outputs],
+        'outputs': [_output(linkage, coordinate) for coordinate, _ in linkage.outputs],
         'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
         'toggles': toggles_of(linkage), 'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
@@ -69,6 +67,14 @@ def counted(linkage: Mechanism, theta1: float) -> float:
 def _with_ranges(coordinate: Coordinate, ranges: Intervals) -> LinkageRecord:
     return {'name': coordinate.position, 'unit': coordinate.unit,
             'ranges': [list(map(float, bounds)) for bounds in ranges]}
+
+
+def _output(linkage: Mechanism, coordinate: Coordinate) -> LinkageRecord:
+    """Return the record of an output, with the time ratio of its strokes, NaN without."""
+    every = output_ranges(linkage, coordinate)
+    ratio = every[0].time_ratio(linkage.period) if linkage.turns_fully else nan
+    return _with_ranges(coordinate, sorted([(swept.low, swept.high) for swept in every])) | {
+        'time_ratio': ratio}
 
 
 def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
@@ -121,6 +127,35 @@ def _inertia(linkage: Mechanism) -> LinkageRecord:
             'most': most.value, 'most_at': counted(linkage, most.input), 'mean': inertia.mean,
             'unbounded_at': [counted(linkage, extremum.input) for extremum in inertia.extrema
                              if extremum.value == inf]}
+
+
+def drive_of(linkage: Mechanism, speed: float, acceleration: float,
+             within: tuple[float, float] | None) -> LinkageRecord:
+    """
+    Return what a drive must hold and do, and its mechanical advantage, as {name: record}.
+
+    ``work`` [J] and ``mean_power`` [W] of a cycle are NaN where the input does not turn fully, all
+    of the first two records without masses.
+    """
+    names = [name for name, quantity in of_drive(linkage, linkage.input).items()
+             if name.startswith(('holding', 'mechanical'))
+             and (linkage.bodies or not quantity.is_load)]
+    record: LinkageRecord = {}
+    every = find_extrema(linkage, names, speed, conditions=False, within=within)
+    for name in names:
+        of_name = [extremum for extremum in every if extremum.quantity == name]
+        is_size = name == 'mechanical_advantage'      # its sign is the sense of the output
+        least, most = (pick(of_name, key=lambda extremum: abs(extremum.value) if is_size
+                            else extremum.value) for pick in (min, max))
+        record[name] = {'unit': least.unit, **{key: value for key, extremum in (
+            ('least', least), ('most', most)) for key, value in (
+                (key, abs(extremum.value) if is_size else extremum.value),
+                (f'{key}_at', counted(linkage, extremum.input)))}}
+    if linkage.bodies:
+        load = OverInput(linkage, linkage.drive_load, speed, acceleration, within)
+        work = load.of_cycle
+        record['cycle'] = {'work': work, 'mean_power': work / linkage.period * speed}
+    return record
 
 
 def _pose(linkage: Mechanism, pose: DrawnPose, points: Points) -> LinkageRecord:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, pi, tau
+from math import degrees, isfinite, pi, tau
 
 from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
 from fourbar_lab.drawing.record import ANGLE, counted, Intervals, LinkageRecord, properties_of
@@ -58,8 +58,10 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
             ('class', properties['class']), ('assembly mode', properties['mode_name']),
             *([('change point', linkage.branch_in_words)] if linkage.branch_in_words else []),
             ('input', _ranges(driven, linkage.input_ranges))]
-    rows += [('output', f'{_ranges(coordinates[output["name"]], output["ranges"])}, in this mode')
-             for output in properties['outputs']]
+    for output in properties['outputs']:
+        ratio = output['time_ratio']
+        rows.append(('output', f'{_ranges(coordinates[output["name"]], output["ranges"])}, in '
+                     'this mode' + (f', time ratio {ratio:.6g}' if isfinite(ratio) else '')))
     for point in properties['dead_points']:
         kind = ''
         if 'stretched' in point:
@@ -141,6 +143,22 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
                       SIDES[extremum.side])
         last = extremum.quantity
     return table
+
+
+def drive_in_words(linkage: Mechanism, drive: LinkageRecord) -> list[str]:
+    """Return lines on what a drive must hold and do, from :func:`.record.drive_of`."""
+    lines, driven = list[str](), linkage.input_coordinate
+    for name, record in drive.items():
+        if name == 'cycle':
+            if isfinite(record['work']):
+                lines.append(f'work of the drive: {record["work"]:.6g} J a cycle, mean power '
+                             f'{record["mean_power"]:.6g} W')
+            continue
+        least, most = (f'{record[end]:.6g} {record["unit"]}'.rstrip() for end in ('least', 'most'))
+        ends = (f'{least} at {shown(driven, record["least_at"])} to {most} at '
+                f'{shown(driven, record["most_at"])}' if least != most else least)
+        lines.append(f'{name.replace("_", " ")}: {ends}')
+    return lines
 
 
 def proofs_in_words(extrema: Sequence[Extremum]) -> str:

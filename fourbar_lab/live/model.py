@@ -18,7 +18,7 @@ from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import Asked, positions, select
+from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.stepper import evaluate, OK
 from fourbar_ros.scene.scene import from_values, Scene
@@ -79,12 +79,15 @@ class Shown:
         return '' if self.scene.tells_loads else self.scene.why_no_loads
 
     @cached_property
-    def quantities(self) -> dict[str, Asked]:
+    def quantities(self) -> dict[str, Named]:
         """Return {name: quantity} of all that can be drawn over the input."""
         linkage = self.linkage if self.why_no_loads else self.scene.bare_linkage
         chosen = select((), linkage, self.scene.point_quantities)
-        return ({quantity.name: quantity for quantity in chosen}
-                | positions(self.linkage, self.linkage.input))
+        driven = self.linkage.input
+        return {**{quantity.name: quantity for quantity in chosen},
+                **positions(self.linkage, driven),
+                **{name: quantity for name, quantity in of_drive(linkage, driven).items()
+                   if not (quantity.is_load and self.why_no_loads)}}
 
     @cached_property
     def has_axis(self) -> bool:
@@ -164,7 +167,8 @@ class Shown:
         values['transmission_angle'] = degrees(motion.transmission_angle), 'deg'
         if loads is not None:
             values |= {quantity.name: (quantity.of(motion, loads), written(quantity.unit))
-                       for quantity in self.quantities.values() if quantity.is_load}
+                       for quantity in self.quantities.values()
+                       if quantity.is_load and not isinstance(quantity, OfDrive)}
         return values
 
     @cached_property

@@ -13,16 +13,17 @@ from math import pi, tau
 
 from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies import parametric
-from fourbar_lab.studies.measures import Extent, Measure, Measures, Searched
+from fourbar_lab.studies.measures import Extent, Measure, Measures
 from fourbar_lab.studies.study import first_scene, Study
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
+from fourbar_ros.extrema.over_input import settled
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.points import with_any_lengths
-from fourbar_ros.mechanisms.quantities import is_position, is_published
+from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
@@ -46,8 +47,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     Fill columns with the measures of designs computed together; return which are right, (n,).
 
     ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
-    Not computed so: drives at rest, driven slides, machines (each is put together at run time),
-    and designs where lengths, samples or search leave a doubt.
+    Not computed so: drives at rest, quantities of the drive at rates of their own, driven slides,
+    machines (each is put together at run time), and designs where lengths, samples or search
+    leave a doubt.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
@@ -81,6 +83,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         if bound.measure.part in (kinds.CLASS, kinds.CHANGE_POINT) and not study.keeps_all:
             wanted &= bound.allows_each(columns)
     needed = list(dict.fromkeys(filter(None, map(measures.source, study.measures))))
+    if any(isinstance(measures.quantities[name], OfDrive) for name in needed):
+        return none
     needed = needed or [kinds.ANGLE]        # that alone tells which designs turn fully
 
     def work(rows: Array, samples: int) -> Array:
@@ -88,7 +92,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
                                               for name, column in drawn.items()})
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
-        turns = search(group, [known[name] for name in needed], study.acceleration, samples)
+        turns = search(group, [quantity for name in needed
+                               if not isinstance(quantity := known[name], OfDrive)],
+                       study.acceleration, samples)
         is_right = ~turns.is_doubtful
         for measure in study.measures:
             if measure.part == kinds.INPUT_RANGE:
@@ -107,10 +113,15 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 def _measured(measure: Measure, turns: Turns, row: int) -> tuple[Array, Array]:
     """Return a measure of the quantity in a row of turns, and for which designs it is right."""
     samples, inputs, values = turns.samples[row], turns.places[row], turns.values[row]
-    if measure.part == 'rms':
+    if measure.part in kinds.MEANS:
         squares = samples * samples
         mean, of_half = squares.mean(axis=1), squares[:, ::2].mean(axis=1)
-        return np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
+        rms, is_right = np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
+        if measure.part == 'rms':
+            return rms, is_right
+        mean, of_half = samples.mean(axis=1), samples[:, ::2].mean(axis=1)
+        return (mean if measure.part == 'mean' else np.asarray(tau * settled(mean, rms)),
+                is_right & (np.abs(mean - of_half) <= AGREE * rms))
     if not values.shape[-1]:
         inputs = values = np.full((len(values), 1), np.nan)
     designs, is_none = np.arange(len(values)), np.isnan(values)     # beyond the last extremum
@@ -142,7 +153,7 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
     return rows
 
 
-def search(designs: Designs, quantities: Sequence[Searched], acceleration: float,
+def search(designs: Designs, quantities: Sequence[Asked], acceleration: float,
            count: int) -> Turns:
     """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
     with_loads = any(quantity.is_load for quantity in quantities)

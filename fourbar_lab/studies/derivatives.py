@@ -31,6 +31,7 @@ from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quadrature import nodes
+from fourbar_ros.mechanisms.quantities import Asked, OfDrive
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import run
@@ -85,7 +86,9 @@ class Derivatives:
                 raise InvalidParameter(name, scene.values.get(name),
                                        'must be a number that the scene gives')
         self.scene, self.names, self.acceleration = scene, tuple(names) or known, acceleration
-        self.quantities = Measures(scene).quantities
+        self.quantities: dict[str, Asked] = {
+            name: quantity for name, quantity in Measures(scene).quantities.items()
+            if not isinstance(quantity, OfDrive)}
         # by these there are no derivatives, NaN: with other lengths there is another motion
         self.leaves_branch = np.array([
             scene.linkage.change_point_margin <= TIE and name.startswith(LENGTHS)
@@ -232,10 +235,12 @@ class _OfMeasure:
             return self._unknown('it has no value' if isnan(self._value) else 'it is infinite')
         if part == kinds.CHANGE_POINT:
             return self._of_margin()
-        if part in (kinds.INPUT_RANGE, 'rms') and not input_is_fixed:
+        if part in (kinds.INPUT_RANGE, *kinds.MEANS) and not input_is_fixed:
             return self._unknown(TOGGLE)
-        if part == 'rms':
-            return self._of_rms()
+        if self._source and self._source not in self._derivatives.quantities:
+            return self._unknown('it is of the drive at a rate of its own')
+        if part in kinds.MEANS:
+            return (linkage.period if part == kinds.WORK else 1.0) * self._of_mean(part == 'rms')
         extrema: Sequence[Extremum] = ()
         if part in (kinds.SWING, kinds.STROKE):
             extrema = self._design.output_range.extrema
@@ -350,8 +355,8 @@ class _OfMeasure:
                 in zip(*self._angles(np.array([extremum.input]))) if counts]
         return tied or [extremum]           # at a toggle there is no motion
 
-    def _of_rms(self) -> Array:
-        """Return d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
+    def _of_mean(self, is_of_squares: bool) -> Array:
+        """Return d mean(Q) = mean(Q_p), or d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
         name = self._source
         most, results = TURN_NODES if self._linkage.turns_fully else RANGE_NODES, []
         for points in (most, most // 2):
@@ -364,6 +369,9 @@ class _OfMeasure:
             if (self._derivatives.quantities[name].unit == 'rad'
                     and np.abs(np.diff(values)).max() > pi):
                 return self._unknown('the angle wraps')
+            if not is_of_squares:
+                results.append((weights * slopes).sum(axis=1))
+                continue
             size = float(np.sqrt(np.sum(weights * values * values)))
             if size == 0.0:       # it grows whichever way a parameter goes: no derivative
                 return np.where(slopes.any(axis=1), self._unknown('it is 0 at every input'), 0.0)

@@ -12,18 +12,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import nan, pi, tau
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest, OutOfRange
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput
-from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Function, known_quantities, positions
+from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput, time_ratio
+from fourbar_ros.mechanisms.quantities import by_name, Named
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
-Searched = Union[Quantity, Function]         # a quantity whose extrema are searched
 # {part: (meaning, unit: that of the quantity, of the input, or another)}
 QUANTITY, INPUT = 'quantity', 'input'
 PARTS = {
@@ -36,12 +34,13 @@ PARTS = {
     'extrema': ('number of extrema, those at ends of the input included', ''),
     'rms': ('root mean square over the input at constant rate; infinite where it grows without '
             'bound at a toggle position', QUANTITY),
+    'mean': ('mean over the input at constant rate', QUANTITY),
 }
 # The parts that the name of a quantity alone stands for.
 USUAL = ('max', 'max_at', 'min', 'min_at', 'extrema')
 CLASS, CHANGE_POINT = 'class', 'change_point_margin'
 INPUT_RANGE, LEAST_ANGLE = 'input_range', 'least_transmission_angle'
-SWING, STROKE, TIME_RATIO = 'swing', 'stroke', 'time_ratio'
+SWING, STROKE, TIME_RATIO, WORK = 'swing', 'stroke', 'time_ratio', 'work'
 ANGLE = 'transmission_angle'
 OF_MECHANISM = {
     CLASS: ('type of the mechanism: which links turn fully', ''),
@@ -54,7 +53,11 @@ OF_MECHANISM = {
     STROKE: ('distance that the output slide travels while the input goes over this range', 'm'),
     TIME_RATIO: ('time of the slower stroke of the output over that of the faster one, at '
                  'constant speed of a fully turning crank; NaN where there is none', ''),
+    WORK: ('work of the drive in a cycle, at constant speed of a fully turning crank; NaN where '
+           'there is none', 'J'),
 }
+# Integrals over the input: {part or measure: attribute of :class:`.OverInput`}.
+MEANS = {'rms': 'rms', 'mean': 'mean', WORK: 'of_cycle'}
 # Known without the motion, from lengths and input range alone.
 CHEAP = (CLASS, CHANGE_POINT, INPUT_RANGE)
 
@@ -92,15 +95,12 @@ class Extent(NamedTuple):
         """
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
-            forward = np.mod(self.max_at - self.min_at, period)     # from least to greatest output
-            back = period - forward
-            slow, fast = np.maximum(forward, back), np.minimum(forward, back)
             parts: dict[str, Values] = {
                 **self._asdict(), 'span': span,
                 'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
                 # at a toggle rounding may put it beyond 0
                 LEAST_ANGLE: np.maximum(np.minimum(self.min, pi - self.max), 0.0),
-                TIME_RATIO: np.where(forward > 0.0, slow / fast, nan)}
+                TIME_RATIO: time_ratio(self.min_at, self.max_at, period)}
         return parts[part]
 
 
@@ -109,10 +109,9 @@ class Measures:
 
     def __init__(self, scene: Scene):
         linkage = scene.linkage
-        self.quantities: dict[str, Searched] = {
-            **known_quantities(linkage, linkage.input), **positions(linkage, linkage.input),
-            **{quantity.name: quantity for quantity in scene.point_quantities}}
+        self.quantities: dict[str, Named] = by_name(linkage, scene.point_quantities)
         self.output = str(linkage.outputs[0].coordinate.position)       # as theta4
+        self._drive_load = linkage.drive_load
         self._why_no_loads = scene.why_no_loads         # '' if there are loads
         self._kind, self._input_unit = linkage.TITLE, linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
@@ -121,7 +120,8 @@ class Measures:
         """Return the quantity from whose values a measure follows; '' if no motion is needed."""
         if measure.part in CHEAP:
             return ''
-        return ANGLE if measure.part == LEAST_ANGLE else measure.quantity or self.output
+        of_mechanism = {LEAST_ANGLE: ANGLE, WORK: self._drive_load}
+        return of_mechanism.get(measure.part, measure.quantity or self.output)
 
     def named(self, entry: str, name: str) -> list[Measure]:
         """Return the measures of a name in an entry of a study, several for a quantity alone."""
@@ -131,6 +131,8 @@ class Measures:
                 raise InvalidParameter(entry, name, f'the output of this {self._kind} is in '
                                                     f'{self._output_unit}: ask for '
                                                     f'{STROKE if name == SWING else SWING}')
+            if name == WORK and self._why_no_loads:
+                raise InvalidParameter(entry, name, f'is of a load, and {self._why_no_loads}')
             return [Measure(name, self._input_unit if unit == INPUT else unit, '', name)]
         source, _, part = name.rpartition('.')
         source, parts = (name, USUAL) if name in self.quantities else (source, (part,))
@@ -189,9 +191,10 @@ class Design:
             return high - low
         if measure.part in (SWING, STROKE):
             return self.output_range.width
-        if measure.part == 'rms':
-            return OverInput(linkage, self.measures.quantities[name], *self.rates,
-                             extrema=self.extrema.get(name)).rms
+        if measure.part in MEANS:
+            over = OverInput(linkage, self.measures.quantities[name], *self.rates,
+                             extrema=self.extrema.get(name))
+            return float(getattr(over, MEANS[measure.part]))
         if measure.part == TIME_RATIO and not linkage.turns_fully:
             return nan
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')

@@ -10,12 +10,11 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from fourbar_lab.studies.measures import Searched
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
 from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
 from fourbar_ros.scene.linkage import BodiesOfLinks, external_of, SECTIONS
@@ -72,9 +71,9 @@ def margin_signs(linkage: Mechanism) -> Array | None:
 
 
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
-                        ) -> dict[str, Searched]:
+                        ) -> dict[str, Asked]:
     """Return {name: speed or acceleration of a point} of a mechanism :func:`.with_any_lengths`."""
-    quantities: dict[str, Searched] = {}
+    quantities: dict[str, Asked] = {}
     for name, point in scene.points.items():
         coordinates = values[f'points.{name}.along'], values[f'points.{name}.across']
         for make in (point_speed, point_acceleration):

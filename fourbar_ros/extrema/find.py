@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from functools import partial
-from math import isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import in_words, InvalidParameter
@@ -24,13 +24,19 @@ from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
-from fourbar_ros.mechanisms.quantities import Asked, Function, select, UnknownQuantity
+from fourbar_ros.mechanisms.quantities import (
+    Asked,
+    Function,
+    Named,
+    OfDrive,
+    select,
+    UnknownQuantity,
+)
 from fourbar_ros.numerics.arguments import finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.roots import fold
 import numpy as np
 
-INERTIA = 'inertia'
 MINIMUM, MAXIMUM, CONSTANT = 'minimum', 'maximum', 'constant'
 INTERIOR, LIMIT = 'interior', 'limit'
 _KINDS = {-1: MINIMUM, 1: MAXIMUM, 0: CONSTANT}
@@ -41,6 +47,8 @@ SAMPLES = 256       # points of a full turn, at least
 TRUSTED = 1e6
 # Values that differ by more than this, times eps, are told apart, whatever their condition.
 MOST_ALIKE = 4000.0
+# A rate of the output that is smaller than this, over its largest, only touches zero.
+TOUCHES = 64.0 * EPS
 
 
 class Extremum(NamedTuple):
@@ -99,7 +107,7 @@ class Extremum(NamedTuple):
 
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
-AskedQuantity = Union[str, Asked, Callable[..., Any]]
+AskedQuantity = Union[str, Named, Callable[..., Any]]
 AskedQuantities = Union[AskedQuantity, Collection[AskedQuantity]]
 
 
@@ -116,8 +124,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     linkage : Mechanism
         FourBar, SliderCrank, InvertedSlider, ScotchYoke or Machine.
     quantities : sequence of str, Quantity or callable
-        Names (see :data:`~fourbar_ros.mechanisms.quantities.QUANTITIES`), 'inertia' for that at
-        the input, or functions (Motion,
+        Names (see :func:`~fourbar_ros.mechanisms.quantities.by_name`), or functions (Motion,
         Loads) -> value, located to about 1e-10 rad by differences. Attributes ``unit`` and
         ``__name__`` are used. Empty: all rates, accelerations and loads for which the linkage has
         data; positions only by name.
@@ -150,29 +157,30 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
-    every: Any = [quantities] if _is_one(quantities) else quantities
-    if isinstance(every, Collection) and any(
-            isinstance(quantity, str) and quantity == INERTIA for quantity in every):
-        options: Any = {'certify': certify, 'conditions': conditions, 'check': check,
-                        'seconds': seconds, 'progress': progress, 'within': within}
-        return [extremum for quantity in every
-                for extremum in (_of_inertia(linkage, options) if quantity == INERTIA else
-                                 find_extrema(linkage, quantity, rate, acceleration, **options))]
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
-    quantities = resolve(quantities, linkage)
+    named = resolve(quantities, linkage)
+    others = [quantity for quantity in named if not isinstance(quantity, OfDrive)]
+    if len(others) < len(named):
+        find = partial(find_extrema, certify=certify, conditions=conditions, check=check,
+                       seconds=seconds, progress=progress, within=within)
+        every = find(linkage, others, rate, acceleration) if others else []
+        every += [extremum for quantity in named if isinstance(quantity, OfDrive)
+                  for extremum in _of_drive(quantity, linkage, rate, find)]
+        names = [quantity.name for quantity in named]
+        return sorted(every, key=lambda extremum: names.index(extremum.quantity))
     check()
     part = None if within is None else _checked_part(linkage, within)
-    search = Search(linkage, quantities, (rate, acceleration), part)
+    search = Search(linkage, others, (rate, acceleration), part)
     if not search.paths:
         raise InvalidParameter('within', within, 'the links close at none of these inputs, but in '
                                + in_words(linkage.input_ranges, linkage.input_coordinate.unit))
-    extrema, proofs, refuted = search.extrema(conditions), [''] * len(quantities), set[int]()
+    extrema, proofs, refuted = search.extrema(conditions), [''] * len(others), set[int]()
     if certify:
         def tell(share: float) -> None:
             check()
             progress(share)
         extrema, proofs, refuted = search.proved(extrema, conditions, tell, seconds)
-    return [extremum for row, quantity in enumerate(quantities) if extrema[row]
+    return [extremum for row, quantity in enumerate(others) if extrema[row]
             for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
                                      search.unresolved, partial(search.exact, row))]
 
@@ -288,14 +296,60 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
     return linkage.checked_input('within', low), linkage.checked_input('within', high)
 
 
-def _of_inertia(linkage: Mechanism, options: dict[str, Any]) -> list[Extremum]:
-    """Return the extrema of the inertia at the input: the drive at rest, accelerated by one."""
-    unit = 'kg' if linkage.is_driven_by_slide else 'kg m^2'
-    return [extremum._replace(quantity=INERTIA, unit=unit) for extremum in find_extrema(
-        linkage.weightless, linkage.drive_load, 0.0, 1.0, **options)]
+def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
+              find: Callable[..., list[Extremum]]) -> list[Extremum]:
+    """Return the extrema of a quantity of the drive; ``find``: as :func:`find_extrema`."""
+    name, field, links, rates = (quantity.name, quantity.quantity, quantity.links(linkage),
+                                 quantity.rates(rate))
+    if not quantity.is_inverse:
+        return [extremum._replace(quantity=name, unit=quantity.unit)
+                for extremum in find(links, field, *rates)]
+    output, _ = links.outputs[0]        # where it turns back, its rate is zero
+    every = find(links, (field, Quantity(output.position, output.unit, '', False)), *rates)
+    return _inverse([extremum._replace(quantity=name, unit=quantity.unit) for extremum in every
+                     if extremum.quantity == field.name],
+                    [extremum._replace(quantity=name, unit=quantity.unit) for extremum in every
+                     if extremum.quantity == output.position and extremum.place == INTERIOR
+                     and extremum.kind != CONSTANT])
 
 
-def resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
+def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[Extremum]:
+    """
+    Return the extrema of one over a rate from those of the rate.
+
+    ``turning``: interior extrema of the position. There, and where the rate only touches zero, it
+    is infinite on both sides.
+    """
+    largest = max([abs(extremum.value) for extremum in extrema if isfinite(extremum.value)],
+                  default=0.0)
+    inverse = list[Extremum]()
+    # (where, on which side, whether it is inf or -inf there)
+    poles = [(extremum, side, sense if side < 0 else -sense) for extremum in turning
+             for side in (-1, 1) for sense in [1 if extremum.kind == MAXIMUM else -1]]
+    for extremum in extrema:
+        if extremum.kind == CONSTANT:
+            inverse.append(extremum._replace(
+                value=1.0 / extremum.value if extremum.value else nan))
+        elif abs(extremum.value) <= TOUCHES * largest:
+            poles += [(extremum, side, 1 if extremum.kind == MINIMUM else -1)
+                      for side in ([extremum.side] if extremum.side else (-1, 1))]
+        else:
+            inverse.append(extremum._replace(value=1.0 / extremum.value + 0.0, kind=(
+                MAXIMUM if extremum.kind == MINIMUM else MINIMUM)))
+    inverse += [extremum._replace(kind=_KINDS[sense], value=sense * inf, place=LIMIT, side=side,
+                                  value_condition=nan) for extremum, side, sense in poles]
+    inverse.sort(key=lambda extremum: (extremum.input, extremum.side))
+    for sense in (-1, 1):
+        sized = [sense * extremum.value for extremum in inverse
+                 if extremum.kind in (_KINDS[sense], CONSTANT)]
+        best = max(sized, default=nan)
+        least = best - MOST_ALIKE * EPS * abs(best) if isfinite(best) else best
+        inverse = [extremum._replace(is_global=sense * extremum.value >= least)
+                   if extremum.kind == _KINDS[sense] else extremum for extremum in inverse]
+    return inverse
+
+
+def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
     """Return names, quantities and functions, one or several, as quantities; refuse others."""
     if _is_one(quantities):
         quantities = (quantities,)
@@ -310,14 +364,16 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Asked]:
             raise UnknownQuantity(quantity.name, fields)
     names = [quantity for quantity in quantities if isinstance(quantity, str)]
     named = iter(select(names, linkage) if names else ())
-    return [quantity if hasattr(quantity, 'of') else next(named) if not callable(quantity)
+    return [quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
+            next(named) if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''),
                           '', quantity)
             for quantity in quantities]
 
 
 def _is_one(quantity: Any) -> bool:
-    return isinstance(quantity, str) or hasattr(quantity, 'of') or callable(quantity)
+    return (isinstance(quantity, (str, OfDrive)) or hasattr(quantity, 'of')
+            or callable(quantity))
 
 
 def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], proof: str,

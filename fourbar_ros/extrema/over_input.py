@@ -25,8 +25,9 @@ from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
-from fourbar_ros.mechanisms.quadrature import mean_over_input, nodes
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes
+from fourbar_ros.mechanisms.quantities import OfDrive
+from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
 FEW = 8         # inputs at which a quantity's size is looked up, before its squares are added
@@ -45,9 +46,6 @@ class OverInput:
     def __init__(self, linkage: Mechanism, quantity: find.AskedQuantity, rate: float = 1.0,
                  acceleration: float = 0.0, within: tuple[float, float] | None = None,
                  extrema: Sequence[Extremum] | None = None) -> None:
-        if quantity == find.INERTIA:         # the drive at rest, accelerated by one
-            linkage, quantity = linkage.weightless, linkage.drive_load
-            rate, acceleration = 0.0, 1.0
         self._linkage, self._rates, self._within = linkage, (rate, acceleration), within
         self._quantity, = find.resolve(quantity, linkage)
         if extrema is not None:
@@ -87,6 +85,17 @@ class OverInput:
         mean, = mean_over_input(self._linkage, self._values, self._ranges)
         return float(mean)
 
+    @property
+    def of_cycle(self) -> float:
+        """
+        Return the integral over a period of an input that turns fully; NaN of any other.
+
+        Of the driving torque that is the work of a cycle [J]. 0 where it is less than its error.
+        """
+        if not self._linkage.turns_fully or self._within is not None:
+            return nan
+        return float(self._linkage.period * settled(self.mean, self.rms))
+
     def _diverges_at(self, extremum: Extremum) -> bool:
         """Return whether the integral diverges at an end where the quantity is infinite."""
         # there it is a power of the root of the distance d: only one over that root is integrable,
@@ -100,7 +109,8 @@ class OverInput:
     def rms(self) -> float:
         """Return the root mean square."""
         # of a full turn the integral tells by itself whether it is finite, without a search
-        if not self._linkage.turns_fully and self.peak == inf:
+        if (not self._linkage.turns_fully or isinstance(self._quantity, OfDrive)
+                ) and self.peak == inf:
             return inf          # it grows as one over the root of the distance, at least
         # over the size of a few values, so that no square overflows
         few, _ = nodes(self._linkage, FEW, self._ranges)
@@ -117,7 +127,9 @@ class OverInput:
     def _values(self, x: Array) -> Array:
         """Return the quantity at inputs, shape (1, n)."""
         with np.errstate(all='ignore'):
-            values = self._quantity.of(*self._linkage.motion_and_loads(x, *self._rates))
+            values = (self._quantity.values(self._linkage, x, self._rates[0])
+                      if isinstance(self._quantity, OfDrive) else
+                      self._quantity.of(*self._linkage.motion_and_loads(x, *self._rates)))
         return np.broadcast_to(values, x.shape)[None]
 
     @cached_property
@@ -137,6 +149,12 @@ class OverInput:
                 and len({extremum.value for extremum in self.extrema}) == 1)
 
 
+def settled(mean: Values, rms: Values) -> Values:
+    """Return means, 0 where they are less than their error, beside the root mean squares."""
+    with np.errstate(invalid='ignore'):
+        return np.where(np.abs(mean) <= AGREE * rms, 0.0, mean)
+
+
 # --- what an output sweeps -----------------------------------------------------------------------
 
 class OutputRange(NamedTuple):
@@ -148,10 +166,32 @@ class OutputRange(NamedTuple):
     turns_fully: bool               # a turn of the input turns it on, with reversals or without
     extrema: tuple[Extremum, ...]   # ends of the input among them; () of full turns
 
+    def time_ratio(self, period: float) -> float:
+        """Return :func:`time_ratio`, NaN of full turns; ``period``: of the input [rad]."""
+        if not self.extrema:
+            return nan
+        least, most = (pick(self.extrema, key=lambda extremum: extremum.value).input
+                       for pick in (min, max))
+        return float(time_ratio(least, most, period))
+
     @property
     def width(self) -> float:
         """Return by how much it moves [rad or m]; 2 pi of full turns."""
         return self.high - self.low
+
+
+def time_ratio(least_at: Values, most_at: Values, period: float) -> Values:
+    """
+    Return the time of the slower stroke of an output over that of the faster one.
+
+    At constant speed of an input that turns fully; NaN where there is none. ``least_at``,
+    ``most_at``: inputs at which the output is least and greatest.
+    """
+    forward = np.mod(np.subtract(most_at, least_at), period)
+    back = period - forward
+    with np.errstate(divide='ignore', invalid='ignore'):
+        return np.where(forward > 0.0,
+                        np.maximum(forward, back) / np.minimum(forward, back), nan)
 
 
 def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,

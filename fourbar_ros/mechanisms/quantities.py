@@ -12,8 +12,10 @@ from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
+from numpy.typing import ArrayLike
 
 
 class UnknownQuantity(FourBarError, KeyError):
@@ -36,6 +38,45 @@ class Function(NamedTuple):
     of: Callable[..., Any]
     is_load: bool = False     # nobody can tell; of a mechanism without masses loads raise an error
     is_smooth: bool = False   # plain arithmetic and numpy: a complex step gives its derivative
+
+
+class OfDrive(NamedTuple):
+    """
+    A quantity of the drive at a rate and an acceleration of its own, not at those of the input.
+
+    It is ``quantity`` of the links there, or one over it; ``rate`` None: that of the input.
+    """
+
+    name: str
+    unit: str
+    text: str
+    quantity: Quantity
+    rate: float | None = 0.0        # of the input [rad/s] or [m/s]
+    acceleration: float = 0.0
+    is_weightless: bool = False     # of the links without weight and external loads
+    is_inverse: bool = False        # one over the quantity
+
+    @property
+    def is_load(self) -> bool:
+        """Return whether it needs masses."""
+        return self.quantity.is_load
+
+    def links(self, linkage: Mechanism) -> Mechanism:
+        """Return the links whose ``quantity`` it is."""
+        return linkage.weightless if self.is_weightless else linkage
+
+    def rates(self, rate: float) -> tuple[float, float]:
+        """Return its rate and acceleration where the input has a rate."""
+        return (rate if self.rate is None else self.rate), self.acceleration
+
+    def values(self, linkage: Mechanism, position: ArrayLike, rate: float) -> Array:
+        """Return its values at inputs, where the input has a rate."""
+        links, rates = self.links(linkage), self.rates(rate)
+        value = np.asarray(self.quantity.of(*(
+            links.step(position, *rates) if self.is_load
+            else (links.motion(position, *rates), None))))
+        with np.errstate(divide='ignore'):
+            return 1.0 / value if self.is_inverse else value
 
 
 def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
@@ -64,7 +105,8 @@ def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: 
     return size
 
 
-Asked = Union[Quantity, Function]      # what may be asked for
+Asked = Union[Quantity, Function]      # what follows from a motion and its loads
+Named = Union[Asked, OfDrive]          # what may be asked for by name
 
 QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('omega4', 'rad/s', 'angular velocity of the output link', False),
@@ -120,6 +162,32 @@ def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
             and name != mechanism.INPUTS[driven].position}
 
 
+def of_drive(mechanism: Mechanism, driven: str = CRANK) -> dict[str, OfDrive]:
+    """Return {name: quantity} of what the drive of a mechanism, or a kind, can be asked for."""
+    turns, (output, _) = mechanism.INPUTS[driven].unit == 'rad', mechanism.OUTPUTS[driven][0]
+    unit, effort = ('N m', 'torque') if turns else ('N', 'force')
+    load = Quantity(f'driving_{effort}', unit, '', True)
+    rate = Quantity(output.rate, f'{output.unit}/s', '', False)
+    of_output = 'N m' if output.unit == 'rad' else 'N'
+    return {quantity.name: quantity for quantity in (
+        OfDrive('inertia', 'kg m^2' if turns else 'kg',
+                'inertia at the input: J of T = J alpha + b', load,
+                acceleration=1.0, is_weightless=True),
+        OfDrive('bias', unit, 'drive without acceleration: b of T = J alpha + b', load, None),
+        OfDrive(f'holding_{effort}', unit, f'{effort} of the drive at rest', load),
+        OfDrive('mechanical_advantage', '' if unit == of_output else
+                'N m/N' if of_output == 'N m' else 'N/(N m)',
+                'torque or force that the output can hold, over that of the drive, without '
+                'weight and friction', rate, 1.0, is_inverse=True))}
+
+
+def by_name(mechanism: Mechanism, more: Sequence[Asked] = ()) -> dict[str, Named]:
+    """Return {name: quantity} of all that may be asked for, ``more`` too."""
+    driven = mechanism.input
+    return {**positions(mechanism, driven), **known_quantities(mechanism, driven),
+            **of_drive(mechanism, driven), **{quantity.name: quantity for quantity in more}}
+
+
 def fields_of(mechanism: Mechanism) -> dict[str, Quantity]:
     """
     Return {field of motion or loads: what it is}, in their order; numbers in between are left out.
@@ -151,30 +219,29 @@ def fields_of(mechanism: Mechanism) -> dict[str, Quantity]:
             if name in known}
 
 
-def is_published(quantity: Asked) -> bool:
+def is_published(quantity: Named) -> bool:
     """Return whether this is a field of motion or loads, which messages and bags have too."""
     return isinstance(quantity, Quantity)
 
 
-def is_position(quantity: Asked) -> bool:
+def is_position(quantity: Named) -> bool:
     """Return whether this is a position among the fields of a motion."""
     return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
 def select(names: Sequence[str], mechanism: Mechanism,
-           more: Sequence[Asked] = ()) -> list[Asked]:
+           more: Sequence[Asked] = ()) -> list[Named]:
     """
-    Return the quantities of these names; of no names all but positions.
+    Return the quantities of these names; of no names all but positions and those of the drive.
 
     Loads are left out where the mechanism has no masses. ``more``: quantities that may be
     named too, as those of the points of a scene, and that are part of "all" too.
     """
-    known = known_quantities(mechanism, mechanism.input)
-    available = known | {quantity.name: quantity for quantity in more}
     if not names:
-        return [quantity for quantity in available.values()
+        every = *known_quantities(mechanism, mechanism.input).values(), *more
+        return [quantity for quantity in every
                 if mechanism.bodies is not None or not quantity.is_load]
-    available |= positions(mechanism, mechanism.input)
+    available = by_name(mechanism, more)
     for name in names:
         if name not in available:
             raise UnknownQuantity(name, available)

@@ -21,7 +21,7 @@ from fourbar_ros.scene.topics import SERVICES
 
 if TYPE_CHECKING:      # not needed by a node that only streams
     from fourbar_ros.extrema.find import Extremum
-    from fourbar_ros.mechanisms.quantities import Asked
+    from fourbar_ros.mechanisms.quantities import Named
     from fourbar_ros.ros.node.node import FourBarNode
 
 
@@ -159,7 +159,7 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
     return response
 
 
-def _checked(scene: Scene, request: Message) -> tuple[list[Asked], tuple[int, ...], float]:
+def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ...], float]:
     """
     Return (quantities, modes, velocity [rad/s or m/s]) of the request.
 
