@@ -36,6 +36,7 @@ AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceler
 SPEEDS = 25         # in a table over the speed
 SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
 UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
+NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is cut off at NEAR times
 
 
 class Curves(NamedTuple):
@@ -252,19 +253,37 @@ def rows_of(curves: Curves) -> tuple[list[str], list[list[float]]]:
     return heads, curves.values.T[np.isfinite(curves.values[0])].tolist()
 
 
+def readable(values: Array, marked: Sequence[float]) -> Array:
+    """
+    Return the values of a curve without those that would make all others a flat line, as NaN.
+
+    A curve that grows without bound at toggles is cut off above its usual values and its extrema.
+    """
+    sizes = np.abs(values)
+    typical = float(np.nanmedian(sizes))
+    bound = max([NEAR * typical, *(1.2 * abs(value) for value in marked)])
+    if typical == 0.0 or np.nanmax(sizes) <= max(FAR * typical, bound):
+        return values
+    return np.where(sizes <= bound, values, np.nan)
+
+
 def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = ()) -> Figure:
     """
     Return a figure with one pair of axes for each unit, over the same input.
 
     ``marks``: of :func:`marks_of`; angles of the input are brought into the turns that the curves
-    show.
+    show. A curve with marks is cut off beyond them where it grows without bound.
     """
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     turned = curves.units[0] == 'deg'
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
             for x in (np.arange(low + (first - low) % curves.period, high + 1e-9, curves.period)
                       if turned else [first])]
-    rows = list(zip(curves.names, curves.symbols, curves.units, curves.values))[1:]
+    marked = {name: [value for quantity, _, value in dots if quantity == name]
+              for name in curves.names}
+    rows = [(name, symbol, unit, readable(values, marked[name]) if marked[name] else values)
+            for name, symbol, unit, values in zip(
+                curves.names, curves.symbols, curves.units, curves.values)][1:]
     by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
     figure = make_panels({AXES.get(unit, 'value') + (f' [{unit}]' if unit else ''):
                           [(symbol, curves.values[0], values) for _, symbol, _, values in group]
@@ -272,9 +291,9 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
                          f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)
     for axis, group in zip(figure.axes, by_unit.values()):
         for line, (name, *_) in zip(list(axis.lines), group):
-            marked = [(x, value) for quantity, x, value in dots if quantity == name]
-            if marked:
-                axis.plot(*zip(*marked), 'o', color=line.get_color(), markersize=4)
+            if marked[name]:
+                axis.plot(*zip(*[(x, value) for quantity, x, value in dots if quantity == name]),
+                          'o', color=line.get_color(), markersize=4)
     if turned and high - low > 180.0:
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))

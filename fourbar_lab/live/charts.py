@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from math import isfinite
 from typing import Any
 
-from fourbar_lab.drawing.curves import marks_of
+from fourbar_lab.drawing.curves import marks_of, readable
 from fourbar_lab.drawing.labels import significant
 from fourbar_lab.live.model import Shown, written
 from fourbar_ros.extrema.find import Extremum, MAXIMUM
-from fourbar_ros.numerics.arrays import Array
-import numpy as np
 
 # to be seen on light and on dark paper
 COLOURS = ('#3b82c4', '#c8702a', '#2e9a56', '#a060c0', '#d0507a', '#8a961c')
@@ -20,7 +18,6 @@ INK = {'color': '#7a7a7a'}
 GRID = {'lineStyle': {'color': 'rgba(128,128,128,.3)'}}
 CURVE_HEIGHT, GAP, TOP, LEFT, RIGHT = 130, 46, 34, 78, 24      # [px]
 CURSOR = '#c0392b'
-NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is cut off at NEAR times
 GOOD = 50.0                 # [deg] a transmission angle is called good within this of 90 deg
 BAND = 'rgba(60,160,80,.16)'
 
@@ -44,7 +41,7 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum]) 
     for mark in marks_of(shown.linkage, extrema):
         marks[mark[0].quantity].append(mark)
     inputs, *columns = curves.values
-    columns = [_readable(values, [value for *_, value in marks[name]])
+    columns = [readable(values, [value for *_, value in marks[name]])
                for name, values in zip(names, columns)]
     low, high = shown.bounds
     label = f'{curves.names[0]} [{curves.units[0]}]'
@@ -77,20 +74,6 @@ def over_input(shown: Shown, names: Sequence[str], extrema: Sequence[Extremum]) 
                                  if name.startswith('transmission_angle') else []}}
                    for i, name in enumerate(names)],
     }
-
-
-def _readable(values: Array, marked: Sequence[float]) -> Array:
-    """
-    Return the values of a curve without those that would make all others a flat line, as NaN.
-
-    A curve that grows without bound at toggles is cut off above its usual values and its extrema.
-    """
-    sizes = np.abs(values)
-    typical = float(np.nanmedian(sizes))
-    bound = max([NEAR * typical, *(1.2 * abs(value) for value in marked)])
-    if typical == 0.0 or np.nanmax(sizes) <= max(FAR * typical, bound):
-        return values
-    return np.where(sizes <= bound, values, np.nan)
 
 
 def _mark(extremum: Extremum, x: float, value: float) -> Options:

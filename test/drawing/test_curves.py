@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Curves over the input with their extrema."""
-from fourbar_lab.drawing.curves import curves_of, make_figure, marks_of
+from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of
 from fourbar_lab.drawing.record import properties_of
 from fourbar_lab.drawing.tables import facts
 from fourbar_ros import find_extrema
@@ -63,3 +63,16 @@ def test_inertia_and_bias_are_the_drive_less_its_acceleration(name):
     inside = np.isfinite(drive)
     assert inside.sum() > 40
     assert np.allclose((3.0 * inertia + bias)[inside], drive[inside], rtol=1e-9, atol=1e-9)
+
+
+def test_a_curve_that_is_infinite_at_dead_points_is_drawn_beyond_its_extrema_and_no_farther():
+    pytest.importorskip('matplotlib')
+    scene = load('scotch_yoke')
+    names = ['mechanical_advantage', 'slide']
+    curves = curves_of(scene, scene.linkage, names, 1.0)
+    assert np.nanmax(np.abs(curves.values[1])) > 1e9
+    found = extrema_of(scene, scene.linkage, names, 1.0)
+    figure = make_figure(curves, marks_of(scene.linkage, found))
+    drawn = figure.axes[0].lines[0].get_ydata()
+    assert 20.0 < np.nanmax(drawn) < 1e3 and np.isnan(drawn).sum() < 40
+    assert not np.isnan(figure.axes[1].lines[0].get_ydata()).any()
