@@ -119,7 +119,7 @@ def main(samples=None):
     head = ('step', 'error in lock step', 'error of the implicit coupling', 'largest ratio',
             'times real time')
     until = samples or 3.0
-    linkage = load_scene(EXAMPLES / 'nodes/mujoco_chassis.yaml').bare_linkage
+    linkage = load_scene(EXAMPLES / 'nodes/mujoco_chassis.yaml').linkage
     rows = []
     with node('mujoco_chassis', ('shaking_wrench',)) as run:
         for mass in MASSES:

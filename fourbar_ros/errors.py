@@ -114,9 +114,17 @@ class MissingBodies(FourBarError, ValueError):
     """Loads were requested from a mechanism without masses."""
 
     def __init__(self) -> None:
-        super().__init__('loads require mass properties: construct the mechanism with bodies=...; '
-                         'a scene with springs or forces over a position has scene.loads, '
-                         'one with base.topic bare_linkage')
+        super().__init__('loads need masses: of a scene bodies.* or bodies.rods, in Python '
+                         'bodies=...')
+
+
+class UnknownBaseMotion(FourBarError, ValueError):
+    """Loads were requested from a mechanism on a base whose motion comes from a topic."""
+
+    def __init__(self) -> None:
+        super().__init__('the motion of the base comes from a topic (base.topic): no loads but '
+                         'those that the node publishes, or of loads(..., base=Base(...)) in '
+                         'Python')
 
 
 class SceneWarning(UserWarning):

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS, without_weight
+from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.quadrature import nodes
@@ -264,7 +264,7 @@ def peak(loads: Loads, name: str, moments: Array) -> tuple[float, Array]:
 
     ``numbers``: (m, m x, m y, J) of all links.
     """
-    weightless = without_weight(loads.balanced(moments))
+    weightless = loads.balanced(moments).weightless
     field, = {component.removesuffix('_x').removesuffix('_y') for component in loads.group(name)}
     extrema = find_extrema(weightless, (field,), loads.rate, conditions=False)
     return (max((abs(extremum.value) for extremum in extrema), default=0.0),

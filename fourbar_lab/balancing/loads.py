@@ -13,7 +13,7 @@ a convex cone, spanned by points at distances r <= R in directions f:
 
     (G2)  m (1, r cos f, r sin f, r^2),   that is   (m x)^2 + (m y)^2 <= m J,   J <= R^2 m.
 
-Only inertia is balanced: weight and forces from outside stay as they are, and are left out here.
+Only inertia is balanced: weight, springs and forces stay as they are, and are left out here.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from functools import cached_property
 from math import isfinite
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
+from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quadrature import mean_over_input, MOST_OF_RANGE, nodes
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -55,13 +55,6 @@ def body_of(moments: Array) -> Body:
     return Body(mass, cg_along=x, cg_across=y, inertia=max(inertia - mass * (x * x + y * y), 0.0))
 
 
-def without_weight(mechanism: Mechanism) -> Mechanism:
-    """Return a mechanism with loads from inertia alone: no weight, no outer forces."""
-    links = type(mechanism.external)._fields
-    return replace(mechanism, gravity=(0.0, 0.0),
-                   external=type(mechanism.external)(*[NOT_APPLIED] * len(links)))
-
-
 class Loads:
     """
     The loads of a mechanism with masses, as functions of these, at a constant input rate.
@@ -88,7 +81,7 @@ class Loads:
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body
         self.given = np.concatenate([moments_of(body or Body(0.0)) for body in mechanism.bodies])
-        self._weightless = without_weight(mechanism)
+        self._weightless = mechanism.weightless
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -196,7 +189,7 @@ class Loads:
         """
         Return the mechanism with ``moments`` of its links: (m, m x, m y, J), shape (4 links,).
 
-        Weight and outer forces, which balancing leaves out, act on it as before.
+        Weight, springs and forces, which balancing leaves out, act on it as before.
         """
         bodies = [body_of(of_link) for of_link in moments.reshape(-1, MOMENTS)]
         return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

@@ -77,7 +77,7 @@ def _run(arguments: argparse.Namespace) -> None:
     from fourbar_ros.scene.scene import load
     from fourbar_ros.terminal import make_console
     scene = load(arguments.scene)
-    loads = Loads(scene.bare_linkage, scene.drive.speed)
+    loads = Loads(scene.linkage, scene.drive.speed)
     radii = {link: radius for link, radius in arguments.radius if link}
     if not radii:
         longest = max(map(abs, scene.linkage.lengths))

@@ -62,11 +62,9 @@ def _draw(arguments: Namespace) -> None:
         from fourbar_lab.drawing.figure import make_figure
         from fourbar_lab.drawing.poses import step_at
         from fourbar_lab.drawing.tables import mode_name, rates_in_words
-        # with springs and other forces of the scene that act in this pose
-        loaded = scene.linkage_at(position, speed, linkage.mode)
-        _, motion, loads = step_at(loaded, arguments.at, speed, arguments.acceleration)
-        unit = 'm' if loaded.is_driven_by_slide else 'deg'
-        rates = rates_in_words(loaded, speed, arguments.acceleration, ', ')
-        title = (f'{loaded.description}\n{loaded.input_coordinate.position} {arguments.at:.8g} '
-                 f'{unit}, {rates}, assembly mode {mode_name(loaded)}')
-        print(save(make_figure(loaded, motion, loads, title, scene.points), arguments.out))
+        _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
+        unit = 'm' if linkage.is_driven_by_slide else 'deg'
+        rates = rates_in_words(linkage, speed, arguments.acceleration, ', ')
+        title = (f'{linkage.description}\n{linkage.input_coordinate.position} {arguments.at:.8g} '
+                 f'{unit}, {rates}, assembly mode {mode_name(linkage)}')
+        print(save(make_figure(linkage, motion, loads, title, scene.points), arguments.out))

@@ -53,7 +53,7 @@ def add(verbs: Verbs) -> None:
 def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
     from fourbar_lab.drawing.curves import effort_of
-    from fourbar_lab.drawing.poses import evaluate_at, position_of
+    from fourbar_lab.drawing.poses import evaluate_at
     from fourbar_lab.drawing.record import drive_of, record_of
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
@@ -62,23 +62,21 @@ def _show(arguments: Namespace) -> None:
     scene, linkage, speed = asked(arguments)
     within = _within(linkage, arguments.low, arguments.high)
     pose = (None if arguments.at is None else evaluate_at(
-        scene.linkage_at(position_of(linkage, arguments.at), speed, linkage.mode),
-        arguments.at, speed, acceleration))
+        linkage, arguments.at, speed, acceleration))
     with bar('proof', 100) as done:
         extrema = find_extrema(
             linkage, select((), linkage, scene.point_quantities), speed, acceleration,
             arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
-              if scene.tells_loads else None)
-    bare = scene.bare_linkage.in_mode(linkage.mode)         # with masses, without springs
+              if linkage.has_loads else None)
     drive = drive_of(linkage, speed, acceleration, within)
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
-            **({'within': list(within)} if within else {}), 'why_no_loads': scene.why_no_loads,
+            **({'within': list(within)} if within else {}), 'why_no_loads': linkage.why_no_loads,
             **({'drive_effort': effort._asdict()} if effort else {}),
-            'drive': drive, **record_of(bare, extrema, scene.points, pose)}))
+            'drive': drive, **record_of(linkage, extrema, scene.points, pose)}))
     else:
         from fourbar_lab.drawing import tables
         from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
@@ -88,16 +86,16 @@ def _show(arguments: Namespace) -> None:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
         console = make_console()
         blocks: list[Table | str | None] = [
-            tables.linkage_table(bare, path),
+            tables.linkage_table(linkage, path),
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,
-            scene.why_no_loads or None]
+            linkage.why_no_loads or None]
         if effort:
             unit = 'N' if linkage.is_driven_by_slide else 'N m'
             blocks.append(f'{linkage.drive_load.replace("_", " ")}: root mean square '
                           f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} '
-                          f'over the input{effort.how}')
+                          'over the input')
         blocks += tables.drive_in_words(linkage, drive)
         if pose:
             blocks += [motion_table(linkage, pose),

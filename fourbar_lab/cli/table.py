@@ -101,7 +101,7 @@ def _plot(arguments: Namespace) -> None:
     from fourbar_ros.mechanisms.quantities import select
     scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
-        (), scene.bare_linkage if scene.tells_loads else linkage, scene.point_quantities)]
+        (), linkage, scene.point_quantities)]
     acceleration = arguments.acceleration
     curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples)
     extrema = extrema_of(scene, linkage, names, speed, acceleration)
@@ -112,6 +112,6 @@ def _plot(arguments: Namespace) -> None:
 def _tell_weight(scene: Scene, names: Sequence[str]) -> None:
     """Say on stderr that loads among the quantities lack the weight of the links."""
     from fourbar_lab.drawing.tables import NO_WEIGHT
-    linkage = scene.bare_linkage
+    linkage = scene.linkage
     if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in names):
         print(': '.join(NO_WEIGHT), file=sys.stderr)

@@ -8,7 +8,7 @@ from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_lab.drawing.cycles import cycles, turns_of
+from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
@@ -34,7 +34,6 @@ AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceler
         'N m': 'torque, moment', 'W': 'power', 'kg m^2': 'inertia', 'kg': 'inertia',
         **dict.fromkeys(('', 'N/(N m)', 'N m/N'), 'ratio')}
 SPEEDS = 25         # in a table over the speed
-SAMPLES = 720       # of a drive whose loads cannot be searched: in a turn, or a range of the input
 UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
 NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is cut off at NEAR times
 
@@ -70,28 +69,25 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         if name not in units:
             raise UnknownQuantity(name, units)
     wanted = wanted or [name for name in units if name not in own
-                        and (name not in of_loads or scene.tells_loads)]
+                        and (name not in of_loads or linkage.has_loads)]
     loads_wanted = [name for name in wanted
                     if name in of_loads or name in own and own[name].is_load]
-    if loads_wanted and not scene.has_loads:
-        raise InvalidParameter(loads_wanted[0], None, scene.why_no_loads)
+    if loads_wanted and not linkage.has_loads:
+        raise InvalidParameter(loads_wanted[0], None, linkage.why_no_loads)
 
     def values_of(name: str, inputs: Array, motion: NamedFields, loads: NamedFields | None
                   ) -> Array:
         """Return a quantity at inputs, whose motion and loads are known."""
         if name in of_points:
             return np.asarray(of_points[name].of(motion, loads))
-        if name in own and (own[name].is_weightless or not own[name].is_load):
-            return own[name].values(scene.bare_linkage.in_mode(linkage.mode), inputs, speed)
         if name in own:
-            loads = scene.loads(inputs, *own[name].rates(speed), linkage.mode)
-            name = linkage.drive_load
+            return own[name].values(linkage, inputs, speed)
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
     parts: list[Array] = []
-    for inputs in cycles(linkage, samples, True, scene.turns if loads_wanted else 1):
+    for inputs in cycles(linkage, samples, True, linkage.turns if loads_wanted else 1):
         motion = linkage.motion(inputs, speed, acceleration)
-        loads = scene.loads(inputs, speed, acceleration, linkage.mode) if loads_wanted else None
+        loads = linkage.loads(inputs, speed, acceleration) if loads_wanted else None
         rows = [inputs, *(values_of(name, inputs, motion, loads) for name in wanted)]
         gap = [np.full((len(rows), 1), np.nan)] if parts else []
         parts += [*gap, np.array([np.broadcast_to(row, inputs.shape) for row in rows])]
@@ -104,7 +100,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     curves = _in_units(Curves(
         f'{linkage.description} at {rates}', columns,
         (coordinate.unit, *(units[name] for name in wanted)), values,
-        symbols_of(linkage, columns), degrees(linkage.period)), shown_units)
+        symbols_of(linkage, columns), degrees(linkage.cycle)), shown_units)
     if linkage.turns_fully and curves.units[0] == 'deg':
         curves.values[0] = curves.values[0].round(10)       # whole ones, for who looks up 60
     return curves
@@ -127,12 +123,6 @@ class Effort(NamedTuple):
     root_mean_square: float
     peak: float
     peak_power: float
-    samples: int | None = None      # of how many samples the figures are; None: they are exact
-
-    @property
-    def how(self) -> str:
-        """Return ' of 1440 samples' where the figures are sampled, '' where they are exact."""
-        return f' of {self.samples} samples' if self.samples else ''
 
 
 def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
@@ -141,34 +131,12 @@ def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: floa
     """
     Return the effort of the drive over a cycle of the forces, or ``within`` a range of the input.
 
-    ``extrema``: of the drive's load there, if they are known. Forces over a position and springs
-    forbid a search: then of :data:`SAMPLES` inputs in each turn or range.
-    InvalidParameter if speed or acceleration are so large that it overflows.
+    ``extrema``: of the drive's load there, if they are known. InvalidParameter if speed or
+    acceleration are so large that it overflows.
     """
     known = [extremum for extremum in extrema or () if extremum.quantity == linkage.drive_load]
-    load = OverInput(scene.bare_linkage.in_mode(linkage.mode), linkage.drive_load, speed,
-                     acceleration, within, known or None)
-    if scene.elements and load.peak < inf:      # else they cannot bound it
-        return _sampled_effort(scene, linkage, speed, acceleration, within)
+    load = OverInput(linkage, linkage.drive_load, speed, acceleration, within, known or None)
     return Effort(load.rms, load.peak, load.peak * abs(speed) if speed != 0.0 else 0.0)
-
-
-def _sampled_effort(scene: Scene, linkage: Mechanism, speed: float, acceleration: float,
-                    within: tuple[float, float] | None) -> Effort:
-    """Return the effort at inputs in the middles of equal parts of each turn or range."""
-    turns = turns_of(linkage, scene.turns) if linkage.turns_fully and not within else 1
-    ranges = [within] if within else linkage.input_ranges
-    shares = (np.arange(turns * SAMPLES) + 0.5) / SAMPLES
-    inputs = np.concatenate([low + (high - low) * shares for low, high in ranges])
-    with np.errstate(all='ignore'):
-        efforts = np.abs(getattr(scene.loads(inputs, speed, acceleration, linkage.mode),
-                                 linkage.drive_load))
-        peak = float(np.max(efforts))
-        rms = peak * float(np.sqrt(np.mean((efforts / (peak if peak > 0.0 else 1.0))**2)))
-    if not np.isfinite(rms):
-        raise InvalidParameter('speed', speed, 'too large: the effort of the drive overflows, or '
-                                               'a force is not known there')
-    return Effort(rms, peak, peak * abs(speed), inputs.size)
 
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
@@ -178,9 +146,8 @@ def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
     force = 'N' if linkage.is_driven_by_slide else 'N m'
     steps = np.linspace(*speeds, SPEEDS).tolist()
     efforts = [effort_of(scene, linkage, speed, acceleration) for speed in steps]
-    columns = 'speed', *[f'{name}{efforts[0].how}'
-                         for name in ('root_mean_square', 'peak', 'peak_power')]
-    rows = [(speed, *effort[:3]) for speed, effort in zip(steps, efforts)]
+    columns = 'speed', 'root_mean_square', 'peak', 'peak_power'
+    rows = [(speed, *effort) for speed, effort in zip(steps, efforts)]
     return _in_units(Curves(f'drive of {linkage.description}', columns,
                             (f'{unit}/s', force, force, 'W'), np.array(rows).T, columns),
                      shown_units)
@@ -191,8 +158,7 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
     """
     Return the extrema of quantities over the input; arguments as of :func:`curves_of`.
 
-    A component of a force is not searched, nor are loads that springs or forces over a position
-    add to.
+    A component of a force is not searched.
     """
     searched = by_name(linkage, scene.point_quantities)
     wanted = [searched[name] for name in names if name in searched
@@ -203,7 +169,7 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
 
 def is_searched(linkage: Mechanism, quantity: Named) -> bool:
     """Return whether a quantity has extrema over the input: loads follow from motion alone."""
-    return not quantity.is_load or linkage.bodies is not None
+    return not quantity.is_load or linkage.has_loads
 
 
 def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]

@@ -81,10 +81,10 @@ def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, accelerat
 
     ``linkage`` is the scene's in the assembly mode wanted.
     """
-    if not scene.tells_loads:
+    if not linkage.has_loads:
         raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
-    steps = [scene.loads(inputs, speed, acceleration, linkage.mode)
-             for inputs in cycles(linkage, from_zero=scene.turns > 1, turns=scene.turns)]
+    steps = [linkage.loads(inputs, speed, acceleration)
+             for inputs in cycles(linkage, from_zero=linkage.turns > 1, turns=linkage.turns)]
     low, high = linkage.input_ranges[0]        # any pose will do: the joints are the same
     diagram = diagram_of(linkage, linkage.motion(0.5 * (low + high), 1.0))
     symbols = labels_of(diagram).forces

@@ -66,13 +66,13 @@ def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleratio
     NoPose if the input is out of range; InvalidParameter if it is no finite number.
     """
     sample = position_of(linkage, user_input), speed, acceleration
-    status, motion, loads = evaluate(linkage, *sample, linkage.bodies is not None)
+    status, motion, loads = evaluate(linkage, *sample, linkage.has_loads)
     if status == OUT_OF_RANGE:
         ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
         raise no_pose(linkage, user_input, f'is outside the input range {ranges}')
     if status == INVALID_INPUT:
         linkage.motion(*sample)       # raises where the input is not finite
-    return DrawnPose(status, motion, loads if linkage.bodies else None)
+    return DrawnPose(status, motion, loads if linkage.has_loads else None)
 
 
 def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float

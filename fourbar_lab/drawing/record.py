@@ -55,11 +55,11 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
 
 
 def counted(linkage: Mechanism, theta1: float) -> float:
-    """Return an input as users count it: in its range, of full turns from 0 to its period."""
+    """Return an input as users count it: in its range, of full turns from 0 to its cycle."""
     if linkage.is_driven_by_slide:
         return theta1
     if linkage.turns_fully:
-        return theta1 % linkage.period
+        return theta1 % linkage.cycle
     return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
         max(low - angle, angle - high) for low, high in linkage.input_ranges))
 
@@ -139,7 +139,7 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
     """
     names = [name for name, quantity in of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
-             and (linkage.bodies or not quantity.is_load)]
+             and (linkage.has_loads or not quantity.is_load)]
     record: LinkageRecord = {}
     every = find_extrema(linkage, names, speed, conditions=False, within=within)
     for name in names:
@@ -151,10 +151,10 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
             ('least', least), ('most', most)) for key, value in (
                 (key, abs(extremum.value) if is_size else extremum.value),
                 (f'{key}_at', counted(linkage, extremum.input)))}}
-    if linkage.bodies:
+    if linkage.has_loads:
         load = OverInput(linkage, linkage.drive_load, speed, acceleration, within)
         work = load.of_cycle
-        record['cycle'] = {'work': work, 'mean_power': work / linkage.period * speed}
+        record['cycle'] = {'work': work, 'mean_power': work / linkage.cycle * speed}
     return record
 
 

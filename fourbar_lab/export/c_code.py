@@ -132,7 +132,7 @@ class Code:
         zeros = [name for i, (name, _) in enumerate(model.names)
                  if name and model.trace.steps[3 + i].operation == 'constant']
         left_out = f'Left out, as zero in the scene: {", ".join(zeros)}.' if zeros else ''
-        loads = (f'No loads: {scene.why_no_loads}.' if not model.mechanism.bodies else '')
+        loads = (f'No loads: {scene.linkage.why_no_loads}.' if not model.mechanism.bodies else '')
         return ['/*', *(f' * {line}' for part in (text, count, signs, bits, fixed, left_out,
                                                   loads) if part
                         for line in wrap(part, 92)), ' */']

@@ -17,10 +17,10 @@ from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct
 from fourbar_lab.export.statements import filled, literal, snippet, Statements
 from fourbar_ros.dynamics import node_step, rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
-from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.dynamics.equation import REACH
 from fourbar_ros.dynamics.rosenbrock import StepFormulas
 from fourbar_ros.dynamics.sources import Law
+from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import Trace
@@ -229,7 +229,7 @@ class DriveCode:
                 f'  return {middle} + remainder(value - {middle}, {literal(tau)});', '}', '']
 
     @property
-    def _tables(self) -> list[tuple[PositionForce, TableForce]]:
+    def _tables(self) -> list[PositionForce]:
         return self._system.equation.tables
 
     def _of_tables(self) -> list[str]:
@@ -238,10 +238,10 @@ class DriveCode:
         if not tables:
             return [snippet('tables.c', 'no_tables')]
         reaches = (REACH * phase.equation.coordinate.input_unit for phase in self._phases)
-        counts = ', '.join(str(len(table.ends)) for _, table in tables)
-        is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force, _ in tables)
-        return [*(f'static const double ENDS_{i}[] = {{{_list(table.ends)}}};'
-                  for i, (_, table) in enumerate(tables)),
+        counts = ', '.join(str(len(force.value.ends)) for force in tables)
+        is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force in tables)
+        return [*(f'static const double ENDS_{i}[] = {{{_list(force.value.ends)}}};'
+                  for i, force in enumerate(tables)),
                 'static const double *const ENDS[] = '
                 f'{{{", ".join(f"ENDS_{i}" for i in range(len(tables)))}}};',
                 f'static const int COUNTS[] = {{{counts}}};',
@@ -251,8 +251,8 @@ class DriveCode:
                                'LEAST_PART': node_step.SHORTEST, 'WHOLE_TURN': tau}), '',
                 '/* A place within a table, turns and periods taken off. */',
                 'static double base_of(int table, double place)\n{', '  (void)table;',
-                *(f'  if (table == {i}) return {_base(table)};'
-                  for i, (_, table) in enumerate(tables) if _base(table)),
+                *(f'  if (table == {i}) return {_base(force.value)};'
+                  for i, force in enumerate(tables) if _base(force.value)),
                 '  return place;', '}', '', snippet('tables.c', 'tables')]
 
 
@@ -276,8 +276,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
             ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
             f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
             f'{literal(first)}, {literal(second)});',
-            f'  return {literal(force.factor)} * cubic(pieces[piece_at(place, inner, '
-            f'{len(inner)})], place);', '}', '']
+            f'  return cubic(pieces[piece_at(place, inner, {len(inner)})], place);', '}', '']
     return functions
 
 

@@ -56,7 +56,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     directory.mkdir(parents=True, exist_ok=True)
     notes = [f'{stem} is {model.name}'] if model.name != stem else []
     if not model.loads and outputs is None:
-        notes.append(f'no loads: {loaded.why_no_loads}')
+        notes.append(f'no loads: {loaded.linkage.why_no_loads}')
     if as_ != 'c':
         from fourbar_lab.export.fmu import write
         path, more, operations = write(model, directory)

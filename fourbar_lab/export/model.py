@@ -4,26 +4,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 import re
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.statements import JUDGED
-from fourbar_ros.dynamics.forces import make_external
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import PointMotion
+from fourbar_ros.mechanisms.elements import PositionForce
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, REAL
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
+from fourbar_ros.scene.elements import element_names
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
 UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
                    'couple': 'N m'}
+UNITS_OF_ELEMENTS = {'along': 'm', 'across': 'm', 'free_length': 'm', 'preload': 'N',
+                     'factor': '-'}
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
 _WORDS = """
@@ -64,7 +67,7 @@ class GeneratedModel:
     @cached_property
     def mechanism(self) -> Mechanism:
         """Return the mechanism, with masses also where springs load it."""
-        return self.scene.bare_linkage
+        return self.scene.linkage
 
     @cached_property
     def signs(self) -> dict[int, dict[int, float]]:
@@ -106,15 +109,12 @@ class GeneratedModel:
     @cached_property
     def _recorded(self) -> tuple[Trace, int, int]:
         """Return the trace of all results, and its steps where motion and where loads end."""
-        mechanism, elements, ends = self.mechanism, self.scene.elements, list[int]()
+        mechanism, ends = self.mechanism, list[int]()
 
         def make_formula(n: NumberType, data: Any) -> Function:
             """Return the formula (position, rate, acceleration) -> (motion, loads, points)."""
             constants, coordinates = data
             parametric = with_any_lengths(mechanism, constants.lengths)
-            # the lengths of motion by torque are fixed
-            lengths = None if self.moves_by_torque else constants.lengths
-            external = make_external(n, mechanism, elements, lengths) if elements else None
             points = [make_point(n, parametric, point.link, *along_across) for point, along_across
                       in zip(self.scene.points.values(), coordinates)]
             motion_of = mechanism.motion_formula(n, constants)
@@ -123,9 +123,7 @@ class GeneratedModel:
                 motion, loads = mechanism.MOTION._make(motion_of(x, rate, acceleration)), ()
                 ends.append(len(x.trace.steps))
                 if mechanism.bodies:
-                    loaded = constants if external is None else constants._replace(
-                        external=external(motion, x, constants.external))
-                    loads = mechanism.loads_formula(n, loaded)(motion)
+                    loads = mechanism.loads_formula(n, constants)(motion)
                 ends.append(x.trace.begin_apart())
                 return tuple(motion), loads, [point(motion) for point in points]
             return formula
@@ -143,7 +141,8 @@ class GeneratedModel:
     def constants(self) -> Any:
         """Return the data of the mechanism's formulas."""
         constants = self.mechanism.constants
-        return constants if self.mechanism.bodies else constants._replace(bodies=None)
+        return constants if self.mechanism.bodies else constants._replace(
+            bodies=None, elements=())
 
     @cached_property
     def data(self) -> list[float]:
@@ -204,6 +203,9 @@ class GeneratedModel:
             if isinstance(constants.gravity, Base) else
             [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')])
         names += _of_links('external', constants.external)
+        for name, element in zip(element_names(self.scene.values), constants.elements):
+            names += [(f'{name}.{field}', unit) if unit else ('', '')
+                      for field, unit in _units_in(element)]
         names += [(f'points.{name}.{field}', 'm') for name in self.scene.points
                   for field in ('along', 'across')]
         assert len(names) == len(self.data)
@@ -264,7 +266,7 @@ class GeneratedModel:
         for name in outputs:
             if name in mechanism.LOADS._fields and mechanism.bodies is None:
                 raise NotGenerated(f'{self.name}: no loads, so no {name}: '
-                                   f'{self.scene.why_no_loads}')
+                                   f'{self.scene.linkage.why_no_loads}')
             if name not in (*known, *mechanism.LOADS._fields):
                 raise InvalidParameter('outputs', name,
                                        one_of((*known, *mechanism.LOADS._fields), name))
@@ -313,8 +315,7 @@ class GeneratedModel:
         mechanism, points = self.mechanism, self.scene.points
         low, high = mechanism.input_ranges[0]
         x, rate, acceleration = low + 0.6180339887 * (high - low), 1.5, -0.5
-        loaded = self.scene.linkage_at(x, rate) if self.scene.elements else mechanism
-        motion, loads = loaded.motion_and_loads(x, rate, acceleration)
+        motion, loads = mechanism.motion_and_loads(x, rate, acceleration)
         results = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():
             values = make_point(REAL, mechanism, *point)(motion)
@@ -391,6 +392,19 @@ def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
             *(f'  double {entry.field};{" " * (width - len(entry.field))}  /* '
               f'[{entry.unit or "-"}] {entry.text}'.rstrip() + ' */' for entry in named),
             f'}} {name};', '']
+
+
+def _units_in(element: Any) -> Iterable[tuple[str, str]]:
+    """Yield name in scenes and unit of each number of a spring or force; '' for one of another."""
+    for field in fields(element):
+        value = getattr(element, field.name)
+        if is_dataclass(value) and not callable(value):
+            prefix = '' if isinstance(element, PositionForce) else f'{field.name}.'
+            for name, unit in _units_in(value):     # of the coordinate of a force nothing
+                yield prefix + name, unit if field.name != 'over' else ''
+        else:
+            for _ in numbers_of(value):
+                yield field.name, UNITS_OF_ELEMENTS.get(field.name, '')
 
 
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:

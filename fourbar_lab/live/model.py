@@ -41,7 +41,7 @@ class Shown:
 
     @property
     def linkage(self) -> Mechanism:
-        """Return the mechanism, without masses where its loads do not follow from its motion."""
+        """Return the mechanism with all that acts on it."""
         return self.scene.linkage
 
     @property
@@ -53,7 +53,7 @@ class Shown:
     def ranges(self) -> tuple[tuple[float, float], ...]:
         """Return the ranges of the input [rad] or [m]; full turns, until all repeats, from 0."""
         linkage = self.linkage
-        return ((0.0, linkage.period),) if linkage.turns_fully else linkage.input_ranges
+        return ((0.0, tau * linkage.turns),) if linkage.turns_fully else linkage.input_ranges
 
     def nearest_input(self, position: float) -> float:
         """
@@ -72,22 +72,13 @@ class Shown:
         return min(max(position, low + margin), high - margin)
 
     @cached_property
-    def why_no_loads(self) -> str:
-        """Return why the page shows no loads; empty if it does."""
-        if self.scene.turns > 1:
-            return f'its forces repeat after {self.scene.turns} turns only: see fourbar plot'
-        return '' if self.scene.tells_loads else self.scene.why_no_loads
-
-    @cached_property
     def quantities(self) -> dict[str, Named]:
         """Return {name: quantity} of all that can be drawn over the input."""
-        linkage = self.linkage if self.why_no_loads else self.scene.bare_linkage
+        linkage, driven = self.linkage, self.linkage.input
         chosen = select((), linkage, self.scene.point_quantities)
-        driven = self.linkage.input
-        return {**{quantity.name: quantity for quantity in chosen},
-                **positions(self.linkage, driven),
+        return {**{quantity.name: quantity for quantity in chosen}, **positions(linkage, driven),
                 **{name: quantity for name, quantity in of_drive(linkage, driven).items()
-                   if not (quantity.is_load and self.why_no_loads)}}
+                   if linkage.has_loads or not quantity.is_load}}
 
     @cached_property
     def has_axis(self) -> bool:
@@ -113,16 +104,15 @@ class Shown:
     def why_not_searched(self, names: Sequence[str]) -> str:
         """Return which of these quantities have no extrema here, and why; empty: all have."""
         left_out = [name for name in names if not is_searched(self.linkage, self.quantities[name])]
-        return (f'no extrema of {", ".join(left_out)}: {self.scene.why_no_loads}' if left_out
+        return (f'no extrema of {", ".join(left_out)}: {self.linkage.why_no_loads}' if left_out
                 else '')
 
     def pose(self, position: float) -> DrawnPose:
         """Return the status, motion and loads at an input; loads None without masses."""
-        linkage = (self.linkage if self.why_no_loads
-                   else self.scene.linkage_at(position, self.rate))
-        status, motion, loads = evaluate(linkage, position, self.rate, self.acceleration,
-                                         linkage.bodies is not None)
-        return DrawnPose(status, motion, loads if linkage.bodies else None)
+        has_loads = self.linkage.has_loads
+        status, motion, loads = evaluate(self.linkage, position, self.rate, self.acceleration,
+                                         has_loads)
+        return DrawnPose(status, motion, loads if has_loads else None)
 
     @cached_property
     def points(self) -> dict[str, tuple[str, float, float]]:
@@ -146,7 +136,8 @@ class Shown:
 
         Toggles, where rates and loads are infinite, are left out.
         """
-        inputs = np.concatenate(cycles(self.linkage, most // len(self.ranges), from_zero=True))
+        inputs = np.concatenate(cycles(self.linkage, most // len(self.ranges), True,
+                                       self.linkage.turns))
         poses = [(position, self.pose(position)) for position in inputs.tolist()]
         return [(position, pose) for position, pose in poses if pose.status == OK]
 

@@ -215,7 +215,8 @@ class Page:
         self.position = shown.nearest_input(self.position)
         self.words.set_text(shown.linkage.description)
         self.warnings.set_text('\n'.join(warnings_of(shown.scene)))
-        self.no_loads.set_text(shown.why_no_loads and f'no forces: {shown.why_no_loads}')
+        why = shown.linkage.why_no_loads
+        self.no_loads.set_text(why and f'no forces: {why}')
         self._refill()
 
     def _refill(self) -> None:
@@ -363,7 +364,7 @@ class Page:
             self.extrema.rows = tables.extrema_rows(shown, shown.extrema(self.names))
             self.no_extrema.set_text(shown.why_not_searched(self.names))
         elif name == 'Facts':
-            rows = [*facts(shown.scene.bare_linkage), *tables.joint_rows(shown)]
+            rows = [*facts(shown.linkage), *tables.joint_rows(shown)]
             self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
 
 

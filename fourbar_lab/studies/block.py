@@ -214,7 +214,7 @@ class Designs:
              ) -> Callable[[Array], State]:
         """Return a function of inputs, (n, any), to (motion, loads); NaN but fields of names."""
         linkage, speed = self.scene.linkage, self.values['drive.speed']
-        with_loads, count = with_loads and linkage.bodies is not None, len(linkage.MOTION._fields)
+        with_loads, count = with_loads and linkage.has_loads, len(linkage.MOTION._fields)
         known = linkage.MOTION._fields + linkage.LOADS._fields
         step = step_of_arrays(linkage, with_loads, data=self._constants,
                               wanted=None if names is None else [*map(known.index, names)])

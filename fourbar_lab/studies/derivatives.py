@@ -117,10 +117,9 @@ class Derivatives:
 
     def _duals(self, indices: Sequence[int], x: Any) -> list[Any]:
         """Return the values of operations of the trace at inputs x, which may be a dual."""
-        trace, known = self._trace, [step.value for step in self._trace.steps]
+        trace = self._trace
+        known = trace.numbers([Dual(self.scene.values[name], {name: 1.0}) for name in self.names])
         known[0] = x
-        for i, name in enumerate(self.names):
-            known[1 + i] = Dual(self.scene.values[name], {name: 1.0})
         steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
         with np.errstate(all='ignore'):
             run(trace, steps, DUALS, known)
@@ -240,7 +239,7 @@ class _OfMeasure:
         if self._source and self._source not in self._derivatives.quantities:
             return self._unknown('it is of the drive at a rate of its own')
         if part in kinds.MEANS:
-            return (linkage.period if part == kinds.WORK else 1.0) * self._of_mean(part == 'rms')
+            return (linkage.cycle if part == kinds.WORK else 1.0) * self._of_mean(part == 'rms')
         extrema: Sequence[Extremum] = ()
         if part in (kinds.SWING, kinds.STROKE):
             extrema = self._design.output_range.extrema

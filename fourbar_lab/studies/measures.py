@@ -112,7 +112,7 @@ class Measures:
         self.quantities: dict[str, Named] = by_name(linkage, scene.point_quantities)
         self.output = str(linkage.outputs[0].coordinate.position)       # as theta4
         self._drive_load = linkage.drive_load
-        self._why_no_loads = scene.why_no_loads         # '' if there are loads
+        self._why_no_loads = linkage.why_no_loads       # '' if there are loads
         self._kind, self._input_unit = linkage.TITLE, linkage.input_coordinate.unit
         self._output_unit = linkage.outputs[0].coordinate.unit
 

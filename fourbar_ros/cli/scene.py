@@ -61,7 +61,7 @@ def _check(arguments: Namespace) -> None:
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
     if linkage.branch_in_words:
         console.print(f'Change point: {linkage.branch_in_words}.')
-    bodies = scene.bare_linkage.bodies
+    bodies = scene.linkage.bodies
     massless = [name for name, body in bodies._asdict().items()
                 if body.mass == 0.0 and body.inertia == 0.0] if bodies else []
     if massless:
@@ -115,7 +115,7 @@ def _changed_table(scene: Scene) -> Table:
 def step_cost(scene: Scene) -> float:
     """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
     from fourbar_ros.pipeline.stepper import evaluate
-    linkage = scene.bare_linkage
+    linkage = scene.linkage
     low, high = linkage.input_ranges[0]
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
     return min(repeat(lambda: evaluate(linkage, position, speed, 0.0, scene.needs_loads),
@@ -126,10 +126,10 @@ def _error_in_words(scene: Scene) -> str:
     """Return a sentence on the largest rounding errors at inputs all over the first range."""
     from fourbar_ros.mechanisms.quantities import known_quantities
     from fourbar_ros.mechanisms.rounding import rounding_errors
-    linkage, drive = scene.bare_linkage, scene.drive
+    linkage, drive = scene.linkage, scene.drive
     low, high = linkage.input_ranges[0]
     positions = [low + (high - low) * (k + 0.5) / INPUTS_OF_ERROR for k in range(INPUTS_OF_ERROR)]
-    errors = rounding_errors(linkage, positions, drive.speed, 0.0, scene.has_loads)
+    errors = rounding_errors(linkage, positions, drive.speed, 0.0, linkage.has_loads)
     worst = []
     for sort, is_load in (('rates and accelerations', False), ('loads', True)):
         names = [name for name, quantity in known_quantities(linkage, linkage.input).items()

@@ -141,7 +141,7 @@ def model_of(scene: Scene) -> RobotModel:
                        scene.points.values(), _radius(scene))
     frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
     frames[GROUND] = scene.frame_id
-    masses = scene.bare_linkage.bodies
+    masses = scene.linkage.bodies
     bodies = masses._asdict() if masses else {}
     links = tuple(ModelLink(name, frames[name], frames[joints[index].connection.parent],
                             joints[index], bodies.get(name), shapes[name])

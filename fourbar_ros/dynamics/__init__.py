@@ -17,18 +17,8 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_ros.dynamics.elements import (
-        Attachment,
-        LinkAngle,
-        PositionForce,
-        Spring,
-        TorsionSpring,
-        Way,
-    )
     from fourbar_ros.dynamics.equation import Equation
     from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
-    from fourbar_ros.dynamics.force_table import ForceTable
-    from fourbar_ros.dynamics.forces import loads_with
     from fourbar_ros.dynamics.simulation import (
         EVENT,
         LIMIT,
@@ -52,22 +42,30 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.dynamics.statics import equilibria, Equilibrium, free_period
     from fourbar_ros.dynamics.system import System
+    from fourbar_ros.mechanisms.elements import (
+        Attachment,
+        LinkAngle,
+        PositionForce,
+        Spring,
+        TorsionSpring,
+        Way,
+    )
+    from fourbar_ros.mechanisms.force_table import ForceTable
 
 __all__ = [
     'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED', 'Attachment',
     'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel', 'ForceTable',
     'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'RunState', 'Shaft',
     'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way', 'equilibria',
-    'flywheel_for', 'free_period', 'loads_with', 'simulate',
+    'flywheel_for', 'free_period', 'simulate',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.dynamics.elements':
+    'fourbar_ros.mechanisms.elements':
         'Attachment, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
     'fourbar_ros.dynamics.equation': 'Equation',
     'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
-    'fourbar_ros.dynamics.force_table': 'ForceTable',
-    'fourbar_ros.dynamics.forces': 'loads_with',
+    'fourbar_ros.mechanisms.force_table': 'ForceTable',
     'fourbar_ros.dynamics.simulation':
         'EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, RunState, '
         'simulate, STOPPED',

@@ -42,21 +42,20 @@ differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Ins
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property, partial
-from math import lcm, remainder, tau
+from math import remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.elements import Element, LinkAngle, links_of, PositionForce, TableForce
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
+from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, Value
 from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, Scalar
-from fourbar_ros.numerics.tables import rounding_bound, slope_of
+from fourbar_ros.numerics.tables import rounding_bound
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import straight_line
 import numpy as np
@@ -64,14 +63,6 @@ import numpy as np
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
 COMPLEX_STEP = 1e-200
 REACH = 0.5            # of a coordinate in its unit, within which a table does not come round
-
-
-def _with_slope(function: Callable[[Any], Any], x: Any) -> Any:
-    """Return a function that is no formula, as a table, of a complex array, with its slope."""
-    return function(x.real) + 1j * slope_of(function, x.real) * x.imag
-
-
-WITH_SLOPES = replace(ARRAY, call=_with_slope)
 
 
 class Terms(NamedTuple):
@@ -178,13 +169,12 @@ def work_of(link: LinkMotion, body: Body, gravity: tuple[Scalar, Scalar], applie
 
 class Equation:
     """
-    The equation of motion (E1) of a mechanism with its springs and dampers.
+    The equation of motion (E1) of a mechanism with all that acts on it.
 
     Parameters
     ----------
     mechanism : Mechanism
-        With bodies; gravity and external loads are taken from it. A stroke is no limit here.
-    elements : sequence of Spring, TorsionSpring or PositionForce
+        With bodies. A stroke is no limit here.
     extra_inertia : float
         Constant inertia on the input, as of a flywheel [kg m^2], [kg].
     coordinate : optional
@@ -193,22 +183,21 @@ class Equation:
 
     Raises
     ------
-    MissingBodies, InvalidParameter
-        Without masses; for an element on a link that the mechanism does not have.
+    MissingBodies
+        Without masses.
 
     """
 
-    def __init__(self, mechanism: Mechanism, elements: Sequence[Element] = (),
-                 extra_inertia: float = 0.0, coordinate: DrivenLinks | None = None) -> None:
+    def __init__(self, mechanism: Mechanism, extra_inertia: float = 0.0,
+                 coordinate: DrivenLinks | None = None) -> None:
         if not isinstance(mechanism, Mechanism):
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
-        self.mechanism, self.elements = mechanism, tuple(elements)
+        self.mechanism = mechanism
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = finite('extra_inertia', extra_inertia, 'must be zero or more',
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
-        links_of(self.elements, mechanism)
         # (link, body, applied load), without links that add nothing
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
@@ -217,11 +206,9 @@ class Equation:
         self._gravity = field_of(gravity)
         self._base = gravity if isinstance(gravity, Base) else Base()
         self._is_turned = bool(self._base.rate or self._base.acceleration)
-        self.forces = tuple([e for e in self.elements if isinstance(e, PositionForce)])
-        self._springs = [e for e in self.elements if not isinstance(e, PositionForce)]
-        # forces with a table, each with its F(s)
-        self.tables = [(e, value) for e in self.forces
-                       if isinstance(value := e.make_value(mechanism), TableForce)]
+        self.forces = [e for e in mechanism.elements if isinstance(e, PositionForce)]
+        self._springs = [e for e in mechanism.elements if not isinstance(e, PositionForce)]
+        self.tables = [force for force in self.forces if isinstance(force.value, TableForce)]
         self.has_couples = bool(self.forces) or self._is_turned or any(
             applied.couple for _, _, applied in self._bodies)
         self.has_dampers = any(spring.damping for spring in self._springs)
@@ -232,12 +219,6 @@ class Equation:
     def is_input(self) -> bool:
         """Return whether q is the input of the mechanism."""
         return self.coordinate is self.mechanism
-
-    @property
-    def turns(self) -> int:
-        """Return after how many turns of a full crank all repeats: 2 of a four-stroke, a kite."""
-        return lcm(round(self.mechanism.period / tau) if self.mechanism.turns_fully else 1,
-                   *[force.turns for force in self.forces])
 
     def _make_pose(self, coordinate: DrivenLinks, n: NumberType
                    ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
@@ -277,7 +258,6 @@ class Equation:
                  for name, body, applied in bodies]
         turned = [(name, make_turning_force(body, base)) for name, body, _ in bodies
                   if self._is_turned or outside and outside.base]
-        forces = [(force, force.make_value(self.mechanism)) for force in self.forces]
 
         def terms(position: Scalar) -> FullTerms:
             motions, (value, turn, bend) = pose(position)
@@ -295,10 +275,10 @@ class Equation:
             for name, turning_force in turned:
                 pushed = turning_force(motions[name])
                 force, couples = force + pushed, couples + pushed
-            if forces:
+            if self.forces:
                 pushed = 0.0
-                for element, size_at in forces:
-                    pushed = pushed + element.generalised(n, size_at, motions, value)
+                for element in self.forces:
+                    pushed = pushed + element.generalised(n, motions, value)
                 force, couples = force + pushed, couples + pushed
             return FullTerms(inertia, half_slope, force, damping, couples, turn, bend)
         return terms
@@ -309,7 +289,7 @@ class Equation:
 
         def table_positions(position: Scalar) -> tuple[Scalar, ...]:
             motions, (value, _, _) = pose(position)
-            return tuple([force.position(n, motions, value) for force, _ in self.tables])
+            return tuple([force.position(n, motions, value) for force in self.tables])
         return table_positions
 
     @cached_property
@@ -325,8 +305,9 @@ class Equation:
         point of a table comes round unseen.
         """
         starts, reach = self.table_positions(position), REACH * self.coordinate.input_unit
-        pieces = [(start, table.piece(start), 1.0 + abs(start), isinstance(force.over, LinkAngle))
-                  for start, (force, table) in zip(starts, self.tables)]
+        pieces = [(start, force.value.piece(start), 1.0 + abs(start),
+                   isinstance(force.over, LinkAngle))
+                  for start, force in zip(starts, self.tables)]
 
         def excess(there: float) -> float:
             most = abs(there - position) - reach
@@ -380,13 +361,14 @@ class Equation:
         """
         Return the stiffness -dQ/dq [N m/rad], [N/m], of one q or an array: NaN out of reach.
 
-        By the complex step, exact; of forces over a position dF/ds is a central difference.
+        By the complex step, exact; of users' forces dF/ds is a central difference.
         """
         positions = np.asarray(position, float)
+        inputs = np.atleast_1d(positions)
         with np.errstate(all='ignore'):
-            force = self.make_terms(self.coordinate, WITH_SLOPES)(
-                positions + 1j * COMPLEX_STEP).force
-            slopes = np.broadcast_to(-np.imag(force) / COMPLEX_STEP, positions.shape)
+            force = self.make_terms(self.coordinate, ARRAY)(inputs + 1j * COMPLEX_STEP).force
+            slopes = np.broadcast_to(-np.imag(force) / COMPLEX_STEP,
+                                     inputs.shape).reshape(positions.shape)
         result: Any = slopes if positions.shape else float(slopes)
         return result       # type: ignore[no-any-return]  # of the type of the position
 

@@ -81,13 +81,13 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
 
     Damping depends on the rate: motion and torque are found in turn, until the rates stay.
     """
-    position: Array = np.arange(equation.turns * count) * (tau / count)
+    position: Array = np.arange(equation.mechanism.turns * count) * (tau / count)
     terms, rates = equation.terms(position), np.full(position.size, rate)
     most = min(most, 2.0)                # at which it comes to rest
     for _ in range(100):
         force, before = terms.force - terms.damping * rates, rates
         torque = -float(np.mean(force))
-        gained, inertia = equation.turns * _integral(force + torque), 0.0
+        gained, inertia = equation.mechanism.turns * _integral(force + torque), 0.0
 
         def lack(fluctuation: float, gained: Array = gained) -> float:
             """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""

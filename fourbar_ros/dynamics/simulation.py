@@ -27,7 +27,6 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
-from fourbar_ros.dynamics.forces import loads_with
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -277,12 +276,11 @@ class Run:
     def loads(self) -> NamedFields:
         """Return the loads over time, the forces of all elements in them, fields of shape (n,)."""
         mechanism, modes = self.system.mechanism, self.modes
-        elements = self.system.equation.elements
         motion = np.array([self.position, self.rate, self.acceleration])
         rows = np.full((len(mechanism.LOADS._fields), self.time.size), np.nan)
         for mode in np.unique(modes).tolist():
             in_mode = modes == mode
-            rows[:, in_mode] = loads_with(mechanism.in_mode(mode), elements, *motion[:, in_mode])
+            rows[:, in_mode] = mechanism.in_mode(mode).loads(*motion[:, in_mode])
         loads: NamedFields = mechanism.LOADS(*rows)
         return loads
 

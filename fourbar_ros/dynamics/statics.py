@@ -80,10 +80,10 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     def error(q: Value) -> Array:
         return equation.force_error(q) + EPS * abs(drive)
 
-    cycle = equation.turns * tau
+    cycle = mechanism.turns * tau
     ranges = [(-pi, cycle - pi)] if mechanism.turns_fully else mechanism.input_ranges
-    for (low, high), samples in zip(ranges, _samples(mechanism, equation.turns)):
-        samples = np.union1d(samples, _inputs_of_tables(equation, samples))
+    for (low, high), samples in zip(ranges, _samples(mechanism, mechanism.turns)):
+        samples = np.union1d(samples, _ends_of_pieces(mechanism, samples))
         pieces, parts = _without_force(push, error, samples, SHORTEST * mechanism.input_unit)
         roots = [root for part in parts for root in roots_of(push, part, error)]
         ends = samples[0], samples[-1]
@@ -145,30 +145,12 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
             for low, high in mechanism.input_ranges]
 
 
-def _inputs_of_tables(equation: Equation, samples: Array) -> Array:
-    """Return the inputs between samples at which a force table comes to a point of its own."""
-    inputs_of_tables: list[Array] = [np.empty(0)]
-    for i, (_, table) in enumerate(equation.tables):
-        def ways_beyond(inputs: Array, points: Array, i: int = i,
-                        period: float = table.period) -> Array:
-            """Return how far s is beyond points, the short way round the period of the table."""
-            ways: Array = equation.table_positions(inputs)[i] - points
-            return ways if period == inf else ways - period * np.round(ways / period)
-        points = np.array(table.table.places)
-        ways = ways_beyond(samples, points[:, None])
-        is_beyond = ways >= 0.0
-        # where a way changes by half a period it has only come round
-        comes_there = ((is_beyond[:, 1:] != is_beyond[:, :-1])
-                       & (np.abs(np.diff(ways)) < 0.5 * table.period))
-        point, sample = np.nonzero(comes_there)
-        before, after = samples[sample], samples[sample + 1]
-        was_beyond = is_beyond[point, sample]
-        for _ in range(HALVINGS):
-            middle = 0.5 * (before + after)
-            is_before = (ways_beyond(middle, points[point]) >= 0.0) == was_beyond
-            before, after = np.where(is_before, middle, before), np.where(is_before, after, middle)
-        inputs_of_tables.append(after)
-    return np.concatenate(inputs_of_tables)
+def _ends_of_pieces(mechanism: Mechanism, samples: Array) -> Array:
+    """Return the ends of the pieces of forces between samples of a cycle or a range."""
+    ends: Array = np.array(mechanism.pieces.ends if mechanism.pieces else ())
+    if mechanism.turns_fully:
+        ends = samples[0] + (ends - samples[0]) % mechanism.cycle
+    return np.asarray(ends[(ends > samples[0]) & (ends < samples[-1])])
 
 
 def roots_of(function: Function, samples: Array, error: Function | None = None) -> list[float]:
@@ -200,8 +182,9 @@ def roots_of(function: Function, samples: Array, error: Function | None = None) 
                                  options={'xatol': 1e-12})
         if lowest.fun < (0.0 if error is None else -error(lowest.x)):
             brackets += [(samples[i - 1], lowest.x), (lowest.x, samples[i + 1])]
+    # a jump exactly at zero, as of a torsion spring that comes round, is bisected down to xtol
     return [float(brentq(function, float(a), float(b), xtol=1e-300,
-                         rtol=4.0 * np.finfo(float).eps))
+                         rtol=4.0 * np.finfo(float).eps, maxiter=1100))
             for a, b in brackets]
 
 

@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from math import inf
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
-from fourbar_ros.dynamics.elements import Element
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import InvalidParameter
@@ -30,7 +29,7 @@ NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is
 
 class System:
     """
-    A mechanism, its springs, forces over a position and drive.
+    A mechanism with all that acts on it, and a drive.
 
     The mechanism has bodies; its assembly mode is that at the start. There its input is at
     ``position`` with ``rate``: [rad] or [m], [rad/s] or [m/s], and so is the motor of the drive.
@@ -38,7 +37,7 @@ class System:
     """
 
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
-                 elements: Sequence[Element] = (), drive: Drive | None = None) -> None:
+                 drive: Drive | None = None) -> None:
         """Set up names and start of the state; integrators use the mechanism without stroke."""
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
@@ -48,7 +47,6 @@ class System:
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
         motion = (mechanism.checked_input('position', position), finite('rate', rate))
-        self.elements = tuple(elements)
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation
         self.is_conservative = not (drive or self.equation.has_couples
@@ -65,13 +63,13 @@ class System:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
-        return System, (self._with_stroke, *self.start[:2], self.elements, self.drive)
+        return System, (self._with_stroke, *self.start[:2], self.drive)
 
     def make_equation(self, mechanism: Mechanism, coordinate: DrivenLinks | None = None
                       ) -> Equation:
         """Return the equation of motion in a mode and a coordinate, with all that acts."""
         inertia = self.drive.rigid_inertia if self.drive else 0.0
-        return Equation(mechanism, self.elements, inertia, coordinate)
+        return Equation(mechanism, inertia, coordinate)
 
     @property
     def has_stroke(self) -> bool:

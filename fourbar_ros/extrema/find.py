@@ -24,6 +24,7 @@ from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.pieces import Pieces
 from fourbar_ros.mechanisms.quantities import (
     Asked,
     Function,
@@ -209,18 +210,23 @@ class Search:
                  if isinstance(quantity, Function) and not quantity.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
         self._groups, self.unresolved = list[_Group](), unresolved(linkage)
-        for kind, rows in ((Sampler, smooth), (DifferenceSampler, rough)):
-            by_poles: dict[tuple[float, ...], list[int]] = {}
-            if linkage.flat_inputs and rows:
-                for row, poles in zip(rows, kind(linkage, [quantities[row] for row in rows],
-                                                 rates).poles()):
-                    by_poles.setdefault(poles, []).append(row)
-            elif rows:
-                by_poles[()] = rows
-            self._groups += [_Group(kind(linkage, [quantities[row] for row in of_poles], rates,
-                                         poles), of_poles,
-                                    input_paths(linkage, SAMPLES, within, poles))
-                             for poles, of_poles in by_poles.items()]
+        for kind, every in ((Sampler, smooth), (DifferenceSampler, rough)):
+            by_group: dict[tuple[Pieces | None, tuple[float, ...]], list[int]] = {}
+            for pieces in (None, linkage.pieces) if linkage.pieces else (None,):
+                rows = [row for row in every if not linkage.pieces
+                        or quantities[row].is_load == (pieces is not None)]
+                if linkage.flat_inputs and rows:
+                    for row, poles in zip(rows, kind(linkage, [quantities[row] for row in rows],
+                                                     rates).poles()):
+                        by_group.setdefault((pieces, poles), []).append(row)
+                elif rows:
+                    by_group[pieces, ()] = rows
+            self._groups += [_Group(kind(linkage, [quantities[row] for row in of_group], rates,
+                                         poles), of_group,
+                                    input_paths(linkage, SAMPLES, within, poles,
+                                                pieces if kind is Sampler or not pieces
+                                                else Pieces((), ())))
+                             for (pieces, poles), of_group in by_group.items()]
         self.paths = [path for group in self._groups for path in group.paths]
 
     def extrema(self, with_conditions: bool = True,
@@ -290,7 +296,7 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
         raise InvalidParameter('within', within, 'must be two finite inputs') from None
     if not low < high:
         raise InvalidParameter('within', within, 'must be two inputs, the lower one first')
-    if high - low > linkage.period:
+    if high - low > linkage.cycle:
         raise InvalidParameter('within', within, 'must span a turn at most, two of a change point '
                                                  'that repeats after two')
     return linkage.checked_input('within', low), linkage.checked_input('within', high)

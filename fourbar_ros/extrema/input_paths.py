@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf, pi
-from typing import NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.geometry import BESIDE_FLAT_LIMITS
@@ -25,6 +25,9 @@ from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arrays import Array, sine_between
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.pieces import Pieces
 
 # Samples of a kernel; widths of the kernels of a singular point; the least that is resolved.
 PER_KERNEL, WIDER, NARROWEST = 16, 4.0, 1e-12
@@ -35,6 +38,9 @@ NODES = 32                          # of each kernel, to solve t(phi) = t
 # second one twice as close. The last are 1e-6 in u from a toggle and 1e-12 in x from either, where
 # x itself has four digits left. How many others a path has at least.
 TOGGLE_POINTS, POLE_POINTS, LEAST = 14, 64, 12
+LEAST_OF_PIECE = 8
+# An end of a piece so near to another end of a path is this end [in units of phi].
+BESIDE_END = 1e-9
 
 
 class End(NamedTuple):
@@ -43,6 +49,14 @@ class End(NamedTuple):
     x: float                     # input, in the mechanism's unit
     is_pole: bool                # a flat position of a change point, where quantities have poles
     is_regular: bool = False     # the end of a stroke or a search, where nothing is singular
+    is_inner: bool = False       # the end of a piece: the path goes on beyond it, not smoothly
+
+
+class Gaps(NamedTuple):
+    """Ends of pieces along a path, at which slopes or values of quantities jump."""
+
+    x: Array            # (g,), inputs
+    before: Array       # index of the last sample before each; the next sample is beyond it
 
 
 class InputPath(NamedTuple):
@@ -59,6 +73,7 @@ class InputPath(NamedTuple):
     first: int           # index of the point half a step from ``low``
     last: int            # index of the point half a step from ``high``
     period: float = inf  # after which the input begins again [rad]
+    gaps: Gaps | None = None     # the ends of pieces along it
 
     @property
     def is_closed(self) -> bool:
@@ -75,6 +90,7 @@ class InputPath(NamedTuple):
 
     def with_points(self, points: Array) -> InputPath:
         """Return the path with those of more inputs, in any order, that lie between its ends."""
+        assert not self.gaps
         start, end = self.x[[0, -1]]
         if self.is_closed:
             points = points - self.period * (points > 0.5 * self.period)
@@ -96,9 +112,10 @@ def closer_points(end: End | None, count: int) -> Array:
     Return the parameters t of points added at an end at t = 0, ever closer to it.
 
     Among ``count`` equal steps of [0, 1] the first point is half a step away: these are at 1/2,
-    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end.
+    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end, and
+    at that of a piece.
     """
-    if end is None:
+    if end is None or end.is_inner:
         return np.zeros(0)
     octaves = (0.5 * np.arange(1, 1 + POLE_POINTS) if end.is_pole
                else np.arange(1.0, 1 + TOGGLE_POINTS))
@@ -157,21 +174,25 @@ class Range(NamedTuple):
 
 
 def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] | None = None,
-                poles: Sequence[float] = ()) -> list[InputPath]:
+                poles: Sequence[float] = (), pieces: Pieces | None = None) -> list[InputPath]:
     """
     Return the paths that make up the motion of a mechanism in its mode.
 
     ``points`` is the least number of points of a full turn, without those added at the ends.
     ``within``: the inputs [rad or m] between which paths are wanted, of angles at most a period
     apart. ``poles``: those of the mechanism's ``flat_inputs`` at which quantities have poles, so
-    that paths end there. A slide is given in units of :attr:`input_unit`.
+    that paths end there. ``pieces``: those of loads with forces over a position.
+    A slide is given in units of :attr:`input_unit`.
     """
     unit = mechanism.input_unit
     passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
-    singular = np.array([z for z in mechanism.singular_inputs
-                         if z.imag or z.real in poles or z.real not in passed], complex) / unit
+    singular = np.array([*[z for z in mechanism.singular_inputs
+                           if z.imag or z.real in poles or z.real not in passed],
+                         *(pieces.branch_points if pieces else ())], complex) / unit
+    inner = np.array(pieces.ends if pieces else ()) / unit
     if mechanism.turns_fully:
-        return _of_turns(singular, points, within, mechanism.period)
+        return _of_turns(singular, points, within,
+                         mechanism.cycle if pieces else mechanism.period, inner)
     paths = []
     for low, high in mechanism.closing_ranges:
         bounds = Range(low / unit, high / unit)
@@ -182,7 +203,7 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
         for begin, end in _cuts(mechanism, within):
             cut = (max(begin / unit, bounds.low + first if first else -inf),
                    min(end / unit, bounds.high - last if last else inf))
-            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut)
+            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut, inner)
     return paths
 
 
@@ -219,7 +240,7 @@ def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tupl
 
 
 def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
-              period: float) -> list[InputPath]:
+              period: float, inner: Array) -> list[InputPath]:
     """
     Return the paths of a crank that turns fully.
 
@@ -228,17 +249,21 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
     poles = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     turns = np.arange(-2, 3) * (2.0 * pi)
-    ends = {float(x): End(float(x), True) for x in np.add.outer(turns, poles).ravel()}
+    ends = {float(x): End(float(x), False, True, True)
+            for x in np.add.outer(np.arange(-2, 3) * period, inner).ravel()}
+    ends |= {float(x): End(float(x), True) for x in np.add.outer(turns, poles).ravel()}
+    ends = dict(sorted(ends.items()))
     if within:
         turn = period * round(sum(within) / (2.0 * period))
         ends = _within(ends, [x - turn for x in within], Range(-inf, inf), float)
-    elif poles.size:
-        first = float(poles[0])
-        ends = {x: end for x, end in ends.items() if first <= x <= first + period}
+    elif ends:
+        first = float(poles[0]) if poles.size else float(inner[0])
+        ends = {x: end for x, end in ends.items()
+                if first <= x <= first + period * (1.0 + 1e-15)}
     else:
         phi = _spread(kernels, (-0.5 * period, 0.5 * period), ())[0]
         return [InputPath(phi, None, None, 0, -1, period)]
-    return _paths(kernels, dict(sorted(ends.items())), lambda phi: phi)
+    return _paths(kernels, ends, lambda phi: phi, 0.0 if within or poles.size else period)
 
 
 def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
@@ -252,11 +277,12 @@ def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
 
 
 def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
-             cut: Sequence[float]) -> list[InputPath]:
+             cut: Sequence[float], inner: Array) -> list[InputPath]:
     """
     Return the paths of a range between two toggles: two, if a pole lies between them.
 
-    ``limits``: the ends of the range; ``cut``: the two inputs to which paths are cut.
+    ``limits``: the ends of the range; ``cut``: the two inputs to which paths are cut; ``inner``:
+    the ends of pieces.
     """
     scaled = (singular - bounds.middle) / bounds.half
     is_pole = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
@@ -264,6 +290,8 @@ def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
     poles = {float(np.arcsin(sine)): End(float(x), True)
              for sine, x in zip(scaled.real[is_pole], singular.real[is_pole])}
+    poles |= {bounds.phi(x): End(float(x), False, True, True)
+              for x in inner if bounds.low < x < bounds.high}
     ends = {-0.5 * pi: limits[0], **dict(sorted(poles.items())), 0.5 * pi: limits[1]}
     return _paths(kernels, _within(ends, cut, bounds, bounds.phi), bounds.to_input)
 
@@ -285,10 +313,16 @@ def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range,
     return dict(sorted(inside.items()))
 
 
-def _paths(kernels: Kernels, ends: dict[float, End],
-           to_input: Callable[[Array], Array]) -> list[InputPath]:
-    """Return the paths between neighbouring ends, {phi: End}; ``to_input``: phi -> x."""
-    paths = []
+def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array],
+           period: float = 0.0) -> list[InputPath]:
+    """
+    Return the paths between neighbouring ends, {phi: End}, those of pieces joined to one.
+
+    ``to_input``: phi -> x; ``period``: of a path that closes where a piece ends, else 0.
+    """
+    paths, outer = [], np.array([phi for phi, end in ends.items() if not end.is_inner])
+    ends = {phi: end for phi, end in ends.items()
+            if not (end.is_inner and outer.size) or np.abs(outer - phi).min() > BESIDE_END}
     for first, last in zip(ends, list(ends)[1:]):
         low, high = ends[first], ends[last]
         phi, before, after = _spread(kernels, (first, last), (low, high))
@@ -300,7 +334,28 @@ def _paths(kernels: Kernels, ends: dict[float, End],
         if min(before, after) < 0:
             raise TooNarrow
         paths.append(InputPath(x, low, high, before, x.size - 1 - after))
-    return paths
+    joined = list[InputPath]()
+    for path in paths:
+        if path.low and path.low.is_inner and joined:
+            joined[-1] = _joined(joined[-1], path, path.low.x)
+        else:
+            joined.append(path)
+    if not period:
+        return joined
+    path, = joined
+    assert path.high
+    gaps = path.gaps or Gaps(np.empty(0), np.empty(0, int))
+    return [InputPath(path.x, None, None, 0, -1, period, Gaps(
+        np.append(gaps.x, path.high.x), np.append(gaps.before, path.x.size - 1)))]
+
+
+def _joined(path: InputPath, following: InputPath, x: float) -> InputPath:
+    """Return two paths as one, with a gap between them at the input x."""
+    gaps = path.gaps or Gaps(np.empty(0), np.empty(0, int))
+    count = path.x.size
+    return InputPath(np.concatenate((path.x, following.x)), path.low, following.high, path.first,
+                     count + following.last, path.period,
+                     Gaps(np.append(gaps.x, x), np.append(gaps.before, count - 1)))
 
 
 def _kernels(singular: Array, points: int) -> Kernels:
@@ -332,7 +387,8 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     both bounds; () for a full turn.
     """
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
-    count = max(int(np.ceil(end - begin)), LEAST)
+    least = LEAST_OF_PIECE if any(limit.is_inner for limit in ends) else LEAST
+    count = max(int(np.ceil(end - begin)), least)
     before, after = (closer_points(end, count) for end in ends or (None, None))
     part = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
     return _inverse(kernels, bounds, begin + (end - begin) * part), before.size, after.size

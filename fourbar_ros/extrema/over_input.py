@@ -94,7 +94,7 @@ class OverInput:
         """
         if not self._linkage.turns_fully or self._within is not None:
             return nan
-        return float(self._linkage.period * settled(self.mean, self.rms))
+        return float(self._linkage.cycle * settled(self.mean, self.rms))
 
     def _diverges_at(self, extremum: Extremum) -> bool:
         """Return whether the integral diverges at an end where the quantity is infinite."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from math import comb, inf, isnan, nan
+from math import comb, inf, isnan, nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
@@ -24,7 +24,7 @@ from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.newton import newton_roots, SMALL
-from fourbar_ros.numerics.roots import find_brackets, rises
+from fourbar_ros.numerics.roots import find_brackets, fold, rises, turn_after
 import numpy as np
 
 # Power of sin(mu) by which derivatives grow at toggles (for accelerations; forces grow faster by
@@ -45,6 +45,10 @@ PART_OF_NOISE = 0.25
 KINK, DEEP = 2.0**-12, 2.0**-12
 # How far from an extremum a quantity is evaluated with many digits to confirm it, in samples.
 BESIDE = 2.0**-6
+# Where values beside the end of a piece are taken, as a part of the input.
+BESIDE_GAP = 2.0**-46
+# Values that differ by less, as a part of them, are a constant at the end of a path.
+FLAT = 2.0**-40
 # Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
@@ -89,33 +93,48 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
     if rows.size:
         inside = sampler.along(path.with_points(np.array(more))) if more else samples
-        extrema += _interior(sampler, inside, rows, with_conditions)
+        at_gaps = None
+        if path.gaps is not None:
+            at_gaps = _at_gaps(sampler, samples, rows)
+            extrema += [PathExtremum(jump.quantity, sampler.fold(float(path.gaps.x[jump.gap])),
+                                     value, 1 if rises == (side < 0) else -1, side)
+                        for jump in at_gaps.jumps
+                        for side, value, rises in zip((-1, 1), jump.values, jump.rises)]
+        extrema += _interior(sampler, inside, rows, with_conditions, at_gaps)
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, (side, end), rows)
-    return _with_gaps(extrema, path, sampler.linkage.period)
+    return _marked(extrema, path, sampler.period)
 
 
-def _with_gaps(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
+def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
     """
     Return extrema along a path, those of quantities whose kinds do not take turns marked.
 
     One without a value is left out. ``turn``: after which the input is the same, inf if never.
     """
-    def along(extremum: PathExtremum) -> float:
+    def along(extremum: PathExtremum) -> tuple[float, int]:
         """Return where an extremum is on the path."""
-        if extremum.side:
-            return -extremum.side * inf
+        if extremum.side and not is_jump(extremum):
+            return -extremum.side * inf, 0
         return (extremum.x if path.low is None or turn == inf
-                else (extremum.x - path.low.x) % turn)
+                else (extremum.x - path.low.x) % turn), extremum.side
+
+    def is_jump(extremum: PathExtremum) -> bool:
+        """Return whether it is a value on one side of the end of a piece."""
+        return bool(extremum.side) and extremum.x not in ends
+    ends = [extremum.x for extremum in extrema if extremum.side] if path.gaps is None else [
+        fold(end.x, turn) if turn < inf else end.x for _, end in path.ends()]
 
     by_quantity: dict[int, list[PathExtremum]] = {}
     for extremum in extrema:
         by_quantity.setdefault(extremum.quantity, []).append(extremum)
     wrong = set[int]()
     for quantity, of_quantity in by_quantity.items():
-        senses = [extremum.sense for extremum in sorted(of_quantity, key=along)]
-        following = senses[1:] + senses[:path.is_closed]
-        if len(senses) > 1 and any(a == b for a, b in zip(senses, following)) or any(
+        inorder = sorted(of_quantity, key=along)
+        following = inorder[1:] + inorder[:path.is_closed]
+        if len(inorder) > 1 and any(
+                a.sense == b.sense and not (is_jump(a) and is_jump(b) and a.x == b.x)
+                for a, b in zip(inorder, following)) or any(
                 isnan(extremum.value) for extremum in of_quantity):
             wrong.add(quantity)
     if not wrong:
@@ -143,6 +162,69 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
             for row in np.flatnonzero(is_exact | is_noise).tolist()}
 
 
+class _Jump(NamedTuple):
+    """A quantity jumps at the end of a piece: values and slopes on both sides."""
+
+    quantity: int       # its index
+    gap: int            # index of the end of a piece
+    values: tuple[float, float]
+    rises: tuple[bool, bool]
+
+
+class _AtGaps(NamedTuple):
+    """What slopes and values do at the ends of pieces along a path, arrays."""
+
+    brackets: tuple[Array, ...]     # of smooth roots between a gap and a sample next to it
+    kinks: tuple[Array, ...]        # where slopes change their sign at a gap: row, gap, sense
+    jumps: list[_Jump]
+
+
+def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
+    """
+    Return roots between the ends of pieces and the samples next to them, and those at the ends.
+
+    Within BESIDE_GAP of an end lies no sample, so that all are on one side of it.
+    """
+    gaps, x = samples.path.gaps, samples.path.x
+    assert gaps is not None
+    after = (gaps.before + 1) % x.size
+    tiny = BESIDE_GAP * np.maximum(np.abs(gaps.x), 2.0**-12)
+    x_after = turn_after(x[after], gaps.x, sampler.period) if samples.path.is_closed else x[after]
+    values, slopes, _ = sampler.sample(np.concatenate((gaps.x - tiny, gaps.x + tiny)))
+    (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
+                                                for part in (values, slopes))
+    noise = samples.noise[rows][:, gaps.before] + samples.noise[rows][:, after]
+    away = v_after - v_before
+    away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
+    jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))
+    def rises(row: int, gap: int, side: int) -> bool:
+        """Return whether a quantity grows towards a jump from below it, or away from it above."""
+        index, value = ((gaps.before[gap], v_before[row, gap]) if side < 0 else
+                        (after[gap], v_after[row, gap]))
+        away = np.roll(samples.values[rows[row]], -index)[::side]     # of a plateau at last
+        away = (np.roll(away, 1) if side < 0 else away) - value
+        differs = np.flatnonzero(np.abs(away) > FLAT * abs(value))
+        slope = (s_before if side < 0 else s_after)[row, gap]
+        return bool(side * away[differs[0]] > 0.0 if differs.size else slope >= 0.0)
+
+    found = [_Jump(int(rows[row]), int(gap), (float(v_before[row, gap]), float(v_after[row, gap])),
+                   (rises(row, gap, -1), rises(row, gap, 1)))
+             for row, gap in zip(*np.nonzero(jumps))]
+    row, gap = np.nonzero(((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps)
+    kinks = rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1)
+    brackets = []
+    for index, near, there, begin in ((gaps.before, s_before, gaps.x - tiny, True),
+                                      (after, s_after, gaps.x + tiny, False)):
+        sampled = samples.slopes[rows][:, index]
+        row, gap = np.nonzero((sampled >= 0.0) != (near >= 0.0))
+        sample = x[index] if begin else x_after
+        low, high = (sample, there) if begin else (there, sample)
+        first = sampled if begin else near
+        brackets.append((index[gap] if begin else gaps.before[gap], rows[row], low[gap], high[gap],
+                         first[row, gap], 0.5 * (low + high)[gap]))
+    return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, found)
+
+
 class Roots(NamedTuple):
     """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
@@ -156,16 +238,21 @@ class Roots(NamedTuple):
     noise: Array        # a bound of that
 
 
-def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
+def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None) -> Roots:
     """Return where the slopes of the quantities ``rows`` change sign, hidden pairs too."""
-    x, is_closed = samples.path.x, samples.path.is_closed
+    x, is_closed, gaps = samples.path.x, samples.path.is_closed, samples.path.gaps
+    before_gaps = None if gaps is None else gaps.before
     f = _smooth_slopes(sampler, samples, rows)
-    turn = rises(np.unwrap(x)[:, None], False)[:, 0]
+    turn = rises(np.unwrap(x)[:, None], False, before_gaps)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]), f,
-                                              rises(f, is_closed), is_closed,
-                                              sampler.linkage.period)
-    row, spacing = rows[row], xb - xa
+                                              rises(f, is_closed, before_gaps), is_closed,
+                                              sampler.period, before_gaps)
+    row = rows[row]
+    if at_gaps:
+        i, row, xa, xb, fa, guess = (np.concatenate(both) for both in zip(
+            (i, row, xa, xb, fa, guess), at_gaps.brackets))
+    spacing = xb - xa
     # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
@@ -188,6 +275,11 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
+    if at_gaps and gaps:
+        of_kinks, gap, sense_of_kinks = at_gaps.kinks
+        i, row = np.append(i, gaps.before[gap]), np.append(row, of_kinks)
+        root, sense = np.append(root, gaps.x[gap]), np.append(sense, sense_of_kinks)
+        spacing = np.append(spacing, np.full(gap.size, nan))
     # of the input as it is reported, where ``step`` has the same value
     value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
@@ -195,8 +287,8 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array) -> Roots:
     return Roots(row, i, sense, root, spacing, value, rounding, noise)
 
 
-def _interior(sampler: Sampler, samples: Samples, rows: Array,
-              with_conditions: bool) -> list[PathExtremum]:
+def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool,
+              at_gaps: _AtGaps | None) -> list[PathExtremum]:
     """
     Return the extrema of the quantities ``rows`` between the samples.
 
@@ -206,14 +298,14 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array,
     rounding errors are at most 7e-11: it is accepted. Were the difference within them, it would be
     none.
     """
-    roots = _roots(sampler, samples, rows)
+    roots = _roots(sampler, samples, rows, at_gaps)
     is_magnitude = np.asarray((samples.values >= 0.0).all(axis=1))[roots.quantity]
     near = samples.values[roots.quantity, roots.before]
     is_small = np.flatnonzero((roots.sense < 0) & is_magnitude & (
         np.abs(roots.value) <= np.maximum(roots.noise, DEEP * near)))
     if is_small.size:
         roots.value[is_small[_is_kink(sampler, roots, is_small)]] = 0.0
-    kept = _beyond_noise(sampler, samples, roots)
+    kept = _beyond_noise(sampler, samples, roots, at_gaps.jumps if at_gaps else ())
     roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
@@ -274,7 +366,8 @@ class _Turn(NamedTuple):
     root: int           # its index among the roots
 
 
-def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
+def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots,
+                  jumps: Sequence[_Jump]) -> Array:
     """
     Return the indices of the roots that rounding errors cannot have made.
 
@@ -285,7 +378,9 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
     """
     @cache
     def is_confirmed(k: int) -> bool:
-        """Return whether many digits have an extremum at a root."""
+        """Return whether many digits have an extremum at a root; not of kinks between pieces."""
+        if isnan(roots.spacing[k]):
+            return False
         beside = BESIDE * roots.spacing[k]
         before, here, after = roots.sense[k] * sampler.exact(
             roots.x[k] + np.array((-beside, 0.0, beside)), np.full(3, roots.quantity[k]))
@@ -303,15 +398,38 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots) -> Array:
         if not samples.path.is_closed:
             turns = [_Turn(float(values[0]), float(errors[0]), -1, -1), *turns,
                      _Turn(float(values[-1]), float(errors[-1]), values.size - 1, -1)]
+        parts = _between_jumps(turns, errors, samples.path, [
+            jump for jump in jumps if jump.quantity == quantity])
 
         def is_certain(turn: _Turn, following: _Turn) -> bool:
             """Return whether two neighbours that differ by less than the bound are extrema."""
             inner = [end.root for end in (turn, following) if end.root >= 0]
             return (bool(inner) and abs(turn.value - following.value) > roots.rounding[inner].max()
                     and all(map(is_confirmed, inner)))
-        kept += [turn.root for turn in _with_falls(turns, values, errors, is_certain)
-                 if turn.root >= 0]
+        kept += [turn.root for part in parts
+                 for turn in _with_falls(part, values, errors, is_certain) if turn.root >= 0]
     return np.array(kept, int)
+
+
+def _between_jumps(turns: list[_Turn], errors: Array, path: InputPath,
+                   jumps: Sequence[_Jump]) -> list[list[_Turn]]:
+    """Return extrema along a path in parts between jumps, with values there as ends."""
+    if not jumps or path.gaps is None:
+        return [turns]
+    parts, left, start = list[list[_Turn]](), list(turns), list[_Turn]()
+    for jump in jumps:
+        before = int(path.gaps.before[jump.gap])
+        ends = [_Turn(value, float(errors[before]), before, -1) for value in jump.values]
+        inner = [turn for turn in left if turn.before <= before]
+        left = left[len(inner):]
+        parts.append([*start, *inner, ends[0]])
+        start = [ends[1]]
+    if path.is_closed:      # the first part goes on from the last
+        first = parts.pop(0)
+        parts.append([*start, *left, *first])
+    else:
+        parts.append([*start, *left])
+    return parts
 
 
 def _with_falls(turns: list[_Turn], values: Array, errors: Array,
@@ -373,8 +491,13 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
         limits = _limits_at_toggle(sampler, samples, where, rows)
     nearest = samples.path.inward(side)[0]
     limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
-    slopes = samples.slopes[:, nearest]
-    falls = slopes * side > 0.0        # seen from inside
+    falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
+    if samples.path.gaps is not None:       # some quantities are constant on the last piece
+        away = samples.values[:, samples.path.inward(side)] - limits[:, None]
+        differs = np.abs(away) > FLAT * np.abs(limits)[:, None]
+        first = np.where(differs.any(axis=1), differs.argmax(axis=1), 0)
+        away = away[np.arange(first.size), first]
+        falls = np.where(first > 0, away > 0.0, falls)
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     x = sampler.fold(end.x)
     return [PathExtremum(row, x, float(limits[row]), int(sense[row]), side)
@@ -403,6 +526,15 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
+    if path.gaps is not None:       # all in the last piece, in the other mode too
+        assert other_mode.linkage.pieces
+        ends = np.array([*path.gaps.x, *np.array(other_mode.linkage.pieces.ends) / sampler.unit])
+        away = np.abs(ends - end.x)
+        farthest = np.abs(x - end.x).max()
+        width = min(farthest, 0.5 * away[away > 0.0].min()) if away.any() else farthest
+        # quantities are smooth in the root of the distance, of which these are equal steps
+        x = end.x + side * width * ((np.arange(NEIGHBOURS) + 0.5) / NEIGHBOURS)**2
+        here = sampler.values(x)
     bounded, is_coarse = _continued(sampler, here, other_mode.values(x))
     if is_coarse[rows].any():       # what turns between samples and toggle shows nearer to it
         x = end.x + NEARER * (x - end.x)

@@ -282,7 +282,7 @@ class Enclosing:
         self.quantities, self.unit = quantities, linkage.input_unit
         self.name, self.why_not = linkage.input_coordinate.position, dict[int, str]()
         self._linkage, self._table = linkage, taylor_pairs()
-        with_loads = linkage.bodies is not None and any(
+        with_loads = linkage.has_loads and any(
             quantity.is_load or not is_published(quantity) for quantity in quantities)
         self._formula, data = formula_of(linkage, with_loads)
         self._trace = trace = Trace(self._make, 1, (rates, data))
@@ -292,16 +292,21 @@ class Enclosing:
         self._is_hypot = [name == 'hypot' for name in operations]
         self._results = [trace.steps[index].arguments if i in self.squares else (index,)
                          for i, index in enumerate(indices)]
-        self._values: list[Any] = [None] * len(trace.steps)
-        for index, value in {**trace.literals(),
-                             **dict(enumerate([*rates, *numbers_of(data)], 1))}.items():
-            self._values[index] = arb(value), arb(value)
+        for i, of_quantity in enumerate(self._results):
+            if any(trace.steps[k].operation == 'call' for k in trace.needed(of_quantity)) or (
+                    linkage.pieces and linkage.pieces.ends and quantities[i].is_load):
+                self.why_not[i] = ('forces over a position and torsion springs that come round '
+                                   'are not enclosed')
+        self._values: list[Any] = [
+            None if number is None else (arb(number), arb(number))
+            for number in trace.numbers([*rates, *numbers_of(data)])]
         self._orders: dict[tuple[int, ...], list[int]] = {}
         self._leasts = {index for index, step in enumerate(trace.steps)
                         if step.operation == 'lt'
                         and all(trace.steps[i].operation == 'fabs' for i in step.arguments)}
         with arb_settings(BITS, ORDER + 2):
-            run(trace, [index for index in self._needed(tuple(range(len(quantities))))
+            enclosed = tuple([i for i in range(len(quantities)) if i not in self.why_not])
+            run(trace, [index for index in self._needed(enclosed)
                         if index not in trace.varies], self._table, self._values)
 
     def _make(self, number_type: NumberType, constants: Any) -> Function:

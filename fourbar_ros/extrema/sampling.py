@@ -14,7 +14,7 @@ from decimal import Decimal, localcontext
 from math import pi
 from typing import Any, ClassVar, NamedTuple, Union
 
-from fourbar_ros.errors import InvalidParameter, MissingBodies
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.input_paths import InputPath
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.evaluation import formula_of
@@ -87,7 +87,7 @@ class Sampler:
 
     ``rates``: rate and acceleration of the input. ``poles``: those flat positions of a change
     point at which the quantities have poles, as joint reactions may [rad or m]. Raises
-    MissingBodies if a quantity needs loads and the linkage has no masses.
+    MissingBodies or UnknownBaseMotion if a quantity needs loads and the linkage has none.
     """
 
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
@@ -98,8 +98,9 @@ class Sampler:
         """Make the function of motion and loads of real and complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.needs_loads = any(q.is_load for q in quantities)
-        if self.needs_loads and linkage.bodies is None:
-            raise MissingBodies
+        if self.needs_loads:
+            linkage.require_loads()
+        self.period = linkage.cycle if self.needs_loads else linkage.period
         self.unit: float = linkage.input_unit
         self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
         self._passed = np.array([x for x in linkage.flat_inputs if x not in poles]) / self.unit
@@ -107,8 +108,7 @@ class Sampler:
         known = linkage.MOTION._fields + linkage.LOADS._fields
         self._wanted = ([known.index(q.name) for q in quantities]
                         if all(map(is_published, quantities)) else None)
-        self._has_loads = linkage.bodies is not None and (self.needs_loads
-                                                          or self._wanted is None)
+        self._has_loads = linkage.has_loads and (self.needs_loads or self._wanted is None)
         self._step = step_of_arrays(linkage, self._has_loads)
         self._values = step_of_arrays(linkage, self._has_loads, wanted=self._wanted)
 
@@ -169,7 +169,7 @@ class Sampler:
 
     def fold(self, x: Value) -> Value:
         """Return inputs as they are reported: angles from zero to the period."""
-        return x if self.linkage.is_driven_by_slide else fold(x, self.linkage.period)
+        return x if self.linkage.is_driven_by_slide else fold(x, self.period)
 
     def state(self, x: Array, step: Function | None = None) -> State:
         """Return motion and loads at real or complex x; all fields, or those of ``step``."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, KW_ONLY
+from math import nan
 from typing import NamedTuple, TypeVar
 
 from fourbar_ros.numerics.arguments import finite
@@ -102,6 +103,12 @@ class Base(NamedTuple):
     rate: Scalar = 0.0
     acceleration: Scalar = 0.0
 
+
+class UnknownBase(Base):
+    """A base whose motion is not known: with it there are no loads, see ``loads(base=...)``."""
+
+
+UNKNOWN_BASE = UnknownBase(*[nan] * 4)
 
 # What the loads of masses come from besides their own motion: a field of gravity, or the base's.
 Gravity = tuple[Scalar, Scalar] | Base

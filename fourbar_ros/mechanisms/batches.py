@@ -128,10 +128,9 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else tuple(wanted)
     if data is not None:
-        columns = numbers_of(data if with_loads else data._replace(bodies=None))
+        columns = numbers_of(data if with_loads else data._replace(bodies=None, elements=()))
         trace = trace_of(formula_of(mechanism, with_loads)[0])
-        known = [step.value for step in trace.steps]
-        known[trace.count:trace.count + trace.size] = columns
+        known = trace.numbers(columns)
         with np.errstate(all='ignore'):
             run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)
             if not any(np.any(np.asarray(known[i])) for i in trace.switches):

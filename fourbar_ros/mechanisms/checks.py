@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity, UnknownBase
 from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.arguments import finite, records
 
@@ -78,6 +78,8 @@ def checked_stroke(mechanism: MechanismGeometry) -> tuple[float, float] | None:
 
 def checked_gravity(gravity: Any) -> Gravity:
     """Return a field of gravity as two floats, or a base of floats."""
+    if isinstance(gravity, UnknownBase):
+        return gravity
     if isinstance(gravity, Base):
         return Base._make([finite(name, value) for name, value in gravity._asdict().items()])
     return two_numbers('gravity', gravity, 'must be two finite numbers (x, y), or a Base')

@@ -36,6 +36,7 @@ class Constants(NamedTuple):
     bodies: Any
     gravity: Gravity
     external: Any
+    elements: tuple[Any, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -61,10 +62,12 @@ class Formula:
 
 def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constants]:
     """Return the formula of a mechanism, and the data it is made for."""
-    data = mechanism.constants if with_loads else mechanism.constants._replace(bodies=None)
-    # springs load links, as a driven crank, for which ``external`` has no field else
-    return Formula((*mechanism.structure, type(mechanism.external), type(mechanism.gravity)),
-                   with_loads, mechanism), data
+    structure, data = mechanism.structure, mechanism.constants
+    if not with_loads:
+        data = data._replace(bodies=None, elements=())
+    elif mechanism.elements:
+        structure += mechanism.structure_of_elements
+    return Formula((*structure, type(mechanism.gravity)), with_loads, mechanism), data
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)

@@ -26,7 +26,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import atan2, sqrt
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
@@ -129,6 +129,7 @@ class FourBarLinks(Kind):
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({exact_sum(lengths + (-longest,)):.12g})')
+        self._fit_elements()
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,8 @@ class FourBar(FourBarLinks):
         Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on coupler and output link.
+    elements : tuple
+        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
 
     Raises
     ------
@@ -169,6 +172,7 @@ class FourBar(FourBarLinks):
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
+    elements: tuple[Any, ...] = ()
 
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (parts.Output(THETA4, 'velocity_ratio'),)}
@@ -262,6 +266,7 @@ class MovingJointFourBar(FourBarLinks):
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
+    elements: tuple[Any, ...] = ()
 
     MODES = {1: '1', parts.OPEN: '2'}
     INPUTS = {parts.JOINT_A: THETA2, parts.JOINT_B: THETA3}

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
-from math import degrees, fsum, inf, nan, pi, remainder
-from typing import Any, cast, TypeVar
+from math import degrees, fsum, inf, lcm, nan, pi, remainder
+from typing import Any, cast, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
@@ -29,6 +29,9 @@ from fourbar_ros.mechanisms.statement import StatedMechanism
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import exact_sum, Function, power_of_two, Scalar
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.elements import Element
 
 _Self = TypeVar('_Self', bound='MechanismGeometry')
 _T = TypeVar('_T')
@@ -158,7 +161,14 @@ class MechanismGeometry(StatedMechanism):
     @cached_property
     def constants(self) -> Constants:
         """Return the :class:`Constants` of this mechanism."""
-        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external)
+        return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external,
+                         self.elements)
+
+    @cached_property
+    def structure_of_elements(self) -> tuple[object, ...]:
+        """Return what the formulas of springs and forces depend on besides numbers."""
+        from fourbar_ros.mechanisms.elements import structure_of  # few mechanisms have any
+        return (structure_of(self.elements),)
 
     @property
     def sign(self) -> float:
@@ -196,6 +206,20 @@ class MechanismGeometry(StatedMechanism):
         if self.is_driven_by_slide:
             return inf
         return 4.0 * pi if self.turns_fully and self._has_odd_turns else 2.0 * pi
+
+    @property
+    def turns(self) -> int:
+        """Return after how many turns all repeats, the forces on it too: two of a four-stroke."""
+        turns = 1 if self.is_driven_by_slide else round(self.period / (2.0 * pi))
+        if not self.elements:
+            return turns
+        from fourbar_ros.mechanisms.elements import turns_of  # few mechanisms have any
+        return lcm(turns, turns_of(self.elements))
+
+    @property
+    def cycle(self) -> float:
+        """Return after how much of the input all repeats, forces too [rad]; inf of a slide."""
+        return self.period if self.is_driven_by_slide else 2.0 * pi * self.turns
 
     @property
     def _has_odd_turns(self) -> bool:
@@ -307,6 +331,12 @@ class MechanismGeometry(StatedMechanism):
         for name, value in checked(self).items():
             object.__setattr__(self, name, value)
 
+    def _fit_elements(self) -> None:
+        """Refuse springs and forces that do not fit, and keep the others as they act here."""
+        if self.elements:
+            from fourbar_ros.mechanisms.elements import fitted  # few mechanisms have any
+            object.__setattr__(self, 'elements', fitted(self.elements, self))
+
     def _check_stroke(self) -> None:
         """Refuse a wrong stroke, and keep a right one as two floats."""
         object.__setattr__(self, 'stroke', checked_stroke(self))
@@ -338,6 +368,12 @@ class MechanismGeometry(StatedMechanism):
         A node does this for each wrench message, so ranges and traces are not made again.
         """
         return self._copy(**self._geometry, external=external)
+
+    def with_elements(self: _Self, *elements: Element) -> _Self:
+        """Return the same mechanism with these springs, dampers and forces over a position."""
+        copied = self._copy(**self._geometry, elements=elements)
+        copied._fit_elements()
+        return copied
 
     def with_base(self: _Self, base: Base) -> _Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""

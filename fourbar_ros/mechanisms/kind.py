@@ -25,7 +25,7 @@ from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.curves import LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
-from fourbar_ros.mechanisms.load_table import all_loads, DERIVED
+from fourbar_ros.mechanisms.load_table import DERIVED
 from fourbar_ros.mechanisms.machine.solve import dyads
 from fourbar_ros.mechanisms.machine.solve.frames import pose_of
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, load_fields, Pair, Stage
@@ -227,9 +227,10 @@ class Kind(Mechanism):
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         """Return the error of the output, in units of lengths or [rad], in a pose."""
 
-    def link_motion(self, motion: parts.NamedFields, link: str) -> LinkMotion:
-        """Return the motion of a link by name, its first joint O1, A, and O4 or B."""
-        return self._links(self.lengths, motion)[self.link(link).name]
+    def link_motions(self, motion: parts.NamedFields, lengths: Lengths | None = None
+                     ) -> dict[str, LinkMotion]:
+        """Return the motions of links by name, their first joints O1, A, and O4 or B."""
+        return self._links(self.lengths if lengths is None else lengths, motion)
 
     def _links(self, lengths: Lengths, motion: Any, per_unit: Scalar = 1.0,
                are_ratios: bool = False) -> dict[str, LinkMotion]:
@@ -283,11 +284,7 @@ class Kind(Mechanism):
 
     # --- loads ----------------------------------------------------------------------------------
 
-    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return partial(all_loads, self, constants, partial(self._loads, n, constants))
-
-    def _loads(self, n: NumberType, constants: Constants, m: Any) -> list[Scalar]:
+    def joint_loads(self, n: NumberType, constants: Constants, m: Any) -> list[Scalar]:
         """Return the loads of the machine by the names of the kind."""
         # of linkages with masses alone
         from fourbar_ros.mechanics.newton_euler import needs_of

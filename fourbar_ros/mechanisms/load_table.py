@@ -56,10 +56,9 @@ LOADS = {row.name: row for row in (
 DERIVED = tuple(row for row in LOADS.values() if row.of)
 
 
-def all_loads(mechanism: Any, constants: Any, own_loads: Callable[..., Any], fields: Any) -> Any:
-    """Return LOADS for fields of a motion: its own, and those that follow from others."""
-    motion = mechanism.MOTION(*fields)
-    loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, own_loads(motion))))
+def all_loads(mechanism: Any, constants: Any, motion: Any, joint_loads: Any) -> Any:
+    """Return LOADS: those of the mechanism, and those that follow from them and the motion."""
+    loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, joint_loads)))
     for row in DERIVED:
         assert row.of
         try:

@@ -16,11 +16,19 @@ from math import isfinite
 from numbers import Real
 from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED
+from fourbar_ros.errors import (
+    FourBarError,
+    InvalidParameter,
+    MissingBodies,
+    OutOfRange,
+    Toggle,
+    UnknownBaseMotion,
+)
+from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
-from fourbar_ros.mechanisms.evaluation import line_of, Recorded, recorded
+from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
+from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.parts import NamedFields, OPEN
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
@@ -29,6 +37,7 @@ from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
+    from fourbar_ros.mechanisms.pieces import Pieces
 
 # Links and the coordinate that drives them: a mechanism, or the same links driven at another one.
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
@@ -37,7 +46,7 @@ _Self = TypeVar('_Self', bound='Mechanism')
 SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'in_mode',
          'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes', 'motion',
          'output_ranges', 'outputs', 'reactions', 'step', 'turns_fully', 'with_base',
-         'with_external', 'with_lengths')
+         'with_elements', 'with_external', 'with_lengths')
 
 
 class Mechanism(MechanismGeometry):
@@ -50,6 +59,24 @@ class Mechanism(MechanismGeometry):
     @cached_by_lengths
     def _motion_line(self) -> Function:
         return line_of(self, with_loads=False)
+
+    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
+        """Return the motion of one of its ``LINKS`` by name, from one of its motions."""
+        return self.link_motions(motion)[self.link(link).name]
+
+    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        applied = None
+        if constants.elements:
+            from fourbar_ros.mechanisms.elements import make_applied  # few mechanisms have any
+            applied = make_applied(n, self, constants)
+
+        def loads(fields: Iterable[Any]) -> Any:
+            motion, acting = self.MOTION._make(fields), constants
+            if applied is not None:
+                acting = constants._replace(external=applied(motion))
+            return all_loads(self, constants, motion, self.joint_loads(n, acting, motion))
+        return loads
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
         """
@@ -92,6 +119,14 @@ class Mechanism(MechanismGeometry):
         """Return the trace of motion and loads, and this mechanism's constants in it."""
         return recorded(self, True)
 
+    @cached_property
+    def pieces(self) -> Pieces | None:
+        """Return where the elements on it make loads not smooth, None without elements."""
+        if not self.elements:
+            return None
+        from fourbar_ros.mechanisms.pieces import pieces_of  # few mechanisms have any
+        return pieces_of(self)
+
     def __dir__(self) -> list[str]:
         """Return what tab completion shows: what a user asks of a mechanism."""
         shown = {field.name for field in fields_of(self)}.union(SHOWN)
@@ -100,9 +135,29 @@ class Mechanism(MechanismGeometry):
     @cached_property
     def _step_line(self) -> tuple[Function, Function, Function]:
         """Return the line of motion and loads, and the functions that make records of both."""
+        self.require_loads()
+        return line_of(self, with_loads=True), self.MOTION._make, self.LOADS._make
+
+    @property
+    def has_loads(self) -> bool:
+        """Return whether loads can be asked for: masses are given, and so is gravity or a base."""
+        return self.bodies is not None and not isinstance(self.gravity, UnknownBase)
+
+    @property
+    def why_no_loads(self) -> str:
+        """Return for a user why there are no loads; '' if there are."""
+        try:
+            self.require_loads()
+        except FourBarError as error:
+            return str(error)
+        return ''
+
+    def require_loads(self) -> None:
+        """Raise MissingBodies or UnknownBaseMotion where there are no loads."""
         if self.bodies is None:
             raise MissingBodies
-        return line_of(self, with_loads=True), self.MOTION._make, self.LOADS._make
+        if isinstance(self.gravity, UnknownBase):
+            raise UnknownBaseMotion
 
     @cached_by_lengths
     def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
@@ -116,7 +171,7 @@ class Mechanism(MechanismGeometry):
         Tracing and compiling the first mechanism of a structure takes some 10 ms. ArithmeticError
         or ValueError where numbers overflow.
         """
-        return self._step_line[0] if self.bodies else self._motion_line
+        return self._step_line[0] if self.has_loads else self._motion_line
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
         """
@@ -127,7 +182,7 @@ class Mechanism(MechanismGeometry):
         """
         for name in self.INPUTS:
             if name != self.input:
-                free = replace(self, input=name, mode=OPEN, stroke=None)
+                free = replace(self, input=name, mode=OPEN, stroke=None, elements=())
                 return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
         return ()
 
@@ -199,9 +254,9 @@ class Mechanism(MechanismGeometry):
 
     @cached_property
     def weightless(self: _Self) -> _Self:
-        """Return the same mechanism without gravity, base and external loads."""
+        """Return the same mechanism without all that acts on it: masses alone."""
         external = self.EXTERNAL._make([NOT_APPLIED] * len(self.EXTERNAL._fields))
-        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external)
+        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external, elements=())
 
     @property
     def drive_load(self) -> str:
@@ -227,7 +282,8 @@ class Mechanism(MechanismGeometry):
         Return (motion, loads) together, at the cost of the loads alone.
 
         Arguments and errors as in :meth:`motion`; ``fields`` may name fields of both. A mechanism
-        without masses has no loads: MissingBodies.
+        without masses has no loads: MissingBodies. Where a spring has no direction, as its ends
+        meet, there are none either: InvalidParameter, in arrays NaN.
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
@@ -245,8 +301,15 @@ class Mechanism(MechanismGeometry):
             self._refuse(position, rate, acceleration)
         try:
             motion, loads = line(position, rate, acceleration)
+        except InvalidParameter:        # of a user's force
+            raise
         except (ValueError, ZeroDivisionError):
-            raise self._why_no_motion(position) from None
+            motion = self.motion(position, rate, acceleration)      # its error, if it has one
+            if not (self.elements and isfinite(motion.condition)):
+                raise self._why_no_motion(position) from None
+            raise InvalidParameter(self.input_coordinate.position, position,
+                                   'the ends of a spring meet there: it has no direction'
+                                   ) from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise InvalidParameter(self.input_coordinate.rate, rate,
                                    'so fast, or with such masses, that loads overflow')
@@ -254,8 +317,8 @@ class Mechanism(MechanismGeometry):
 
     def motion_and_loads(self, position: ArrayLike, rate: ArrayLike = 0.0,
                          acceleration: ArrayLike = 0.0) -> tuple[NamedFields, NamedFields | None]:
-        """Return (motion, loads) as :meth:`step` does; without masses the loads are None."""
-        if self.bodies is None:
+        """Return (motion, loads) as :meth:`step` does; if it has no loads these are None."""
+        if not self.has_loads:
             return self.motion(position, rate, acceleration), None
         both: tuple[NamedFields, NamedFields] = self.step(position, rate, acceleration)
         return both
@@ -299,8 +362,8 @@ class Mechanism(MechanismGeometry):
         if isinstance(fields, Iterable) and not isinstance(fields, str):
             fields = tuple(fields)
         wanted, needs_loads = _indices_of(self.MOTION, self.LOADS if with_loads else None, fields)
-        if needs_loads and self.bodies is None:
-            raise MissingBodies
+        if needs_loads:
+            self.require_loads()
         if not _are_numbers(*inputs):
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return tuple(evaluate(self, inputs, wanted, needs_loads))

@@ -32,17 +32,18 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 
 def smooth_ranges(mechanism: Mechanism) -> Ranges:
-    """Return the ranges of the input [rad or m], cut at the flat positions inside them."""
-    pieces, ranges = list[tuple[float, float]](), mechanism.input_ranges
+    """Return the ranges of the input [rad or m], cut at flat positions and ends of pieces."""
+    parts, ranges = list[tuple[float, float]](), mechanism.input_ranges
     flats = {*mechanism.flat_inputs}
     if mechanism.turns_fully:
-        ranges = ((-0.5 * mechanism.period, 0.5 * mechanism.period),)
+        ranges = ((-0.5 * mechanism.cycle, 0.5 * mechanism.cycle),)
     if not mechanism.is_driven_by_slide:
-        flats |= {x + turn for x in flats for turn in (-2.0 * pi, 2.0 * pi)}
+        flats |= {x + 2.0 * pi * turn for x in flats for turn in range(-2, 3)}
+    flats |= {*(mechanism.pieces.ends if mechanism.pieces else ())}
     for low, high in ranges:
         cuts = [low, *sorted({x for x in flats if low < x < high}), high]
-        pieces += zip(cuts, cuts[1:])
-    return tuple(pieces)
+        parts += zip(cuts, cuts[1:])
+    return tuple(parts)
 
 
 def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array, Array]:
@@ -51,12 +52,15 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
 
     ``ranges``: parts of the input [rad or m] instead, each without a toggle inside.
     """
-    if mechanism.turns_fully and not ranges:
+    if mechanism.turns_fully and not ranges and not (mechanism.pieces and mechanism.pieces.ends):
         start = 0.5 if mechanism.flat_inputs else 0.0       # beside their poles
-        return (mechanism.period * (np.arange(points) + start) / points,
+        return (mechanism.cycle * (np.arange(points) + start) / points,
                 np.full(points, 1.0 / points))
+    ranges = ranges or smooth_ranges(mechanism)
+    if mechanism.pieces:        # there may be hundreds
+        points = max(points // len(ranges), POINTS_OF_PART)
     roots, weights = _gauss(min(points, MOST_OF_RANGE))
-    phi, ranges = 0.5 * pi * roots, ranges or smooth_ranges(mechanism)
+    phi = 0.5 * pi * roots
     whole = sum(high - low for low, high in ranges)
     x = [0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi) for low, high in ranges]
     parts = [0.25 * pi * weights * np.cos(phi) * ((high - low) / whole) for low, high in ranges]

@@ -234,13 +234,12 @@ def select(names: Sequence[str], mechanism: Mechanism,
     """
     Return the quantities of these names; of no names all but positions and those of the drive.
 
-    Loads are left out where the mechanism has no masses. ``more``: quantities that may be
+    Loads are left out where the mechanism has none. ``more``: quantities that may be
     named too, as those of the points of a scene, and that are part of "all" too.
     """
     if not names:
         every = *known_quantities(mechanism, mechanism.input).values(), *more
-        return [quantity for quantity in every
-                if mechanism.bodies is not None or not quantity.is_load]
+        return [quantity for quantity in every if mechanism.has_loads or not quantity.is_load]
     available = by_name(mechanism, more)
     for name in names:
         if name not in available:

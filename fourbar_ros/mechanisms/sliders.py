@@ -27,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
@@ -71,6 +71,7 @@ class OffsetSlide(Kind):
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                    f'{p_name} + {r_name} ({p + r:.12g})')
         self._check_stroke()
+        self._fit_elements()
 
 
 class SliderDeadPoint(NamedTuple):
@@ -106,6 +107,8 @@ class SliderCrank(OffsetSlide):
     stroke : tuple of 2 floats, optional
         Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
         the links close.
+    elements : tuple
+        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
 
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
     about B.
@@ -121,6 +124,7 @@ class SliderCrank(OffsetSlide):
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
+    elements: tuple[Any, ...] = ()
 
     TITLE = 'slider-crank'
     TEXT = 'a slider on a guide parallel to x'
@@ -213,6 +217,8 @@ class InvertedSlider(OffsetSlide):
     stroke : tuple of 2 floats, optional
         Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
         the links close.
+    elements : tuple
+        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
 
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
     block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
@@ -229,6 +235,7 @@ class InvertedSlider(OffsetSlide):
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
+    elements: tuple[Any, ...] = ()
 
     TITLE = 'inverted slider-crank'
     TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
@@ -368,6 +375,8 @@ class ScotchYoke(Kind):
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
         Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
+    elements : tuple
+        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
 
     """
 
@@ -379,6 +388,7 @@ class ScotchYoke(Kind):
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
     stroke: tuple[float, float] | None = None
+    elements: tuple[Any, ...] = ()
 
     TITLE = 'Scotch yoke'
     TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'
@@ -419,6 +429,7 @@ class ScotchYoke(Kind):
     def __post_init__(self) -> None:
         self._check()
         self._check_stroke()
+        self._fit_elements()
 
     @property
     def modes(self) -> dict[int, str]:

@@ -38,10 +38,10 @@ class StatedMechanism(ABC):
     """
     Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
-    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``; where a
-    slide can be driven, ``stroke``. A kind has its facts as attributes of its class, a machine put
-    together at run time as its own attributes. The numbers of links, joints, loads and outputs
-    are known nowhere else.
+    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``,
+    ``elements``; where a slide can be driven, ``stroke``. A kind has its facts as attributes of
+    its class, a machine put together at run time as its own attributes. The numbers of links,
+    joints, loads and outputs are known nowhere else.
     """
 
     TITLE: str                      # name of the kind in texts
@@ -81,6 +81,7 @@ class StatedMechanism(ABC):
     bodies: Any
     gravity: Gravity
     external: Any
+    elements: tuple[Any, ...]       # springs, dampers, forces over a position: :mod:`.elements`
     stroke: tuple[float, float] | None = None       # of mechanisms that have none
 
     # --- each kind must give these --------------------------------------------------------------
@@ -90,8 +91,8 @@ class StatedMechanism(ABC):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
 
     @abstractmethod
-    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields) -> Any:
+        """Return the fields of LOADS that are no DERIVED ones, for constants of a number type."""
 
     @property
     @abstractmethod
@@ -114,12 +115,13 @@ class StatedMechanism(ABC):
         """Return the type by name: which links turn fully."""
 
     @abstractmethod
-    def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
+    def link_motions(self, motion: NamedFields, lengths: Any = None) -> Mapping[str, LinkMotion]:
         """
-        Return the motion of one of its ``LINKS`` by name, from one of its motions.
+        Return {name of one of its ``LINKS``: its motion}, from one of its motions.
 
         The 'coupler' of an inverted slider-crank is its block; 'output' is the slider of a
-        slider-crank, the bar of an inverted one. Fields are numbers of any type.
+        slider-crank, the bar of an inverted one. Fields are numbers of any type, and so are
+        ``lengths``, those of ``constants`` that take the place of its own.
         """
 
     @abstractmethod

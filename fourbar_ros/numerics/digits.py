@@ -15,7 +15,6 @@ from decimal import Context, Decimal, localcontext
 from functools import cache, lru_cache
 import math
 import operator
-from typing import Any
 
 from fourbar_ros.numerics.number_types import choose, power_of_two, SNAP
 from fourbar_ros.numerics.tables import run, Table
@@ -97,10 +96,7 @@ def in_decimals(trace: Trace, data: Sequence[float], indices: Sequence[int]
     To be made and called within the context :data:`MANY_DIGITS`.
     """
     order = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
-    known: list[Any] = [None] * len(trace.steps)
-    known[trace.count:trace.count + trace.size] = map(Decimal, data)
-    for index, value in trace.literals().items():
-        known[index] = Decimal(value)
+    known = [None if number is None else Decimal(number) for number in trace.numbers(data)]
     run(trace, [i for i in order if i not in trace.varies], DECIMALS, known)
     order = [i for i in order if i in trace.varies]
 

@@ -164,11 +164,12 @@ def converted(record: Any, convert: Callable[[float], Any]) -> Any:
     Return a nested record with ``convert(value)`` for each float.
 
     Dataclasses are copied without their checks, as other numbers than floats would not pass them.
+    Names, truths and functions, as a table of forces, stay.
     """
+    if record is None or isinstance(record, (str, bool)) or callable(record):
+        return record
     if isinstance(record, (float, int)):
         return convert(record)
-    if record is None:
-        return None
     if isinstance(record, tuple):
         values = [converted(value, convert) for value in record]
         return record._make(values) if hasattr(record, '_make') else tuple(values)
@@ -192,7 +193,7 @@ def numbers_of(record: Any) -> list[float]:
                     values.append(inner)
                 else:
                     collect(inner)
-        elif part is not None:
+        elif not (part is None or isinstance(part, (str, bool)) or callable(part)):
             values.append(part)
     collect(record)
     return values
@@ -200,5 +201,6 @@ def numbers_of(record: Any) -> list[float]:
 
 @cache
 def _names_of(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass, none of another type."""
-    return tuple([field.name for field in fields(kind)]) if is_dataclass(kind) else ()
+    """Return the names of the fields of a dataclass, none of another type or of a function."""
+    is_record = is_dataclass(kind) and not any('__call__' in vars(base) for base in kind.__mro__)
+    return tuple([field.name for field in fields(kind)]) if is_record else ()

@@ -42,7 +42,8 @@ def turns_back(f: Array, rise: Array) -> Array:
     return np.asarray(((1.0 - CAUTION) * f + rise >= 0.0) != (f >= 0.0))
 
 
-def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, Array]:
+def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
+                       gaps: Array | None = None) -> tuple[Array, Array]:
     """
     Return in which intervals between samples the sign changes, and which may have more roots.
 
@@ -58,6 +59,8 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, A
         At equal steps, and a third of what f rises in one at its slope.
     is_closed : bool
         After the last sample comes the first.
+    gaps : ndarray, optional
+        Indices of intervals that are left out.
 
     """
     if is_closed:
@@ -73,15 +76,21 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool) -> tuple[Array, A
         if is_closed:
             small[[0, -1]] = small[0] | small[-1]
         doubtful |= small[:-1] | small[1:]
+    if gaps is not None:
+        inner = gaps[gaps < len(changes)]
+        changes[inner] = doubtful[inner] = False
     return changes, doubtful
 
 
-def rises(f: Array, is_closed: bool) -> Array:
+def rises(f: Array, is_closed: bool, gaps: Array | None = None) -> Array:
     """
     Return a third of what sampled functions, shape (n, m), rise in a step at each sample.
 
-    From five samples each. For f = 0, 3, 6, 9, ... all are 1.
+    From five samples each. For f = 0, 3, 6, 9, ... all are 1. ``gaps``: indices of samples after
+    which functions are not smooth; of a closed path the last is one of them.
     """
+    if gaps is not None:
+        return np.concatenate([rises(part, False) for part in np.split(f, gaps + 1) if len(part)])
     if is_closed:
         f = np.concatenate((f[-2:], f, f[:2]))
     else:
@@ -176,7 +185,7 @@ def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
 
 
 def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_closed: bool,
-                  period: float = 2.0 * pi) -> Sequence[Array]:
+                  period: float = 2.0 * pi, gaps: Array | None = None) -> Sequence[Array]:
     """
     Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
 
@@ -187,14 +196,14 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_clo
     x : callable
         (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step
         there.
-    f, rise, is_closed
+    f, rise, is_closed, gaps
         As in :func:`changes_and_doubts`; ``i`` counts the interval after the last sample as the
         last.
     period : float
         After which the angles x begin again.
 
     """
-    changes, doubtful = changes_and_doubts(f, rise, is_closed)
+    changes, doubtful = changes_and_doubts(f, rise, is_closed, gaps)
     i, row = np.nonzero(changes | doubtful)
     is_plain = ~doubtful[i, row]
     j = (i + 1) % len(f)

@@ -38,7 +38,8 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
     steps, known = trace.steps, values.__getitem__
     for index in order:
         step = steps[index]
-        values[index] = table[step.operation](*map(known, step.arguments))
+        apply = step.value if step.operation == 'call' else table[step.operation]
+        values[index] = apply(*map(known, step.arguments))
         for i in done.get(index, ()):
             values[i] = None
     return values

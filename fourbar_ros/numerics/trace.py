@@ -307,13 +307,12 @@ class Trace:
 
         ``indices``: of those that are computed, in order; by default all.
         """
-        values: list[Any] = [None] * len(self.steps)
-        values[self.count:self.count + self.size] = data
+        values = self.numbers(data)
         for index in range(len(values)) if indices is None else indices:
             if index >= self.count + self.size and index not in self.varies:
                 step = self.steps[index]
-                values[index] = step.value if step.is_given else step.of(
-                    *[values[i] for i in step.arguments])
+                if not step.is_given:
+                    values[index] = step.of(*[values[i] for i in step.arguments])
         return values
 
     def needed(self, indices: Iterable[int], with_refusals: bool = False) -> list[int]:
@@ -333,6 +332,14 @@ class Trace:
                 needed.add(index)
                 left += self.steps[index].arguments
         return sorted(needed)
+
+    def numbers(self, data: Sequence[Any]) -> list[Any]:
+        """Return, by index, the data and the constants that stand in the formula; else None."""
+        values: list[Any] = [None] * len(self.steps)
+        values[self.count:self.count + self.size] = data
+        for index, value in self.literals().items():
+            values[index] = value
+        return values
 
     def literals(self) -> dict[int, float]:
         """Return the constants that stand in the text of the formula, by index."""

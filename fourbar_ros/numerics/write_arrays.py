@@ -51,14 +51,16 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
              if index in trace.varies and index >= trace.count]
     # differences of equal numbers, which do not depend on the inputs any more
     fixed = {i: simple.steps[i].value for i in steps if simple.steps[i].is_given}
-    lines, kinds = array_statements(simple, indices, [i for i in steps if i not in fixed])
+    lines, kinds, functions = array_statements(simple, indices,
+                                               [i for i in steps if i not in fixed])
     known = sorted({int(name[1:]) for name in re.findall(r'v\d+', ' '.join(lines))})
     names = [*(f'v{i}' for i in known), *(f'b{i}' for i in range(len(kinds))),
              *(f'r{i}' for i in range(len(indices)))]
-    line = compiled('\n'.join([f'def make({", ".join(ARRAYS)}):',
+    calls = [f'f{i}' for i in range(len(functions))]
+    line = compiled('\n'.join([f'def make({", ".join([*ARRAYS, *calls])}):',
                                f'    def line({", ".join(names)}):',
                                *(f'        {text}' for text in lines or ['pass']),
-                               '    return line', '']), 'arrays')(*ARRAYS.values())
+                               '    return line', '']), 'arrays')(*ARRAYS.values(), *functions)
 
     def run_on(inputs: Sequence[Array], constants: Sequence[Any]) -> list[Array]:
         keep_memory()
@@ -92,9 +94,11 @@ def _without_zeros(trace: Trace, wanted: Sequence[int],
 
 
 def array_statements(trace: Trace, results: Sequence[int],
-                     indices: Sequence[int]) -> tuple[list[str], list[type]]:
+                     indices: Sequence[int]) -> tuple[list[str], list[type], list[Function]]:
     """
-    Return the statements of the steps at ``indices``, and the types of their buffers b0, b1, ...
+    Return the statements of the steps at ``indices``, the types of their buffers b0, b1, ...
+
+    And the functions f0, f1, ... that are no formulas, as a table of forces.
 
     A result is written to its row r0, r1, ...; another step gets a buffer that no later step reads
     any more, or a new one. A known value is v and its index.
@@ -102,8 +106,9 @@ def array_statements(trace: Trace, results: Sequence[int],
     last_use = {i: index for index in indices for i in trace.steps[index].arguments}
     names = {index: f'r{i}' for i, index in reversed([*enumerate(results)]) if index in indices}
     buffers, kinds, free, lines = dict[int, str](), list[type](), list[str](), list[str]()
+    functions = list[Function]()
     for index in indices:
-        operation, arguments, _ = trace.steps[index]
+        operation, arguments, value = trace.steps[index]
         done = [buffers[i] for i in dict.fromkeys(arguments)
                 if i in buffers and last_use[i] == index]
         if operation not in _NOT_IN_PLACE:
@@ -118,11 +123,16 @@ def array_statements(trace: Trace, results: Sequence[int],
                 buffers[index] = names[index]
         if operation in _NOT_IN_PLACE:
             free += done
-        operands = ', '.join([names.get(i, f'v{i}') for i in (*arguments, index)])
-        lines.append(f'{operation}({operands})')
+        operands = [names.get(i, f'v{i}') for i in (*arguments, index)]
+        if operation == 'call':
+            functions.append(value)
+            lines.append(f'copy({operands[1]}, f{len(functions) - 1}({operands[0]}))')
+        else:
+            lines.append(f'{operation}({", ".join(operands)})')
     # an input, one number, or a result twice
     return lines + [f'copy(r{i}, {names.get(index, f"v{index}")})'
-                    for i, index in enumerate(results) if names.get(index) != f'r{i}'], kinds
+                    for i, index in enumerate(results)
+                    if names.get(index) != f'r{i}'], kinds, functions
 
 
 def _carriers(trace: Trace, indices: Sequence[int]) -> list[frozenset[int]]:

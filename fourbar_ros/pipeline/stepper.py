@@ -192,9 +192,6 @@ class Stepper:
             self.prepare([mode])
             branch = self._branches[mode]
         mechanism, with_loads = branch.mechanism, wanted.with_loads
-        if branch.with_elements and with_loads:            # springs act on the links too
-            loaded = branch.with_elements(position, rate)
-            mechanism, with_loads = loaded or mechanism, loaded is not None
         status, motion, loads = evaluate(mechanism, position, rate, acceleration,
                                          with_loads and not branch.loads_unknown)
         if branch.loads_unknown and status == OK:
@@ -254,11 +251,9 @@ class _Branch:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, self.mechanism, self.loads_unknown = scene, scene.bare_linkage, False
+        self._scene, self.mechanism, self.loads_unknown = scene, scene.linkage, False
         self.held: tuple[float, ...] | None = None
         self.limits: list[float] | None = None
-        # (position, rate) -> mechanism with the forces of springs and dampers there, if any
-        self.with_elements = scene.make_loaded(self.mechanism)
         self.carried = scene.carried
         if self.carried or 'inertia' in scene.outputs:
             from fourbar_ros.mechanisms import inertia  # imported where a scene needs it
@@ -281,7 +276,7 @@ class _Branch:
                                                         link=name), unknown))
             elif output == 'equation':
                 self._of_loads.append((output, partial(
-                    _equation, scene.bare_linkage.weightless, scene.drive.carried_inertia),
+                    _equation, scene.linkage.weightless, scene.drive.carried_inertia),
                     unknown))
             elif output == 'inertia':
                 self._of_loads.append((output, lambda mechanism, motion, _: inertia.held_rigid(
@@ -294,7 +289,6 @@ class _Branch:
         self.loads_unknown = mechanism is None and self._scene.needs_loads
         if mechanism is not None:
             self.mechanism = mechanism
-            self.with_elements = self._scene.make_loaded(mechanism)
 
     def outputs(self, mechanism: Mechanism, status: int, motion: NamedFields,
                 loads: NamedFields, wanted: Mapping[str, Topic]) -> list[float]:

@@ -8,7 +8,7 @@ from math import inf, isnan, radians
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity
+from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, UNKNOWN_BASE
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import JOINT_A, Link, SLIDE
@@ -134,14 +134,14 @@ def _check_links(values: ParameterValues, mechanism: Mechanism | type[Mechanism]
 
 
 def _gravity(values: ParameterValues) -> Gravity:
-    """Return gravity, or a base that is still unknown where its motion comes from a topic."""
+    """Return gravity, or an unknown base where its motion comes from a topic."""
     gravity = values['gravity.x'], values['gravity.y']
     if not values['base.topic']:
         return gravity
     if any(gravity):
         raise InvalidParameter('base.topic', values['base.topic'], 'has weight in it: gravity '
                                'must be zero, else weight counts twice')
-    return Base()
+    return UNKNOWN_BASE
 
 
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
@@ -249,8 +249,8 @@ def _long(scene: Scene) -> Iterator[str]:
 
 def _carried(scene: Scene) -> Iterator[str]:
     """Yield a line for a carried inertia with which the torque of the rest is unstable."""
-    carried, mechanism = scene.drive.carried_inertia, scene.bare_linkage
-    if carried == 0.0 or not scene.has_loads:
+    carried, mechanism = scene.drive.carried_inertia, scene.linkage
+    if carried == 0.0 or mechanism.bodies is None:
         return
     from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
     inertia = OverInput(mechanism, 'inertia')

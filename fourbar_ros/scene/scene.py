@@ -12,9 +12,9 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 import json
-from math import inf, isfinite, isnan, lcm, tau
+from math import inf, isfinite, isnan, tau
 from pathlib import Path
-from typing import cast, NoReturn, TYPE_CHECKING
+from typing import NoReturn, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
@@ -49,17 +49,13 @@ from fourbar_ros.scene.topics import (
     TRAJECTORIES,
     wrench_topic,
 )
-import numpy as np
 
 if TYPE_CHECKING:      # imported where a scene needs them
-    from fourbar_ros.dynamics.elements import Element, PositionForce
     from fourbar_ros.dynamics.node_step import Mover
     from fourbar_ros.mechanisms.inertia import Rigid
-    from fourbar_ros.mechanisms.parts import NamedFields
     from fourbar_ros.mechanisms.quantities import Function
     from fourbar_ros.scene.dynamics import Dynamics
     from fourbar_ros.transmission import Transmission
-    from numpy.typing import ArrayLike
 
 
 def no_pause() -> None:
@@ -71,16 +67,13 @@ class Scene:
     """
     A mechanism with its drive, outputs and recording, checked: all that a node or a bag needs.
 
-    ``kind`` is linkage.kind; ``points`` by their names; ``forces`` over a position; ``dynamics``
-    where the motion follows from torque; ``values``: every parameter by name. Springs, dampers and
-    forces over a position act besides the mechanism: in a scene that has them, ``linkage`` has no
-    masses, so no loads that would lack their forces; ask :meth:`loads`. ``bare_linkage`` has the
-    masses: an equation of motion, which adds these forces, is made of it.
+    ``kind`` is linkage.kind; ``linkage`` the mechanism with all that acts on it; ``points`` by
+    their names; ``dynamics`` where the motion follows from torque; ``values``: every parameter by
+    name.
     """
 
     kind: str
     linkage: Mechanism
-    bare_linkage: Mechanism
     points: dict[str, Point]
     wrenches: groups.WrenchSettings
     base: groups.BaseSettings
@@ -91,7 +84,6 @@ class Scene:
     joint_states: groups.JointStates
     node: groups.NodeSettings
     recording: groups.RecordingSettings
-    forces: tuple[PositionForce, ...]
     dynamics: Dynamics | None
     values: ParameterValues
 
@@ -123,8 +115,7 @@ class Scene:
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with the mechanism in another assembly mode, as beyond a toggle."""
-        return replace(self, linkage=self.linkage.in_mode(mode),
-                       bare_linkage=self.bare_linkage.in_mode(mode))
+        return replace(self, linkage=self.linkage.in_mode(mode))
 
     @property
     def as_text(self) -> str:
@@ -209,11 +200,6 @@ class Scene:
         is_geared = self.drive.source == 'joint_state' and abs(self.drive.joint_ratio) != 1.0
         return is_geared or tau < self.linkage.period < inf
 
-    @property
-    def elements(self) -> tuple[Element, ...]:
-        """Return all springs, dampers and forces over a position."""
-        return self.dynamics.elements if self.dynamics else self.forces
-
     @cached_property
     def carried(self) -> Rigid | None:
         """Return the inertia that a body of a simulator has for the mechanism; None: none."""
@@ -223,94 +209,17 @@ class Scene:
         from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # few scenes need them
         if not body.mean:
             return Rigid(body.mass, body.x, body.y, body.inertia)
-        mean = mean_rigid(self.bare_linkage)
+        mean = mean_rigid(self.linkage)
         if not all(map(isfinite, mean)):
             raise InvalidParameter('base.carried.mean', True, f'the mean is not finite: {mean}')
         return mean
-
-    def make_loaded(self, mechanism: Mechanism
-                    ) -> Callable[[float, float], Mechanism | None] | None:
-        """
-        Return a function (position, rate) -> mechanism with the forces of elements as external.
-
-        None if the scene has no springs, dampers and forces over a position. The function returns
-        None where these forces are not known.
-        """
-        if not self.elements:
-            return None
-        from fourbar_ros.dynamics.forces import make_loaded
-        return make_loaded(mechanism, self.elements)
-
-    @property
-    def has_loads(self) -> bool:
-        """Return whether the scene gives masses."""
-        return self.bare_linkage.bodies is not None
-
-    @property
-    def tells_loads(self) -> bool:
-        """Return whether :meth:`loads` answers: masses are given, and no topic moves the base."""
-        return self.has_loads and not self.base.topic
-
-    def loads(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
-              mode: int | None = None) -> NamedFields:
-        """
-        Return the loads of a prescribed motion, with all forces of the scene.
-
-        Arguments and errors as of ``linkage.loads``, and ``mode`` of :meth:`in_mode`. Where a
-        force is not known, as of a spring whose ends meet, InvalidParameter, in arrays NaN.
-        """
-        mechanism = self.in_mode(mode)
-        if self.base.topic and self.has_loads:
-            raise InvalidParameter('base.topic', self.base.topic, self.why_no_loads)
-        if not (self.elements and self.has_loads):
-            return mechanism.loads(position, rate, acceleration)
-        if any(map(np.ndim, (position, rate, acceleration))):
-            from fourbar_ros.dynamics.forces import loads_with
-            return loads_with(self.bare_linkage.in_mode(mechanism.mode), self.elements, position,
-                              rate, acceleration)
-        mechanism.motion(position, rate, acceleration)      # refuses an input out of range
-        loaded = self.linkage_at(cast(float, position), cast(float, rate), mode)
-        if loaded.bodies is None:
-            raise InvalidParameter(mechanism.input_coordinate.position, position,
-                                   'a force of a spring or a table is not finite there')
-        return loaded.loads(position, rate, acceleration)
-
-    @property
-    def turns(self) -> int:
-        """Return after how many turns of a crank the forces repeat: two of a four-stroke."""
-        return lcm(*[force.turns for force in self.forces])
-
-    @property
-    def why_no_loads(self) -> str:
-        """Return for a user why :attr:`linkage` has no loads; empty if it has."""
-        if not self.has_loads:
-            return 'the scene gives no masses: see bodies.* in docs/reference.md'
-        if self.base.topic:
-            return ('the motion of the base comes from a topic: no loads but those that the node '
-                    'publishes, or of bare_linkage.loads(..., base=Base(...)) in Python')
-        forces = ', '.join(f'forces.{name}' for name in names_in('forces', self.values))
-        elements = f'forces over a position ({forces})' if forces else 'springs or dampers'
-        return (f'{elements} act on the links, so no loads over the input '
-                'from the motion alone' if self.elements else '')
-
-    def linkage_at(self, position: float, rate: float, mode: int | None = None) -> Mechanism:
-        """
-        Return the mechanism with all forces that act on it at one input, as external forces.
-
-        ``mode`` as of :meth:`in_mode`. Where these forces are not known, the mechanism has no
-        masses, so no loads.
-        """
-        mechanism = self.in_mode(mode)
-        bare = self.bare_linkage.in_mode(mechanism.mode)
-        loaded = self.make_loaded(bare)
-        return mechanism if loaded is None else loaded(position, rate) or mechanism
 
     @property
     def mover(self) -> Mover:
         """Return the Mover that integrates the motion of a drive that works by torque."""
         from fourbar_ros.dynamics.node_step import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
-        return Mover(self.dynamics.system(self.bare_linkage), self.drive.tolerance,
+        return Mover(self.dynamics.system(self.linkage), self.drive.tolerance,
                      self.drive.budget, self.drive.source == TORQUE.name, self.acting)
 
     def mover_in(self, mode: int) -> Mover:
@@ -396,23 +305,19 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     joint_names = values['joint_names'] or [joint.name or joint.place for joint in joints]
     node = groups.NodeSettings(values['services'], values['trajectories'],
                                values['trajectory_fields'], values['pictures.rate'])
-    forces: tuple[PositionForce, ...] = ()
-    if 'forces' in families:
-        from fourbar_ros.scene.forces import forces_of  # few scenes have forces
-        forces = forces_of(values, mechanism)
+    if families & {'forces', 'springs', 'torsion_springs'}:
+        from fourbar_ros.scene.elements import elements_of  # few scenes have any
+        mechanism = mechanism.with_elements(*elements_of(values, mechanism))
     dynamics = None
-    if values['drive.source'] in SOURCES or families & {'springs', 'torsion_springs'}:
-        from fourbar_ros.scene.dynamics import of_values  # nor torque or springs
-        dynamics = of_values(values, mechanism, forces)
-    elements = dynamics.elements if dynamics else forces
-    lacks_forces = bool(elements or base.topic)     # the mechanism does not know all that acts
+    if values['drive.source'] in SOURCES:
+        from fourbar_ros.scene.dynamics import of_values  # nor torque
+        dynamics = of_values(values, mechanism)
     scene = Scene(
-        kind=kind, linkage=replace(mechanism, bodies=None) if lacks_forces else mechanism,
-        bare_linkage=mechanism, points=points, wrenches=wrenches, base=base,
+        kind=kind, linkage=mechanism, points=points, wrenches=wrenches, base=base,
         drive=groups.read(groups.DriveSettings, 'drive', values), outputs=outputs,
         frame_id=values['frame_id'], joint_states=joint_states,
         joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
-        recording=groups.read(groups.RecordingSettings, 'recording', values), forces=forces,
+        recording=groups.read(groups.RecordingSettings, 'recording', values),
         dynamics=dynamics, values=values)
     _check_together(scene)
     return scene
@@ -465,7 +370,7 @@ def _check_together(scene: Scene) -> None:
         value = scene.values[name]
         raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given
 
-    if scene.needs_loads and not scene.has_loads:
+    if scene.needs_loads and scene.linkage.bodies is None:
         loads = [name for name, topic in scene.topics.items() if topic.needs_loads]
         refuse('bodies.crank.mass', f'must be given (or bodies.rods): output {loads[0]} needs '
                                     'masses. Or leave it out of outputs')
@@ -498,18 +403,18 @@ def _check_together(scene: Scene) -> None:
         refuse('outputs', 'names an output twice')
     if 'points' in scene.outputs and not scene.points:
         refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
-    if scene.base.topic and not scene.has_loads:
+    if scene.base.topic and scene.linkage.bodies is None:
         refuse('base.topic', 'has no effect without masses')
     carried = [name for name, value in asdict(scene.base.carried).items() if value != 0]
-    if carried and not scene.has_loads:
+    if carried and scene.linkage.bodies is None:
         refuse(f'base.carried.{carried[0]}', 'has no effect without masses')
     if 'mean' in carried and len(carried) > 1:
         refuse('base.carried.mean', 'and numbers of base.carried exclude each other')
     if scene.base.rotation:
         from fourbar_ros.scene.base import rotation_of
         rotation_of(scene.base.rotation)
-    if scene.node.trajectories and (scene.elements or scene.base.topic):
-        refuse('trajectories', f'{scene.why_no_loads}: their effort would be wrong')
+    if scene.node.trajectories and scene.base.topic:
+        refuse('trajectories', f'{scene.linkage.why_no_loads}: their effort would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
     if scene.node.trajectories:

@@ -453,6 +453,8 @@ _SPRING = _table(
               'length of the spring NAME without force', low=0.0),
     Parameter('springs.NAME.damping', 'double', 0.0, 'N s/m',
               'damping along the line between the two ends of the spring NAME', low=0.0),
+    Parameter('springs.NAME.preload', 'double', 0.0, 'N',
+              'tension of the spring NAME at its free length: initial tension'),
 )
 _TORSION = _table(
     Parameter('torsion_springs.NAME.first', 'string', GROUND, '',

@@ -133,6 +133,6 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
                                f'{scene.drive.rate:g} Hz')
     times = np.arange(count + 1) / scene.drive.rate
     times[-1] = min(times[-1], until)
-    run = simulate(dynamics.system(scene.bare_linkage), until, tolerance, method, times.tolist(),
+    run = simulate(dynamics.system(scene.linkage), until, tolerance, method, times.tolist(),
                    **limits)
     return SimulatedScene(scene, run, torque)

@@ -130,7 +130,7 @@ def test_a_table_holds_what_step_returns(name):
     linkage, speed = scene.linkage, scene.drive.speed
     for row in rows[3:20:4]:
         at = row[0] if heads[0].endswith('[m]') else np.radians(row[0])
-        motion, loads = linkage.motion(at, speed), scene.loads(at, speed)
+        motion, loads = linkage.motion(at, speed), scene.linkage.loads(at, speed)
         for head, value in zip(heads[1:], row[1:]):
             field, _, unit = head.partition(' [')
             if '.' in field:

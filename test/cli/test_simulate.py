@@ -1,7 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar simulate``: what it says of a run, and what it refuses in one line."""
-from math import nan, pi
+import json
+from math import nan, pi, radians
 
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics.flywheel import flywheel_for
@@ -106,12 +107,15 @@ def test_a_torque_needs_the_topic_as_its_source():
     assert run.system.drive.source == ConstantTorque(0.0) and not run.rate.any()
 
 
-def test_show_gives_no_loads_where_springs_act(capsys):
-    assert main(['show', 'released', '--at', '20', '--speed', '1']) == 0
-    said = capsys.readouterr().out
-    assert 'springs or dampers act' in said and 'shaking_force' not in said
-    assert main(['show', 'motor', '--speed', '25']) == 0
-    assert 'shaking_force' in capsys.readouterr().out
+def test_show_gives_loads_with_springs(capsys):
+    """The drive of the pose is that of the equation of motion."""
+    assert main(['show', 'released', '--at', '20', '--speed', '1', '--json']) == 0
+    said, there = json.loads(capsys.readouterr().out), scene.load('released')
+    assert there.linkage.elements and said['why_no_loads'] == ''
+    equation = there.dynamics.system(there.linkage).equation
+    assert said['pose']['loads']['driving_torque'] == pytest.approx(
+        equation.torque(radians(20.0), 1.0, 0.0), rel=1e-11)
+    assert 'shaking_force' in {one['quantity'] for one in said['extrema']}
 
 
 def test_the_scene_of_sundials_ends_where_twenty_digits_say(capsys):

@@ -185,7 +185,7 @@ def test_labels_lie_beside_each_other(name, share):
         pytest.skip('has no arrows to label')
     low, high = max(scene.linkage.input_ranges, key=lambda ends: ends[1] - ends[0])
     at = low + share * (high - low)
-    linkage = scene.linkage_at(at, scene.drive.speed)
+    linkage = scene.linkage
     motion, loads = linkage.step(at, scene.drive.speed)
     points = {point: tuple(its) for point, its in scene.points.items()}
     figure = make_figure(linkage, motion, loads, name, points)

@@ -190,7 +190,7 @@ def test_a_start_in_a_flat_position_next_to_which_another_coordinate_goes_on(mod
 def test_period_equilibria_and_flywheel_are_of_the_turns_after_which_all_repeats(name):
     linkage = TURNING[name]
     equation, turns = Equation(linkage), round(linkage.period / (2.0 * pi))
-    assert equation.turns == turns == (1 if name == 'parallelogram' else 2)
+    assert linkage.turns == turns == (1 if name == 'parallelogram' else 2)
     system = System(linkage, 0.3, 15.0)
     period = free_period(system)
     run = simulate(system, period, 1e-10)
@@ -215,13 +215,14 @@ def test_period_equilibria_and_flywheel_are_of_the_turns_after_which_all_repeats
 def test_a_flat_position_is_an_equilibrium_like_any_other(lengths):
     """All links hang in line: K by differences of the force; of the parallelogram by hand."""
     rods = Bodies(*[Body(1.0, cg_along=0.5 * length, inertia=0.02) for length in lengths[:3]])
-    equation = Equation(FourBar(*lengths, bodies=rods, gravity=(9.81, 0.0)))
+    linkage = FourBar(*lengths, bodies=rods, gravity=(9.81, 0.0))
+    equation = Equation(linkage)
     stable = [one for one in equilibria(equation) if one.is_stable]
     assert [one.position for one in stable] == pytest.approx(
-        [0.0] if equation.turns == 1 else [0.0, 2.0 * pi], abs=1e-12)
+        [0.0] if linkage.turns == 1 else [0.0, 2.0 * pi], abs=1e-12)
     for one in stable:
         before, after = equation.terms(one.position + np.array([-1e-5, 1e-5])).force
         assert one.stiffness == pytest.approx((before - after) / 2e-5, rel=1e-8)
-    if equation.turns == 1:       # two rods of 0.5 m swing on their ends, the third is carried
+    if linkage.turns == 1:       # two rods of 0.5 m swing on their ends, the third is carried
         inertia = 2.0 * (0.02 + 0.25**2) + 0.5**2
         assert stable[0].frequency == pytest.approx((9.81 / inertia)**0.5 / (2.0 * pi), rel=1e-13)

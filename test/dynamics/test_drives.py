@@ -4,7 +4,6 @@
 from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
-from fourbar_ros.dynamics.elements import GROUND, TorsionSpring
 from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -16,6 +15,7 @@ from fourbar_ros.dynamics.sources import (
     TorqueTable,
 )
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.elements import GROUND, TorsionSpring
 import numpy as np
 import pytest
 from support.dynamics_problems import wheel
@@ -88,8 +88,10 @@ def test_every_method_gives_the_same(method):
     bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1),
                     Body(2.0, cg_along=0.6, cg_across=0.1, inertia=0.2),
                     Body(1.5, cg_along=0.4, inertia=0.1))
-    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81))
-    system = System(linkage, 0.2, 9.0, [TorsionSpring('coupler', 'output', 4.0, free_angle=0.3)])
+    spring = TorsionSpring('coupler', 'output', 4.0, free_angle=0.3)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, gravity=(0.0, -9.81),
+                      elements=(spring,))
+    system = System(linkage, 0.2, 9.0)
     run = simulate(system, 1.0, 1e-6, method)
     assert run.status == REACHED and run.drift <= 1e-6
     exact = simulate(system, 1.0, 1e-11, times=[1.0])
@@ -119,8 +121,8 @@ def test_a_driven_slide_stops_at_the_end_of_its_stroke():
 
 
 def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():
-    system = System(wheel(), 0.5, 0.0, [TorsionSpring(GROUND, 'crank', 8.0, damping=2.0)])
-    run = simulate(system, 20.0, 1e-9)
+    spring = TorsionSpring(GROUND, 'crank', 8.0, damping=2.0)
+    run = simulate(System(wheel(elements=(spring,)), 0.5), 20.0, 1e-9)
     assert run.status == REACHED
     root = (4.0 - 0.25)**0.5      # 2 q.. + 2 q. + 8 q = 0
     assert run.position[-1] == pytest.approx(

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loads with springs against the equation of motion, which knows them as energies."""
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.forces import make_loaded
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, External
+from fourbar_ros.mechanisms.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import ScotchYoke
 from fourbar_ros.numerics.number_types import REAL
@@ -49,9 +49,10 @@ TORSION = [TorsionSpring('coupler', 'output', 60.0, free_angle=0.3, damping=2.0)
       ids=['one', 'linear', 'torsion', 'on the crank', 'all'])
 @pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
 def test_the_drive_of_the_loads_is_that_of_the_equation(linkage, elements):
-    equation, loaded = Equation(linkage, elements), make_loaded(linkage, elements)
+    loaded = linkage.with_elements(*elements)
+    equation = Equation(loaded)
     for motion in samples(linkage, 5, 40):
-        loads = loaded(*motion[:2]).step(*motion)[1]
+        loads = loaded.loads(*motion)
         drive = loads.driving_force if linkage.is_driven_by_slide else loads.driving_torque
         wanted = equation.torque(*motion)
         without = Equation(linkage).torque(*motion)
@@ -98,9 +99,10 @@ def tension(linkage, motion, spring):
 @pytest.mark.parametrize('linkage', MORE, ids=lambda linkage: linkage.description)
 def test_the_crank_is_in_balance_with_the_springs_on_it(linkage):
     """Newton and Euler of the crank as a free body, with its springs and both its pins."""
-    loaded, body = make_loaded(linkage, ON_CRANK), linkage.bodies.crank
+    linkage = linkage.with_elements(*ON_CRANK)
+    body = linkage.bodies.crank
     for sample in samples(linkage, 8):
-        loads, motion = loaded(*sample[:2]).step(*sample)[1], linkage.motion(*sample)
+        motion, loads = linkage.step(*sample)
         centre = point_motion(linkage, motion, 'crank', body.cg_along, body.cg_across)
         crank, pin = (point_motion(linkage, motion, 'crank', along, 0.0)
                       for along in (0.0, linkage.a1))
@@ -146,14 +148,17 @@ def test_a_scene_publishes_loads_with_its_springs():
     there = scene.from_values(values)
     status, found = Stepper(there).step(0.4, 2.0, 1.0, Wanted(with_loads=True))
     torque = found[there.layout.index_of['driving_torque']]
-    equation = there.dynamics.system(there.bare_linkage).equation
+    equation = there.dynamics.system(there.linkage).equation
     assert status == OK and torque == pytest.approx(equation.torque(0.4, 2.0, 1.0), rel=1e-11)
     assert Stepper(there).step(float('nan'), 2.0, 1.0, Wanted(with_loads=True))[0] != OK
 
 
 def test_forces_that_overflow_together_are_none():
-    """Each is finite, their couple is not."""
-    pushes = [PositionForce(Attachment('output', 0.5), lambda _: 1.5e308, direction=None)] * 2
+    """Each is finite, their couple is not: refused, in arrays not finite."""
+    push = PositionForce(Attachment('output', 0.5), lambda _: 1e306, direction=None)
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
-    assert make_loaded(linkage, pushes[:1])(0.7, 0.0) is not None
-    assert make_loaded(linkage, pushes)(0.7, 0.0) is None
+    one, many = linkage.with_elements(push), linkage.with_elements(*[push] * 200)
+    assert np.isfinite(one.loads(0.7).driving_torque)
+    with pytest.raises(InvalidParameter, match='loads overflow'):
+        many.loads(0.7)
+    assert not np.isfinite(many.loads([0.7]).driving_torque).any()

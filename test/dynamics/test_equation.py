@@ -4,9 +4,9 @@
 from dataclasses import replace
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter, MissingBodies
-from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.mechanics.bodies import External, NOT_APPLIED
+from fourbar_ros.mechanisms.elements import Attachment, GROUND, Spring, TorsionSpring
 import mpmath as mp
 import numpy as np
 import pytest
@@ -54,7 +54,7 @@ def test_terms_are_derivatives_of_energies(case, count=more(1, 10)):
     rng = np.random.default_rng(210)
     for mechanism, (position, *_) in contract.ordinary(case, 210, count):
         elements = random_elements(rng, mechanism)
-        terms = Equation(mechanism, elements, 0.3).terms(position)
+        terms = Equation(mechanism.with_elements(*elements), 0.3).terms(position)
         with mp.workdps(40):
             q = mp.mpf(position)
             step = {'h': mp.mpf(10)**-12}
@@ -74,7 +74,7 @@ def stretch_rate(mechanism, element, q, **step):
 def test_arrays_give_what_single_values_give(case):
     rng = np.random.default_rng(220)
     for mechanism, (position, *_) in contract.ordinary(case, 221, 2):
-        equation = Equation(mechanism, random_elements(rng, mechanism), 0.1)
+        equation = Equation(mechanism.with_elements(*random_elements(rng, mechanism)), 0.1)
         positions = position + np.linspace(-1e-3, 1e-3, 50).reshape(5, 10) * mechanism.input_unit
         many = equation.terms(positions)
         for place in np.ndindex(positions.shape):
@@ -92,7 +92,7 @@ def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
     bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1), Body(0.0), Body(0.0))
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
     spring = Spring(Attachment(GROUND, 0.4), Attachment('crank', 0.4), 5.0)
-    assert abs(Equation(linkage, [spring]).terms(0.0).force) <= 1e-70
+    assert abs(Equation(linkage.with_elements(spring)).terms(0.0).force) <= 1e-70
 
 
 @pytest.mark.parametrize('make, name', [
@@ -117,7 +117,7 @@ def test_an_unknown_link_and_missing_masses_are_errors():
         Equation(linkage)
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(*[Body(1.0)] * 3))
     with pytest.raises(InvalidParameter, match='crank, coupler, output, ground'):
-        Equation(linkage, [TorsionSpring('crank', 'rod', 1.0)])
+        linkage.with_elements(TorsionSpring('crank', 'rod', 1.0))
 
 
 def test_couples_are_the_part_of_the_force_without_a_potential():

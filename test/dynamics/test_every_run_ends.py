@@ -4,7 +4,6 @@
 from concurrent.futures import ThreadPoolExecutor
 from math import pi
 
-from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
 from fourbar_ros.dynamics.simulation import LIMIT, NOT_CONVERGED, REACHED, simulate, STOPPED
@@ -18,6 +17,7 @@ from fourbar_ros.dynamics.sources import (
 )
 from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.elements import Attachment, GROUND, Spring, TorsionSpring
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def test_a_controller_at_its_limit_takes_its_integral_back():
 def test_the_node_follows_the_limit_within_its_steps():
     """As shipped it used up its budget 32 times in 8 s, and was 2e-3 rad away."""
     scene = load('controlled')
-    system, until = scene.dynamics.system(scene.bare_linkage), 2.0
+    system, until = scene.dynamics.system(scene.linkage), 2.0
     run = simulate(system, until, 1e-9, times=1e-3 * np.arange(1, 2001))
     went = steps(Mover(system, scene.drive.tolerance, scene.drive.budget), 2000)
     assert {done.status for done in went} == {OK}
@@ -147,7 +147,7 @@ def test_random_drives_and_springs_end(seed):
                Spring(Attachment(GROUND, 0.3, 0.5), Attachment('coupler', 0.2), size(),
                       free_length=0.1)]
     drive = Drive(source, size(-3.0, 2.0), 0.0, shaft)
-    system = System(HEAVY, 0.4, 1.0, springs[:seed % 3], drive)
+    system = System(HEAVY.with_elements(*springs[:seed % 3]), 0.4, 1.0, drive)
     run = simulate(system, 1.0, 1e-6, evaluations=40_000)
     assert run.status in STATUSES and run.evaluations <= 50_000
     assert all(np.isfinite(part).all() for part in run.states) and run.time[-1] <= 1.0

@@ -19,13 +19,13 @@ pytest.importorskip('scipy')
 
 def squeezer():
     machine, spring, torque = andrews()
-    return System(machine, ANDREWS_BETA, 0.0, [spring], Drive(ConstantTorque(torque)))
+    return System(machine.with_elements(spring), ANDREWS_BETA, 0.0, Drive(ConstantTorque(torque)))
 
 
 def test_it_starts_as_published():
     """IVP Test Set: beta''(0) = 14222.4439199541, in its printed digits."""
     machine, spring, torque = andrews()
-    found = Equation(machine, [spring]).acceleration(ANDREWS_BETA, 0.0, torque)
+    found = Equation(machine.with_elements(spring)).acceleration(ANDREWS_BETA, 0.0, torque)
     assert abs(found - 14222.4439199541) <= 1e-10
 
 

@@ -5,18 +5,8 @@ from math import pi, sin
 import pickle
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import (
-    Attachment,
-    LinkAngle,
-    PositionForce,
-    Spring,
-    TorsionSpring,
-    Way,
-)
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.force_table import ForceTable
-from fourbar_ros.dynamics.forces import loads_with, make_loaded
 from fourbar_ros.dynamics.node_step import Mover, OK
 from fourbar_ros.dynamics.simulation import REACHED, simulate, STOPPED
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine
@@ -24,6 +14,15 @@ from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body
+from fourbar_ros.mechanisms.elements import (
+    Attachment,
+    LinkAngle,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+    Way,
+)
+from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.scene import load
 import numpy as np
@@ -103,7 +102,7 @@ def acting(linkage, force, q):
 def test_the_generalised_force_is_virtual_work(linkage):
     """Q = F . dP/dq, the derivative of the place by differences of order 4."""
     for force in forces_on(linkage):
-        equation, without = Equation(linkage, [force]), Equation(linkage)
+        equation, without = Equation(linkage.with_elements(force)), Equation(linkage)
         for q, _, _ in samples(linkage, 3, 12):
             value, unit = acting(linkage, force, q)
             h = 2e-4
@@ -128,25 +127,24 @@ def test_the_drive_of_the_loads_is_that_of_the_equation_also_in_arrays(linkage):
                        900.0, free_length=0.4, damping=15.0),
                 TorsionSpring(linkage.LINKS[0].name, linkage.LINKS[1].name, 20.0, free_angle=0.1,
                               damping=0.5)]
-    loaded, equation = make_loaded(linkage, elements), Equation(linkage, elements)
+    linkage = linkage.with_elements(*elements)
+    equation = Equation(linkage)
     motions = list(samples(linkage, 11, 30))
-    found = loads_with(linkage, elements, *np.array(motions).T.reshape(3, 5, 6))
+    found = linkage.loads(*np.array(motions).T.reshape(3, 5, 6))
     for i, sample in enumerate(motions):
-        alone = loaded(*sample[:2]).step(*sample)[1]
+        alone = linkage.loads(*sample)
         size = max(map(abs, alone))
         for one, many in zip(alone, found):
             assert abs(one - many.ravel()[i]) <= 1e-11 * size
         drive = alone.driving_force if linkage.is_driven_by_slide else alone.driving_torque
         condition = 1.0 + linkage.motion(*sample).condition / linkage.input_unit
         assert abs(drive - equation.torque(*sample)) <= 1e-11 * condition * size
-    single = loads_with(linkage, elements, *motions[0])
-    assert isinstance(single[0], float) and single[0] == pytest.approx(found[0][0, 0], rel=1e-9)
+    assert isinstance(linkage.loads(*motions[0])[0], float)
 
 
 @pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
 def test_stiffness_is_the_slope_of_the_force(linkage):
-    forces = forces_on(linkage)
-    equation = Equation(linkage, forces)
+    equation = Equation(linkage.with_elements(*forces_on(linkage)))
     for q, _, _ in samples(linkage, 5, 12):
         h = 1e-5
         slope = (equation.terms(q + h).force - equation.terms(q - h).force) / (2.0 * h)
@@ -159,11 +157,12 @@ def test_a_linear_table_is_a_spring_also_through_toggles():
     k, x0 = 300.0, 0.75
     spring = Spring(Attachment('ground', x0, 0.0), Attachment('output'), k)
     table = ForceTable([-4.0, 4.0], [k * (x0 + 4.0), k * (x0 - 4.0)], is_linear=True)
-    runs = [simulate(System(linkage, 0.7, 6.0, [element]), 0.5, 1e-8, times=[0.2, 0.5])
+    runs = [simulate(System(linkage.with_elements(element), 0.7, 6.0), 0.5, 1e-8,
+                     times=[0.2, 0.5])
             for element in (spring, PositionForce(Attachment('output'), table),
                             PositionForce(Attachment('output'), table, Way(Attachment('output'))),
                             PositionForce(Attachment('output'), lambda x: k * (x0 - x)))]
-    assert len(set(simulate(System(linkage, 0.7, 6.0, [spring]), 0.5).modes)) == 2
+    assert len(set(simulate(System(linkage.with_elements(spring), 0.7, 6.0), 0.5).modes)) == 2
     for run in runs:
         assert run.status == REACHED
         assert np.max(np.abs(run.position - runs[0].position)) <= 4e-8 * linkage.input_unit
@@ -184,8 +183,8 @@ def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
     linkage = FourBar(0.9, 1.0, 0.8, 1.2, bodies=BODIES, gravity=(0.0, -9.81))
     middle = 0.5 * sum(linkage.input_ranges[0])
     table = ForceTable([middle - pi, middle + pi], [25.0 * pi, -25.0 * pi], is_linear=True)
-    runs = [simulate(System(linkage, middle + turns * TURN, 2.0, [element]), 1.5, 1e-8,
-                     times=[0.8, 1.5])
+    runs = [simulate(System(linkage.with_elements(element), middle + turns * TURN, 2.0), 1.5,
+                     1e-8, times=[0.8, 1.5])
             for turns in (0, 3)
             for element in (TorsionSpring('ground', 'crank', 25.0, free_angle=middle),
                             PositionForce(Attachment('crank'), table, 'input', None),
@@ -199,16 +198,15 @@ def test_a_linear_couple_over_an_angle_is_a_torsion_spring_through_toggles():
 # --- a four-stroke engine ---------------------------------------------------------------------
 
 def engine(drive=None, speed=150.0):
-    scene = load('engine')
-    gas, = scene.forces
-    return System(scene.bare_linkage, 0.0, speed, [gas],
+    return System(load('engine').linkage, 0.0, speed,
                   drive or Drive(ConstantTorque(), flywheel=0.5))
 
 
 def work_of_gas(system, start, end):
     """Return the integral of force over the piston's way, piece by piece of the table."""
     gas, linkage = system.equation.forces[0], system.mechanism
-    breaks = [place + k * gas.value.span for k in range(8) for place in gas.value.places[:-1]]
+    table = gas.value.table
+    breaks = [place + k * table.span for k in range(8) for place in table.places[:-1]]
     ends = [start, *(place for place in breaks if start < place < end), end]
 
     def power(q):
@@ -228,8 +226,8 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
         assert kinetic[i] - kinetic[0] == pytest.approx(work, abs=2e-8 * kinetic[i])
         assert run.states.work[i] == pytest.approx(work, abs=2e-8 * kinetic[i])
     volume = 0.005808804816 * np.array([system.mechanism.motion(q).slide for q in
-                                        system.equation.forces[0].value.places])
-    pressure = np.array(system.equation.forces[0].value.values)
+                                        system.equation.forces[0].value.table.places])
+    pressure = np.array(system.equation.forces[0].value.table.values)
     by_trapezia = -np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(volume))
     assert work_of_gas(system, 0.0, 4.0 * pi) == pytest.approx(by_trapezia, rel=5e-3)
     assert by_trapezia == pytest.approx(426.0, rel=1e-2)
@@ -239,13 +237,13 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
 def test_the_shipped_engine_reaches_five_seconds():
     """16 000 legs, one for each place of its table, within the evaluations allowed."""
     scene = load('engine')
-    run = simulate(scene.dynamics.system(scene.bare_linkage), 5.0, 1e-8)
+    run = simulate(scene.dynamics.system(scene.linkage), 5.0, 1e-8)
     assert run.status == REACHED and run.error <= 1e-8 and run.drift <= 1e-8
 
 
 def test_the_steps_of_a_node_follow_the_engine():
     """Each of 70 steps of 2 ms, over two turns, is within its tolerance of 1e-6 rad."""
-    system = load('engine').dynamics.system(load('engine').bare_linkage)
+    system = load('engine').dynamics.system(load('engine').linkage)
     mover = Mover(system, 1e-6, 400, False)
     values = mover.start()
     for _ in range(70):
@@ -260,8 +258,7 @@ def test_a_crank_that_counts_turns_tells_the_strokes_apart():
     firing, idle = (system.equation.terms(q).force for q in (TURN + 0.4, 0.4))
     assert firing > 100.0 > 2.0 > abs(idle)
     assert system.equation.terms(TURN + 0.4 + 8.0 * pi).force == pytest.approx(firing, rel=1e-12)
-    loaded = make_loaded(system.mechanism, system.equation.forces)
-    torque = loaded(TURN + 0.4, 0.0).loads(TURN + 0.4).driving_torque
+    torque = system.mechanism.loads(TURN + 0.4).driving_torque
     assert torque == pytest.approx(-firing, rel=1e-12)
 
 
@@ -274,7 +271,7 @@ def test_a_press_works_against_its_cut_and_stalls_at_a_heavier_one():
         element = PositionForce(Attachment('output'), cut, Way(Attachment('output')),
                                 factor=-force)
         drive = Drive(MotorLine(300.0, 12.0), flywheel=1.0)
-        return simulate(System(linkage, pi, 1.0, [element], drive), 2.0, 1e-7)
+        return simulate(System(linkage.with_elements(element), pi, 1.0, drive), 2.0, 1e-7)
     light, heavy = pressed(200.0), pressed(3e4)
     assert light.status == heavy.status == REACHED
     assert light.position[-1] > 2.0 * TURN and heavy.position[-1] < TURN
@@ -289,7 +286,7 @@ def test_two_turns_count_in_statics_and_for_a_flywheel():
     dense = np.linspace(-pi, 3.0 * pi, 400_001) + 5e-6      # one end of the cycle is in it
     sides = equation.terms(dense).force > 0.0
     changes = dense[:-1][sides[1:] != sides[:-1]]
-    assert equation.turns == 2 and places.size == changes.size > 2
+    assert equation.mechanism.turns == 2 and places.size == changes.size > 2
     assert np.max(np.abs(places - changes)) < 4.0 * pi / 400_000 + 1e-12
     wheel = flywheel_for(equation, 100.0, 0.02)
     assert wheel.position[-1] > 3.9 * pi and wheel.inertia > 0.0
@@ -371,14 +368,14 @@ TWO_TURNS = ForceTable([0.0, 2.0 * TURN], [1.0, 1.0], True)
      'must be a finite number')])
 def test_a_force_that_does_not_fit_is_refused_in_one_line(linkage, make, why):
     with pytest.raises(InvalidParameter, match=why) as refused:
-        Equation(linkage, [make()]).terms(0.5)
+        Equation(linkage.with_elements(make())).terms(0.5)
     assert '\n' not in str(refused.value)
 
 
 def test_a_force_of_a_user_that_fails_ends_the_run_with_a_status():
     linkage = CRANKS[0]
     broken = PositionForce(Attachment('output', 0.2), lambda q: 1.0 if q < 1.0 else float('inf'))
-    run = simulate(System(linkage, 0.0, 5.0, [broken]), 1.0, 1e-6)
+    run = simulate(System(linkage.with_elements(broken), 0.0, 5.0), 1.0, 1e-6)
     assert run.status == STOPPED and run.position[-1] == pytest.approx(1.0, abs=1e-6)
 
 
@@ -402,8 +399,8 @@ def with_narrow_force(over, width, rate):
         table = ForceTable([3.0 - width, 3.0, 3.0 + width], [0.0, 100.0 / width, 0.0],
                            is_linear=True)
         force = PositionForce(Attachment('crank'), table, LinkAngle('crank'), direction=None)
-    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
-    return System(linkage, 0.0, rate, [force], Drive(ConstantTorque(0.0), flywheel=FLYWHEEL))
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, elements=(force,))
+    return System(linkage, 0.0, rate, Drive(ConstantTorque(0.0), flywheel=FLYWHEEL))
 
 
 def passes_of(over, system, end):
@@ -449,9 +446,7 @@ def test_steps_of_the_node_do_the_work_of_a_narrow_table(over, width, sign):
 @pytest.mark.parametrize('over', ['input', 'angle'])
 def test_equilibria_inside_a_narrow_table_are_found(over, width):
     """A triangle against half its height: one on each flank."""
-    equation = with_narrow_force(over, width, 0.0).equation
-    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES)
-    found = [one.position for one in equilibria(Equation(linkage, equation.elements),
-                                                -50.0 / width)]
+    linkage = with_narrow_force(over, width, 0.0).mechanism
+    found = [one.position for one in equilibria(Equation(linkage), -50.0 / width)]
     middle = 2.0 if over == 'input' else 3.0
     assert found == pytest.approx([middle - 0.5 * width, middle + 0.5 * width], abs=1e-12)

@@ -7,8 +7,6 @@ import subprocess
 import sys
 
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, Way
-from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -21,6 +19,8 @@ from fourbar_ros.dynamics.sources import (
 from fourbar_ros.dynamics.statics import free_period
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.mechanisms.elements import Attachment, PositionForce, Spring, Way
+from fourbar_ros.mechanisms.force_table import ForceTable
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -33,12 +33,12 @@ CUT = PositionForce(Attachment('output', 0.3), ForceTable([0.0, 0.4, 0.8], [0.0,
 SPRING = Spring(Attachment('ground', 1.4, 0.3), Attachment('output', 0.3, 0.1), 900.0,
                 free_length=0.4, damping=15.0)
 MIDDLE = 0.5 * sum(ROCKER.input_ranges[0])
-SYSTEMS = {'motor': System(LINKAGE, 0.0, 0.0, (), Drive(MotorLine(400.0, 26.0), rotor=0.5)),
-           'forces': System(LINKAGE, 0.3, 12.0, (CUT, SPRING)),
+SYSTEMS = {'motor': System(LINKAGE, 0.0, 0.0, Drive(MotorLine(400.0, 26.0), rotor=0.5)),
+           'forces': System(LINKAGE.with_elements(CUT, SPRING), 0.3, 12.0),
            'free': System(LINKAGE, 0.0, 9.0),
-           'constant': System(LINKAGE, 0.0, 0.0, (), Drive(ConstantTorque(60.0))),
-           'table': System(LINKAGE, 0.0, 1.0, (), Drive(TorqueTable([0.0, 0.1, 0.2],
-                                                                    [50.0, -20.0, 90.0]))),
+           'constant': System(LINKAGE, 0.0, 0.0, Drive(ConstantTorque(60.0))),
+           'table': System(LINKAGE, 0.0, 1.0, Drive(TorqueTable([0.0, 0.1, 0.2],
+                                                                [50.0, -20.0, 90.0]))),
            'toggles': System(ROCKER, MIDDLE, 2.0)}
 
 

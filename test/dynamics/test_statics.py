@@ -5,15 +5,15 @@ from dataclasses import replace
 from math import pi, sqrt
 
 from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
-from fourbar_ros.dynamics.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.dynamics.simulation import REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.statics import equilibria, free_period
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.mechanisms.elements import Attachment, PositionForce, Spring, TorsionSpring
+from fourbar_ros.mechanisms.force_table import ForceTable
 import mpmath as mp
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def test_the_stiffness_is_the_second_derivative_of_the_energy(case):
         with mp.workdps(40):
             exact = mp.diff(lambda x: exact_potential(mechanism, elements, x), mp.mpf(position), 2,
                             h=mp.mpf(10)**-10)
-        equation = Equation(mechanism, elements)
+        equation = Equation(mechanism.with_elements(*elements))
         assert abs(equation.stiffness(position) - exact) <= 1e-12 * (1 + abs(exact))
         many = equation.stiffness(position + 1e-4 * np.linspace(-1.0, 1.0, 41))
         assert many.shape == (41,) and many[20] == pytest.approx(float(exact), rel=1e-10)
@@ -50,7 +50,7 @@ def test_the_rounding_error_of_the_force_is_bounded_by_a_few_of_it(case):
     rng, shares = np.random.default_rng(302), []
     for mechanism, (position, *_) in contract.ordinary(case, 303, more(3, 10)):
         elements = random_elements(rng, mechanism)
-        equation = Equation(mechanism, elements)
+        equation = Equation(mechanism.with_elements(*elements))
         with mp.workdps(40):
             exact = -mp.diff(lambda x: exact_potential(mechanism, elements, x), mp.mpf(position),
                              h=mp.mpf(10)**-15)
@@ -89,7 +89,7 @@ def lamp(*lengths, stiffness):
     """Return an arm held by a spring without free length: everywhere if k = m g R/(a b)."""
     arm = Bodies(Body(2.0, cg_along=0.5, inertia=0.01), Body(0.0), Body(0.0))
     spring = Spring(Attachment('ground', 0.0, 0.1), Attachment('crank', 0.2), stiffness)
-    return Equation(FourBar(*lengths, bodies=arm, gravity=(0.0, -9.81)), [spring])
+    return Equation(FourBar(*lengths, bodies=arm, gravity=(0.0, -9.81), elements=(spring,)))
 
 
 def balanced(rng):
@@ -116,7 +116,7 @@ def test_what_is_balanced_is_in_equilibrium_everywhere(equation):
     assert [(one.position, one.end) for one in found] == sorted(equation.mechanism.input_ranges)
     assert not any(one.is_stable or one.stiffness for one in found)
     start = min(found[0].position + 0.7, 0.5 * (found[0].position + found[0].end))
-    system = System(equation.mechanism, start, elements=equation.elements)
+    system = System(equation.mechanism, start)
     with pytest.raises(InvalidParameter, match='equilibrium'):
         free_period(system)
 
@@ -138,7 +138,8 @@ def test_a_piece_without_force_is_one_equilibrium(places, values, start, end):
     crank = FourBar(0.4, 1.2, 0.8, 1.0,
                     bodies=Bodies(Body(0.0, inertia=1.0), Body(0.0), Body(0.0)))
     push = PositionForce(Attachment('crank'), ForceTable(places, values), direction=None)
-    pieces = [one for one in equilibria(Equation(crank, [push])) if one.end != one.position]
+    found = equilibria(Equation(crank.with_elements(push)))
+    pieces = [one for one in found if one.end != one.position]
     assert len(pieces) == 1
     assert pieces[0].position == pytest.approx(start, abs=sqrt(100.0 * EPS))
     assert pieces[0].end == pytest.approx(end, abs=sqrt(100.0 * EPS))
@@ -148,7 +149,7 @@ def test_a_piece_without_force_is_one_equilibrium(places, values, start, end):
 def test_no_equilibrium_of_a_scan_is_missing_and_none_is_added(case):
     for mechanism, _ in contract.ordinary(case, 330, more(2, 8)):
         springs = random_elements(np.random.default_rng(331), mechanism)[:2]    # without jumps
-        equation = Equation(mechanism, springs)
+        equation = Equation(mechanism.with_elements(*springs))
         found = np.array([one.position for one in equilibria(equation)])
         scanned = 0
         for low, high in mechanism.input_ranges:
@@ -260,8 +261,9 @@ def test_equilibria_at_the_seam_of_a_turn_are_found_once(turned):
 def test_the_wrap_of_a_torsion_spring_is_no_equilibrium(free):
     """The deflection jumps from pi to -pi opposite to the free angle; it rests at that alone."""
     bodies = Bodies(Body(0.0, inertia=0.3), Body(0.0), Body(0.0))
-    crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies)
-    found = equilibria(Equation(crank, [TorsionSpring('ground', 'crank', 7.0, free_angle=free)]))
+    spring = TorsionSpring('ground', 'crank', 7.0, free_angle=free)
+    crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, elements=(spring,))
+    found = equilibria(Equation(crank))
     assert len(found) == 1 and found[0].is_stable
     assert abs(np.sin(0.5 * (found[0].position - free))) <= 4.0 * EPS
     assert found[0].frequency == pytest.approx(sqrt(7.0 / 0.3) / (2.0 * pi), rel=1e-12)

@@ -4,10 +4,10 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External
-from fourbar_ros.dynamics.elements import TorsionSpring
 from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.elements import TorsionSpring
 from fourbar_ros.mechanisms.sliders import ScotchYoke
 import mpmath as mp
 import numpy as np
@@ -81,9 +81,9 @@ def test_drive_flywheel_springs_and_work_go_through_toggles(shaft):
     drive = Drive(MotorLine(30.0, 40.0) if shaft else ConstantTorque(25.0), rotor=0.02,
                   flywheel=0.05, shaft=shaft)
     times = np.linspace(0.0, 1.5, 20001)
-    run = simulate(System(mechanism, position, 2.0,
-                          [TorsionSpring('crank', 'coupler', 3.0, free_angle=0.2)],
-                          drive), 1.5, 1e-9, times=times)
+    spring = TorsionSpring('crank', 'coupler', 3.0, free_angle=0.2)
+    run = simulate(System(mechanism.with_elements(spring), position, 2.0, drive), 1.5, 1e-9,
+                   times=times)
     assert run.status == REACHED and run.drift <= 1e-9
     low, high = mechanism.input_ranges[-1]
     assert run.position.min() >= low - 1e-9 and run.position.max() <= high + 1e-9

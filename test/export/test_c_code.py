@@ -47,7 +47,7 @@ def compared(scene, folder, name, count, commands, seed=1, is_strict=True):
     code = Code(scene, folder, name)
     mechanism = code.model.mechanism
     inputs = random_inputs(mechanism, seed, count)
-    expected = of_python(mechanism, scene.points, inputs, scene.make_loaded(mechanism))
+    expected = of_python(mechanism, scene.points, inputs)
     for command in commands:
         said = differences(code.compiled(*command)(inputs), expected, len(code.model.motion),
                            is_strict, not (mechanism.LEAVES_OUT_ZEROS and mechanism.flat_inputs))
@@ -60,7 +60,7 @@ def test_a_base_is_four_numbers_that_can_be_changed(name, tmp_path):
     values = load_scene(name).values
     scene = from_values({**values, 'gravity.x': 0.0, 'gravity.y': 0.0,
                          'base.topic': 'motion_of_base'})
-    on_base = replace(scene, bare_linkage=scene.bare_linkage.with_base(Base(1.0, 9.0, 2.0, -3.0)))
+    on_base = replace(scene, linkage=scene.linkage.with_base(Base(1.0, 9.0, 2.0, -3.0)))
     code = compared(on_base, tmp_path, name, 20, [C])
     assert [one.name for one in code.model.tunable if one.name.startswith('base.')] == [
         'base.force_x', 'base.force_y', 'base.rate', 'base.acceleration']
@@ -68,7 +68,7 @@ def test_a_base_is_four_numbers_that_can_be_changed(name, tmp_path):
 
 def with_linkage(machine):
     """Return a scene with a machine in it."""
-    return replace(load_scene('paper'), linkage=machine, bare_linkage=machine, points={})
+    return replace(load_scene('paper'), linkage=machine, points={})
 
 
 @pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket', 'released', 'sundials'])
@@ -250,7 +250,7 @@ def test_every_length_of_every_scene_can_be_changed():
     for path in SCENES:
         scene = load_scene(path)
         if not scene.dynamics:
-            names = set(scene.bare_linkage.numbers_of_lengths) - {''}
+            names = set(scene.linkage.numbers_of_lengths) - {''}
             model = GeneratedModel(scene, 'scene', parameters=sorted(names))
             assert {one.name for one in model.tunable} == names, path
 
@@ -311,11 +311,11 @@ def test_forces_over_the_place_of_a_point_follow_the_lengths(tmp_path):
         'forces.push.acts': 'y', 'forces.push.over': 'p.x',
         'forces.push.places': [-1.0, 0.2, 0.6, 2.0],
         'forces.push.values': [10.0, 200.0, -30.0, 100.0]})
-    code, other = Code(scene, tmp_path, 'pushed'), replace(scene.bare_linkage, a1=0.35)
+    code, other = Code(scene, tmp_path, 'pushed'), replace(scene.linkage, a1=0.35)
     inputs = random_inputs(other, 2, 300)
     values = [0.35 if one.name == 'a1' else one.value for one in code.model.tunable]
-    said = differences(code.compiled(*C)(inputs, values), of_python(
-        other, scene.points, inputs, scene.make_loaded(other)), len(code.model.motion))
+    said = differences(code.compiled(*C)(inputs, values),
+                       of_python(other, scene.points, inputs), len(code.model.motion))
     assert not said, said
 
 

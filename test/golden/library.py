@@ -73,11 +73,8 @@ class Motion:
         places, rate, acceleration = self.inputs(scene, linkage)
         motions = [linkage.motion(place, rate, acceleration) for place in places]
         found = {'input': places} | columns_of(motions)
-        if not scene.has_loads:
+        if not linkage.has_loads:
             return found
-        if scene.elements:
-            loads = [scene.loads(place, rate, acceleration, linkage.mode) for place in places]
-            return found | columns_of(loads)
         steps = [linkage.step(place, rate, acceleration) for place in places]
         assert [motion for motion, _ in steps] == motions, key
         loads = [linkage.loads(place, rate, acceleration) for place in places]
@@ -105,8 +102,8 @@ class Batch(Motion):
         scene, linkage = scene_of(key)
         places, rate, acceleration = self.inputs(scene, linkage)
         found = {'input': places} | linkage.motion(places, rate, acceleration)._asdict()
-        if scene.has_loads:
-            found |= scene.loads(places, rate, acceleration, linkage.mode)._asdict()
+        if linkage.has_loads:
+            found |= linkage.loads(places, rate, acceleration)._asdict()
         return {name: np.broadcast_to(column, len(places)).tolist()
                 for name, column in found.items()}
 

@@ -5,7 +5,8 @@ from math import cos, isnan, nan, pi, sin, tau
 
 from fourbar_msgs.msg import Base as BaseMessage
 from fourbar_msgs.msg import DriveState, LinkageLoads, LinkageState
-from fourbar_ros import Base, InvalidParameter
+from fourbar_ros import Base
+from fourbar_ros.errors import UnknownBaseMotion
 from fourbar_ros.pipeline.base import Imu
 from fourbar_ros.ros.messages import to_stamp
 from fourbar_ros.scene.scene import from_values
@@ -27,7 +28,7 @@ def test_a_simulator_says_all_and_the_bag_recomputes(run_node, lockstep, tmp_pat
     given = {**LOADED, 'base.topic': 'motion_of_base', 'base.timeout': 0.0,
              **recording_in(tmp_path)}
     node, ask = run_node(given), lockstep('state', 'loads')
-    linkage, rng = from_values(given).bare_linkage, np.random.default_rng(5)
+    linkage, rng = from_values(given).linkage, np.random.default_rng(5)
     for number in range(1, 31):
         base = Base(*rng.normal(0.0, 5.0, 4).tolist())
         answer = ask(0.001 * number, 0.1 * number, 2.0, 3.0, base)
@@ -75,7 +76,7 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, lockstep, t
     client.until(lambda: tell.get_subscription_count() and in_effect, 'the topics')
     tell.publish(BaseMessage(**base._asdict(), header=Header(stamp=to_stamp(10**6))))
     client.until(lambda: in_effect[-1].rate == base.rate, 'the base')
-    linkage, due, answers = from_values(both).bare_linkage, {}, client.hear(LinkageLoads,
+    linkage, due, answers = from_values(both).linkage, {}, client.hear(LinkageLoads,
                                                                             '/two/loads')
 
     def chained():
@@ -160,5 +161,5 @@ def test_no_acceleration_is_wrong_beyond_its_lag(steps, frequency):
 
 def test_loads_without_the_base_are_refused():
     scene = from_values({**LOADED, 'base.topic': 'imu'})
-    with pytest.raises(InvalidParameter, match='motion of the base comes from a topic'):
-        scene.loads(0.3)
+    with pytest.raises(UnknownBaseMotion, match='motion of the base comes from a topic'):
+        scene.linkage.loads(0.3)

@@ -45,7 +45,7 @@ def test_the_wrench_is_that_of_the_rest_of_what_the_simulator_carries(run_node, 
     given = {**LOADED, 'gravity.y': 0.0, 'outputs': ['shaking_wrench', 'loads'],
              'base.topic': 'motion_of_base', 'base.timeout': 0.0, 'base.carried.mean': True}
     run_node(given)
-    ask, linkage = lockstep(*given['outputs']), from_values(given).bare_linkage
+    ask, linkage = lockstep(*given['outputs']), from_values(given).linkage
     mean = mean_rigid(linkage)
     base = Base(3.0, 9.0, 2.0, -5.0)
     answer = ask(0.001, 0.3, 2.0, 3.0, base)
@@ -69,7 +69,7 @@ def test_an_imu_in_step_and_what_another_base_is_told(run_node, lockstep, monkey
     imu.linear_acceleration.y = 9.81
     assert isnan(ask(0.001, 0.3, 2.0, 3.0, imu).loads.f41)      # one rate tells no acceleration
     imu.angular_velocity.z = 0.01
-    due = from_values(given).bare_linkage.loads(0.3, 2.0, 3.0, base=Base(0.0, 9.81, 0.01, 10.0))
+    due = from_values(given).linkage.loads(0.3, 2.0, 3.0, base=Base(0.0, 9.81, 0.01, 10.0))
     assert ask(0.002, 0.3, 2.0, 3.0, imu).loads.f41 == pytest.approx(due.f41, rel=1e-9)
     monkeypatch.setattr(ask, '_patience', 0.5)
     with pytest.raises(Late, match=r'does its scene have base\.topic: motion_of_base\?'):
@@ -95,7 +95,7 @@ def test_a_question_at_the_time_of_the_last_one_or_before_has_its_own_answer(run
     outputs = ('shaking_wrench', 'state', 'loads')
     given = {**LOADED, 'gravity.y': 0.0, 'outputs': list(outputs), 'base.topic': 'motion_of_base',
              'base.timeout': 0.0, **recording_in(tmp_path)}
-    node, ask, linkage = run_node(given), lockstep(*outputs), from_values(given).bare_linkage
+    node, ask, linkage = run_node(given), lockstep(*outputs), from_values(given).linkage
     rng, asked = np.random.default_rng(7), 0
     for step in range(25):
         for share in (0.0, 0.5, 0.5, 1.0):

@@ -112,7 +112,7 @@ def test_an_imu_keeps_its_rates_through_a_change_of_something_else(run_node, cli
     given = {**LOADED, 'base.topic': 'imu', 'base.timeout': 0.0, 'outputs': ['loads'],
              'points.p.link': 'output'}
     run_node(given)
-    ask, imu, linkage = lockstep('loads'), Imu(), from_values(given).bare_linkage
+    ask, imu, linkage = lockstep('loads'), Imu(), from_values(given).linkage
     imu.linear_acceleration.y = 9.81
 
     def torque_with(number, slope):

@@ -115,7 +115,7 @@ def test_find_extrema_refuses_with_a_reason(run_node, client):
     for request, said in (({'velocity': 0.0}, 'velocity'), ({'velocity': math.nan}, 'velocity'),
                           ({'velocity': 1e160}, 'velocity = 1e+160: must be at most 1e+100'),
                           ({'velocity': 1.0, 'acceleration': math.inf}, 'acceleration = inf'),
-                          ({'velocity': 1.0, 'quantities': ['f41']}, 'no masses'),
+                          ({'velocity': 1.0, 'quantities': ['f41']}, 'loads need masses'),
                           ({'velocity': 1.0, 'mode': 7}, 'mode = 7')):
         answer = client.call('find_extrema', **request)
         assert answer.result == answer.RESULT_INVALID_REQUEST and said in answer.message

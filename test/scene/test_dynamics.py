@@ -29,11 +29,10 @@ def test_springs_and_dampers_are_named_freely_and_reach_the_equation():
               'springs.back.second.link': 'output', 'springs.back.second.along': 0.8,
               'springs.back.first.along': 1.5, 'springs.back.stiffness': 300.0,
               'springs.back.free_length': 0.2, 'torsion_springs.pivot.damping': 0.5}
-    dynamics = scene.from_values(values).dynamics
-    spring, pivot = dynamics.elements
+    there = scene.from_values(values)
+    spring, pivot = there.linkage.elements
     assert spring.links == ('ground', 'output') and pivot.links == ('ground', 'crank')
-    linkage = scene.from_values(values).bare_linkage
-    terms = dynamics.system(linkage).equation.terms(0.3)
+    terms = there.dynamics.system(there.linkage).equation.terms(0.3)
     assert terms.damping == 0.5 and terms.force != 0.0
 
 

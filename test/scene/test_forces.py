@@ -5,16 +5,15 @@ import json
 from math import pi, radians
 
 from fourbar_ros import Applied, point_motion
-from fourbar_ros.dynamics import loads_with
-from fourbar_ros.dynamics.elements import LinkAngle, PositionForce, Way
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.curves import FIXED
+from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, Way
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene
+from fourbar_ros.scene.elements import _coordinates
 from fourbar_ros.scene.files import read_table, SceneError
-from fourbar_ros.scene.forces import _coordinates
 from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 import pytest
@@ -51,18 +50,18 @@ def test_the_engine_holds_its_table_itself():
     values = ENGINE.values
     assert values['forces.gas.table'] == '' and values['forces.gas.value_unit'] == 'bar'
     assert values['forces.gas.places'] == [5.0 * i for i in range(145)]
-    gas, = ENGINE.forces
-    assert gas.value.span == pytest.approx(2.0 * TURN) and gas.value.is_periodic
+    gas, = ENGINE.linkage.elements
+    assert gas.value.table.span == pytest.approx(2.0 * TURN) and gas.value.table.is_periodic
     assert gas.value(radians(380.0)) == pytest.approx(39.23e5)
     again = scene.from_values(json.loads(ENGINE.as_json))
-    assert again.forces == ENGINE.forces and again.values.keys() == values.keys()
+    assert again.linkage == ENGINE.linkage and again.values.keys() == values.keys()
 
 
 def test_loads_of_a_given_motion_have_the_force():
     """Statics of the piston and virtual work of the crank: driving torque = -F ds/dtheta."""
     there = engine()
     stepper, place = Stepper(there), there.layout.index_of
-    gas, = there.forces
+    gas, = there.linkage.elements
     for angle in (0.3, TURN + 0.3, 3 * TURN + 1.0, -2.0):
         _, found = stepper.step(angle, 0.0, 0.0, Wanted(with_loads=True))
         force = gas.factor * gas.value(angle)
@@ -74,7 +73,7 @@ def test_loads_of_a_given_motion_have_the_force():
 def test_a_force_and_wrenches_of_a_topic_act_together():
     there = engine(external__output__from_topic=True)
     stepper, place = Stepper(there), there.layout.index_of
-    gas, = there.forces
+    gas, = there.linkage.elements
     stepper.act('output', Wrench(-70.0, 0.0, 0.0))
     _, found = stepper.step(0.3, 0.0, 0.0, Wanted(with_loads=True))
     force = gas.factor * gas.value(0.3) - 70.0
@@ -106,7 +105,7 @@ def test_coordinates_are_those_of_the_motion(name):
 
 
 def _first(linkage):
-    from fourbar_ros.dynamics.elements import Attachment
+    from fourbar_ros.mechanisms.elements import Attachment
     return Attachment(linkage.LINKS[-1].name)
 
 
@@ -116,7 +115,7 @@ def test_a_force_is_over_a_coordinate_or_a_point(over, kind):
     values = {**PUSHED, 'points.tip.link': 'coupler', 'points.tip.along': 0.6,
               'forces.push.over': over, 'forces.push.periodic': False,
               'forces.push.values': [5.0, 80.0, -30.0, 5.0]}
-    force, = scene.from_values(values).forces
+    force, = scene.from_values(values).linkage.elements
     assert isinstance(force.over, kind)
 
 
@@ -128,13 +127,13 @@ def test_a_force_over_a_point_is_that_at_its_coordinate(axis):
         'forces.push.over': f'tip.{axis}', 'forces.push.periodic': False,
         'forces.push.interpolation': 'linear', 'forces.push.places': [-9.0, 9.0],
         'forces.push.values': [-900.0, 900.0]})
-    plain, push = there.bare_linkage, there.values
+    plain, push = there.linkage.with_elements(), there.values
     for q in (0.3, 2.0, 4.4):
         at = getattr(point_motion(plain, plain.motion(q), 'coupler', 0.6, 0.2), axis)
         force = Applied(0.0, 100.0 * at, along=push['forces.push.along'],
                         across=push['forces.push.across'])
         loaded = plain.with_external(plain.external._replace(output=force))
-        found = loads_with(plain, there.forces, q, 2.0, 3.0)
+        found = there.linkage.loads(q, 2.0, 3.0)
         expected = loaded.loads(q, 2.0, 3.0)
         for name, value in expected._asdict().items():
             assert getattr(found, name) == pytest.approx(value, rel=1e-11, abs=1e-9), name
@@ -144,7 +143,8 @@ def test_units_are_converted_once():
     other = {**PUSHED, 'forces.push.places': [0.0, 114.59155902616465, 229.1831180523293, 360.0],
              'forces.push.place_unit': 'deg', 'forces.push.value_unit': 'kN',
              'forces.push.values': [0.005, 0.08, -0.03, 0.005]}
-    one, two = (scene.from_values(values).forces[0].value for values in (PUSHED, other))
+    one, two = (scene.from_values(values).linkage.elements[0].value
+                for values in (PUSHED, other))
     for q in (0.1, 1.3, 5.0):
         assert two(q) == pytest.approx(one(q), rel=1e-12)
 
@@ -217,5 +217,6 @@ def test_files_are_found_beside_the_scene_from_anywhere(tmp_path, monkeypatch):
     (tmp_path / 'elsewhere').mkdir()
     monkeypatch.chdir(tmp_path / 'elsewhere')
     for name in (path, '../pressed.yaml', str(path)):
-        force, = scene.load(name).forces
-        assert force.value.places == (0.0, 0.3) and force.value.values == (1e3, -2e3)
+        force, = scene.load(name).linkage.elements
+        table = force.value.table
+        assert table.places == (0.0, 0.3) and table.values == (1e3, -2e3)

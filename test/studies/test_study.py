@@ -73,7 +73,7 @@ def test_a_key_that_is_given_twice_is_refused(tmp_path, text):
 
 
 def test_a_load_of_a_scene_without_masses_is_refused():
-    with pytest.raises(InvalidParameter, match='is a load, and the scene gives no masses'):
+    with pytest.raises(InvalidParameter, match='is a load, and loads need masses'):
         from_document(GOOD | {'scene': 'slides_7_7', 'quantities': ['shaking_force.max']})
 
 

@@ -17,8 +17,8 @@ from math import pi
 from typing import NamedTuple
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.elements import Attachment, Spring
 from fourbar_ros.dynamics.system import System
+from fourbar_ros.mechanisms.elements import Attachment, Spring
 from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
@@ -45,14 +45,14 @@ P6 = {
 
 def sundials_slider_crank():
     """P2: LLNL/sundials, examples/idas/serial/idasSlCrank_dns.c, after Haug 6.1.8."""
+    spring = Spring(Attachment('crank', 0.25), Attachment('coupler', 0.5), 1.0, free_length=1.0,
+                    damping=1.0)
     # its generalized forces, F on x and -F sin p on the angle p of the rod, are those of 2 F on
     # the slider and -F on the crank pin, as x = cos p + a cos q
     slider_crank = SliderCrank(
         0.5, 1.0, bodies=Bodies(Body(0.0, inertia=1.0), Body(0.0, inertia=2.0), Body(1.0)),
-        external=External(Applied(force_x=-1.0), Applied(force_x=2.0)))
-    spring = Spring(Attachment('crank', 0.25), Attachment('coupler', 0.5), 1.0, free_length=1.0,
-                    damping=1.0)
-    return System(slider_crank, pi / 2, 0.0, [spring])
+        external=External(Applied(force_x=-1.0), Applied(force_x=2.0)), elements=(spring,))
+    return System(slider_crank, pi / 2)
 
 
 def one_window():

@@ -97,7 +97,7 @@ class MoverOfC(Mover):
     """A mover of a scene whose steps and values are those of generated code, of the name code."""
 
     def __init__(self, scene, library):
-        super().__init__(scene.dynamics.system(scene.bare_linkage), scene.drive.tolerance,
+        super().__init__(scene.dynamics.system(scene.linkage), scene.drive.tolerance,
                          scene.drive.budget, scene.drive.source == 'torque')
         self.of = {what: getattr(library, f'code_{what}') for what in ('complete', 'advance')}
         # behind the fields of a state: mode, place, command
@@ -160,21 +160,18 @@ def random_inputs(mechanism, seed, count, share_unknown=0.02):
     return found
 
 
-def of_python(mechanism, points, inputs, loaded=None):
+def of_python(mechanism, points, inputs):
     """
     Return (statuses, values) of the node for inputs, one by one.
 
     And for those of arrays there, which are compared by rounding and not bits, pi and the size of
     the rate: components of vectors are rounded as the angles are, and as these times the rate.
-    ``loaded``: (position, rate) -> linkage with the forces of springs there.
     """
     with_loads = mechanism.bodies is not None
     parts = [make_point(REAL, mechanism, *point) for point in points.values()]
     statuses, rows = [], []
     for given in inputs.tolist():
-        is_number = loaded and math.isfinite(sum(given[:2]))
-        now = loaded(*given[:2]) if is_number else mechanism
-        status, motion, loads = evaluate(now or mechanism, *given, with_loads and now is not None)
+        status, motion, loads = evaluate(mechanism, *given, with_loads)
         values = [*motion]
         for part in parts:
             values += part(motion)

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from flint import acb, arb, ctx
 from fourbar_ros import load_scene
-from fourbar_ros.dynamics.elements import Attachment, GROUND, Spring, TorsionSpring
+from fourbar_ros.mechanisms.elements import Attachment, GROUND, Spring, TorsionSpring
 import mpmath as mp
 from support.cartesian import exact, number, of_mpmath
 from support.samples import record

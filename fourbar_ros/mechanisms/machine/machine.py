@@ -20,7 +20,6 @@ from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
-from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.machine.describe.description import (
     ANGLES,
     by_link,
@@ -90,6 +89,8 @@ class Machine(Mechanism):
         Forces and couples on links.
     stroke : tuple of 2 floats, optional
         Shortest and longest slide or cylinder [m].
+    elements : tuple
+        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
 
     Raises
     ------
@@ -114,6 +115,7 @@ class Machine(Mechanism):
     gravity: Gravity = (0.0, 0.0)
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
+    elements: tuple[Any, ...] = ()
 
     base_layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
@@ -136,6 +138,7 @@ class Machine(Mechanism):
                   gravity=checked_gravity(self.gravity))
         self._require_closing()
         self._check_stroke()
+        self._fit_elements()
 
     def _require_closing(self) -> None:
         """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
@@ -403,7 +406,7 @@ class Machine(Mechanism):
     def constants(self) -> Constants:
         """Return the lengths of each dyad for lengths, the modes of all for the mode."""
         return Constants(tuple([dyad.lengths for dyad in self.stages]), self.signs, self.bodies,
-                         self.gravity, self.external)
+                         self.gravity, self.external, self.elements)
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         """Return its :attr:`constants` with other lengths, of any kind of numbers."""
@@ -427,19 +430,22 @@ class Machine(Mechanism):
         return partial(motion_of, n, self.layout, shaped(n, self.layout, constants.lengths),
                        constants.sign)
 
-    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        return partial(all_loads, self, constants, partial(
-            loads_of, n, self.layout, constants.lengths, constants.bodies,
-            constants.gravity, constants.external))
+    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields) -> Any:
+        """Return the fields of LOADS for constants of a number type."""
+        return loads_of(n, self.layout, constants.lengths, constants.bodies, constants.gravity,
+                        constants.external, motion)
 
     @property
     def classification(self) -> str:
         """Return the kinds of its dyads."""
         return ' + '.join(dyad.kind for dyad in self.dyads) or 'cylinder on a crank'
 
+    def link_motions(self, motion: NamedFields, lengths: Any = None) -> dict[str, LinkMotion]:
+        """Return the motions of links by name, from coefficients and the input's rates."""
+        return {link.name: self.link_motion(motion, link.name) for link in self.LINKS}
+
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the motion of a link by name, from its coefficients and the input's rates."""
+        """Return the motion of one link: the others of a large machine need not be made."""
         i = self.MOTION._fields.index(f'x_{self.link(link).name}')
         return LinkMotion(*tuple(motion)[i:i + 10]).at(motion.rate, motion.acceleration)
 

@@ -53,7 +53,7 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
         if isnan(motion.transmission_angle):
             return None
         markers = pose(scene, motion)
-        if scene.has_loads:
+        if mechanism.bodies is not None:
             loads = mechanism.LOADS(*values[groups['loads']])
             markers += arrows(scene, loads, pictures.diagram_of(mechanism, motion), largest)
         for each in markers:

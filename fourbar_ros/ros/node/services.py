@@ -60,8 +60,8 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
                             f'scene){"".join(f" or {mode}" for mode in modes)}')
         return _with_values(scene, stream.now(), response, request.mode, stepper.INVALID_INPUT,
                             scene.layout.unknown)
-    linkage = scene.linkage_at(request.position, request.velocity, request.mode)
-    response.has_loads = linkage.bodies is not None
+    linkage = scene.in_mode(request.mode)
+    response.has_loads = linkage.has_loads
     status, motion, loads = stepper.evaluate(linkage, request.position, request.velocity,
                                              request.acceleration, response.has_loads)
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
@@ -100,8 +100,8 @@ def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, statu
         from fourbar_ros.mechanisms.quantities import fields_of
         named_value, index_of = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.index_of
         response.values = [named_value(name=name, unit=quantity.unit, value=values[index_of[name]])
-                           for name, quantity in fields_of(scene.bare_linkage).items()
-                           if scene.has_loads or not quantity.is_load]
+                           for name, quantity in fields_of(scene.linkage).items()
+                           if scene.linkage.bodies or not quantity.is_load]
     return response
 
 
@@ -177,10 +177,9 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
     rate_of_input('acceleration', request.acceleration)
     names = list(dict.fromkeys(request.quantities))
     quantities = select(names, linkage, scene.point_quantities)
-    missing = [quantity.name for quantity in quantities
-               if quantity.is_load and linkage.bodies is None]
-    if missing:
-        raise InvalidParameter(missing[0], None, scene.why_no_loads)
+    missing = [quantity.name for quantity in quantities if quantity.is_load]
+    if missing and not linkage.has_loads:
+        raise InvalidParameter(missing[0], None, linkage.why_no_loads)
     return quantities, modes, velocity
 
 

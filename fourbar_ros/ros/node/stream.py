@@ -226,7 +226,7 @@ class Stream:
         if not wanted.outputs and not drawn:
             self._record()
             return None
-        if 'markers' in drawn and run.scene.has_loads:
+        if 'markers' in drawn and run.scene.linkage.bodies is not None:
             wanted = wanted._replace(with_loads=True)
         status, self._values = run.stepper.step(position, rate, acceleration, wanted, mode)
         outputs: Iterable[str] = (wanted.outputs if status == OK

@@ -99,19 +99,33 @@ class ForceTable:
         return 0.5 * (self.places[0] + self.places[-1])
 
     def __call__(self, x: Any) -> Any:
-        """Return the value at x, a float or an array."""
+        """
+        Return the value at x, a float or an array.
+
+        Of complex x, those of the polynomial at its real part, for derivatives by a complex step.
+        """
+        if not isinstance(x, np.ndarray):
+            return self._value(x, type(x))
         first, last = self.places[0], self.places[-1]
-        is_float = isinstance(x, float)
+        if np.iscomplexobj(x):
+            x = (x - self.span * np.floor((x.real - first) / self.span) if self.is_periodic else
+                 np.where(x.real < first, first, np.where(x.real > last, last, x)))
+        else:
+            x = first + (x - first) % self.span if self.is_periodic else np.clip(x, first, last)
+        pieces = np.searchsorted(self.places[1:-1], x.real, side='right')
+        a, b, c, d, start = self._columns[:, pieces]
+        t = x - start
+        return ((a * t + b) * t + c) * t + d
+
+    def _value(self, x: Any, number: Any) -> Any:
+        """Return the value at x, a ``number``: a float or a Decimal."""
+        first, last = map(number, (self.places[0], self.places[-1]))
         if self.is_periodic:
-            x = first + (x - first) % self.span
+            x = first + (x - first) % number(self.span)
         else:
-            x = min(max(x, first), last) if is_float else np.clip(x, first, last)
-        if is_float:
-            piece = bisect_right(self.places, x, 1, len(self.places) - 1) - 1
-            a, b, c, d, start = self.pieces[piece]
-        else:
-            pieces = np.searchsorted(self.places[1:-1], x, side='right')
-            a, b, c, d, start = self._columns[:, pieces]
+            x = min(max(x, first), last)
+        piece = self.pieces[bisect_right(self.places, x, 1, len(self.places) - 1) - 1]
+        a, b, c, d, start = piece if number is float else map(number, piece)
         t = x - start
         return ((a * t + b) * t + c) * t + d
 

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Forces over a position in a scene: where they act, over which coordinate, from which table.
+Springs, dampers and forces over a position in a scene: where they act, from which table.
 
 A table may stand in a CSV file beside the file of a scene, which is read with it: a scene itself
 holds the numbers, and opens no file, whoever made it.
@@ -11,10 +11,19 @@ from __future__ import annotations
 from math import atan2, pi
 from typing import Any, NoReturn
 
-from fourbar_ros.dynamics.elements import Attachment, INPUT, LinkAngle, Over, PositionForce, Way
-from fourbar_ros.dynamics.force_table import ForceTable
-from fourbar_ros.dynamics.forces import make_loaded
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.elements import (
+    Attachment,
+    Element,
+    INPUT,
+    LinkAngle,
+    Over,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+    Way,
+)
+from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.parameters import names_in, point_in
@@ -29,13 +38,42 @@ ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
 
 
-def forces_of(values: ParameterValues, mechanism: Mechanism) -> tuple[PositionForce, ...]:
-    """Return the forces over a position of a scene; InvalidParameter names the parameter."""
-    names = [f'forces.{name}' for name in names_in('forces', values)]
+def element_names(values: ParameterValues) -> list[str]:
+    """Return the names of springs and forces, as springs.back, in their order in a mechanism."""
+    return [f'{family}.{name}' for family in ('springs', 'torsion_springs', 'forces')
+            for name in names_in(family, values)]
+
+
+def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element, ...]:
+    """Return springs and forces over a position of a scene; InvalidParameter names what."""
+    names = element_names(values)
     if names and mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
                                f'{names[0]} needs masses')
-    return tuple([_force(values, name, mechanism) for name in names])
+    return tuple([(_force if name.startswith('forces') else _spring)(values, name, mechanism)
+                  for name in names])
+
+
+def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element:
+    """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
+    links, turns = (GROUND, *mechanism.loads_of_links()), name.startswith('torsion')
+    of_links = [f'{name}.{end}' if turns else f'{name}.{end}.link' for end in ('first', 'second')]
+    for parameter in of_links:
+        if values[parameter] not in links:
+            raise InvalidParameter(parameter, values[parameter], one_of(links, values[parameter]))
+    stiffness, damping = values[f'{name}.stiffness'], values[f'{name}.damping']
+    try:
+        if turns:
+            return TorsionSpring(values[of_links[0]], values[of_links[1]], stiffness,
+                                 free_angle=values[f'{name}.free_angle'], damping=damping)
+        first, second = (Attachment(*point_in(f'{name}.{end}', values))
+                         for end in ('first', 'second'))
+        return Spring(first, second, stiffness, free_length=values[f'{name}.free_length'],
+                      damping=damping, preload=values[f'{name}.preload'])
+    except InvalidParameter as error:
+        if error.name != 'second':
+            raise
+        raise InvalidParameter(of_links[1], error.value, error.allowed) from None
 
 
 def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> PositionForce:
@@ -54,7 +92,7 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
                        values[f'{name}.interpolation'] == 'linear'), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
             link if turns_with_link else GROUND, values[f'{name}.factor'])
-        make_loaded(mechanism, (force,))
+        force.fitted(mechanism)
     except InvalidParameter as error:
         field = 'periodic' if error.name == 'is_periodic' else error.name
         raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None

@@ -1,33 +1,39 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Springs and dampers between any two points or links of a mechanism; forces over a position.
+What acts on a mechanism besides weight and constant forces: springs, dampers, position forces.
 
 A force over a position is a function F(s) of one position s of the mechanism: of the input, of the
 angle of a link, or of the way of a point.
 
 Each element states its physics once, for any number type: equations (E5) and (E7) of
 :mod:`fourbar_ros.dynamics.equation`, from the motions of the links (and the ground) it acts on.
+Loads take its forces as external forces of the links, :func:`make_applied`.
 """
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, KW_ONLY
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
-from math import ceil, cos, inf, remainder, sin, tau
-from typing import Any, NamedTuple, Union
+from math import ceil, inf, lcm, remainder, tau
+from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_ros.dynamics.force_table import ForceTable
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.curves import LinkMotion, MovingPoint, point_of
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_of
+from fourbar_ros.mechanisms.force_table import ForceTable
+from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.arguments import finite
-from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_fields import check_quantities, quantity
-from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
+from fourbar_ros.numerics.number_types import converted, direction, NumberType, Scalar
+from fourbar_ros.numerics.tables import slope_of
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.evaluation import Constants
+    from fourbar_ros.mechanisms.geometry import MechanismGeometry
+    from fourbar_ros.mechanisms.mechanism import Mechanism
 
 LinkMotions = Mapping[str, LinkMotion]      # by name of the link, the ground among them
 
@@ -64,8 +70,8 @@ class Spring:
     """
     Linear spring and damper between two points of different links.
 
-    Stiffness [N/m]; by name ``free_length`` [m], at which it exerts no force, and ``damping``
-    [N s/m]: zero or more.
+    Stiffness [N/m]; by name ``free_length`` [m], ``damping`` [N s/m], zero or more, and
+    ``preload`` [N], its tension at the free length: the initial tension of an extension spring.
     """
 
     first: Attachment
@@ -74,28 +80,36 @@ class Spring:
     _: KW_ONLY
     free_length: float = quantity(0.0, least=0.0)
     damping: float = quantity(0.0, least=0.0)
+    preload: float = quantity(0.0)
+    # without both it has no force where its ends meet, with one of them no direction there
+    has_length: bool = field(init=False, repr=False)
+    has_damping: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_quantities(self)
         _require_two_links(self)
+        object.__setattr__(self, 'has_length', self.free_length != 0.0 or self.preload != 0.0)
+        object.__setattr__(self, 'has_damping', self.damping != 0.0)
 
     @property
     def links(self) -> tuple[str, str]:
         return self.first.link, self.second.link
 
     def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
-        """Return k (1 - l0/l), r.r' and l^2 of (E5): pull and stretching over the length."""
+        """Return (k (l - l0) + F0) / l, r.r' and l^2 of (E5): pull, stretching over the length."""
         x, y, dx, dy, _, _ = _apart(self.first, self.second, links)
         square = x * x + y * y
-        share = self.free_length / square**0.5 if self.free_length else 0.0
-        return self.stiffness * (1.0 - share), x * dx + y * dy, square
+        pull = self.stiffness
+        if self.has_length:
+            pull = pull - (self.stiffness * self.free_length - self.preload) / n.sqrt(square)
+        return pull, x * dx + y * dy, square
 
     def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
         gap = _apart(self.first, self.second, links)
-        stretch: Scalar = (gap.x * gap.x + gap.y * gap.y)**0.5 - self.free_length
-        return 0.5 * self.stiffness * stretch * stretch
+        stretch: Scalar = n.sqrt(gap.x * gap.x + gap.y * gap.y) - self.free_length
+        return (0.5 * self.stiffness * stretch + self.preload) * stretch
 
-    def forces(self, n: NumberType, links: LinkMotions) -> list[ForceOnLink]:
+    def forces(self, n: NumberType, links: LinkMotions, _: Scalar = 0.0) -> list[ForceOnLink]:
         """Return the forces on its first and on its second link, which move over time."""
         pull = _damped(self, n, links)
         p, q = self.first.on(links[self.first.link]), self.second.on(links[self.second.link])
@@ -120,36 +134,40 @@ class TorsionSpring:
     _: KW_ONLY
     free_angle: float = quantity(0.0)
     damping: float = quantity(0.0, least=0.0)
+    free_direction: tuple[float, float] = field(init=False, repr=False)
+    has_damping: bool = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         check_quantities(self)
         _require_two_links(self)
+        object.__setattr__(self, 'free_direction', direction(self.free_angle))
+        object.__setattr__(self, 'has_damping', self.damping != 0.0)
 
     @property
     def links(self) -> tuple[str, str]:
         return self.first, self.second
 
-    def _deflection(self, n: NumberType, links: LinkMotions) -> Scalar:
+    def deflection(self, n: NumberType, links: LinkMotions) -> Scalar:
         """
         Return the angle of the second link from the first, less the free angle, in (-pi, pi].
 
         It comes from sines and cosines of the directions, so no angle has to be unwrapped.
         """
         cosine, sine = _turned(links[self.first], links[self.second])
-        cos_0, sin_0 = cos(self.free_angle), sin(self.free_angle)
+        cos_0, sin_0 = self.free_direction
         angle: Scalar = n.atan2(sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0)
         return angle
 
     def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
         """Return k (a - a0), a' and 1 of (E5): moment and growth of the angle."""
-        return (self.stiffness * self._deflection(n, links),
+        return (self.stiffness * self.deflection(n, links),
                 links[self.second].omega - links[self.first].omega, 1.0)
 
     def energy(self, n: NumberType, links: LinkMotions) -> Scalar:
-        stretch = self._deflection(n, links)
+        stretch = self.deflection(n, links)
         return 0.5 * self.stiffness * stretch * stretch
 
-    def forces(self, n: NumberType, links: LinkMotions) -> list[ForceOnLink]:
+    def forces(self, n: NumberType, links: LinkMotions, _: Scalar = 0.0) -> list[ForceOnLink]:
         """Return the couples on its first and on its second link, which move over time."""
         moment, first, second = _damped(self, n, links), links[self.first], links[self.second]
         return [ForceOnLink(self.first, first.x, first.y, 0.0, 0.0, moment),
@@ -159,27 +177,26 @@ class TorsionSpring:
 @dataclass(frozen=True)
 class TableForce:
     """
-    The function s -> F(s) of a table, times a factor, of floats and arrays.
+    The function s -> F(s) of a table, of floats and arrays, real or complex.
 
     ``middle``: s is an angle that counts within half a turn of it; None: it is no such angle.
     """
 
     table: ForceTable
-    factor: float
     middle: float | None
 
     def __call__(self, s: Any) -> Any:
         """Return the force [N] or couple [N m] at s, a float or an array."""
         middle = self.middle
         if middle is not None:
-            s = (middle + remainder(s - middle, tau) if isinstance(s, float)
-                 else s - tau * np.round((s - middle) / tau))
-        return self.factor * self.table(s)
+            s = (s - tau * np.round((s.real - middle) / tau) if isinstance(s, np.ndarray)
+                 else type(s)(middle + remainder(float(s) - middle, tau)))
+        return self.table(s)
 
     @cached_property
     def largest(self) -> float:
         """Return the largest size of F, whose rounding is the error of all values."""
-        return abs(self.factor) * max(map(abs, self.table.values))
+        return max(map(abs, self.table.values))
 
     @property
     def period(self) -> float:
@@ -204,6 +221,22 @@ class TableForce:
             base = first + (s - first) % self.table.span
         i, shift = bisect_right(self.ends, base), s - base
         return self.ends[i - 1] + shift, self.ends[i] + shift
+
+
+@dataclass(frozen=True)
+class UserForce:
+    """A user's function s -> F(s), of floats and arrays; its slope is a central difference."""
+
+    function: Callable[[float], float]
+
+    def __call__(self, s: Any) -> Any:
+        """Return the force at s; raises InvalidParameter for a value that is no finite number."""
+        if not isinstance(s, np.ndarray):
+            return type(s)(finite('value', self.function(float(s)),
+                                  f'at {float(s)!r} must be a finite number'))
+        if np.iscomplexobj(s):
+            return self(s.real) + 1j * slope_of(self, s.real) * s.imag
+        return np.vectorize(lambda x: self.function(float(x)), otypes=[float])(s)
 
 
 INPUT = 'input'        # s of a force over the input of the mechanism, an angle or a slide
@@ -237,11 +270,13 @@ class Way:
     point: Attachment
     origin: Attachment = Attachment()
     direction: float = quantity(0.0)
+    unit_vector: tuple[float, float] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         _require_kind('point', self.point, Attachment)
         _require_kind('origin', self.origin, Attachment)
         check_quantities(self)
+        object.__setattr__(self, 'unit_vector', direction(self.direction))
 
     @property
     def links(self) -> tuple[str, str]:
@@ -249,7 +284,7 @@ class Way:
 
     def of(self, n: NumberType, links: LinkMotions) -> Scalar:
         gap, (x, y) = _apart(self.origin, self.point, links), _along(
-            direction(self.direction), links[self.origin.link])
+            self.unit_vector, links[self.origin.link])
         return gap.x * x + gap.y * y
 
 
@@ -280,11 +315,12 @@ class PositionForce:
     """
 
     point: Attachment
-    value: Callable[[float], float]
+    value: Any      # ForceTable or callable; on a mechanism a TableForce or a UserForce
     over: Over = INPUT
     direction: float | None = quantity(0.0, instead=None)
     axes: str = GROUND
     factor: float = quantity(1.0)
+    unit_vector: tuple[float, float] | None = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         _require_kind('point', self.point, Attachment)
@@ -295,6 +331,8 @@ class PositionForce:
         if not (isinstance(self.over, (LinkAngle, Way)) or self.over == INPUT):
             raise InvalidParameter('over', self.over, f'must be {INPUT!r}, a LinkAngle or a Way')
         check_quantities(self)
+        object.__setattr__(self, 'unit_vector',
+                           None if self.direction is None else direction(self.direction))
 
     @property
     def links(self) -> tuple[str, ...]:
@@ -306,58 +344,50 @@ class PositionForce:
         """Return the position s in a pose at an input."""
         return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
-    def _push(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
+    def _push(self, n: NumberType, links: LinkMotions,
               position: Scalar) -> tuple[Scalar, Scalar, Scalar]:
         """Return F and the unit vector along which it acts, of a couple (0, 0)."""
-        size = n.call(value, self.position(n, links, position))
-        if self.direction is None:
+        size = self.factor * n.call(self.value, self.position(n, links, position))
+        if self.unit_vector is None:
             return size, 0.0, 0.0
-        return size, *_along(direction(self.direction), links[self.axes])
+        return size, *_along(self.unit_vector, links[self.axes])
 
-    def generalised(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
-                    position: Scalar) -> Scalar:
-        """Return Q of (E7) in a pose; ``value``: the function of :meth:`make_value`."""
-        size, x, y = self._push(n, value, links, position)
-        if self.direction is None:
+    def generalised(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
+        """Return Q of (E7) in a pose at an input."""
+        size, x, y = self._push(n, links, position)
+        if self.unit_vector is None:
             return size * links[self.point.link].omega
         point = self.point.on(links[self.point.link])
         return size * (x * point.v_x + y * point.v_y)
 
-    def forces(self, n: NumberType, value: Callable[[Any], Any], links: LinkMotions,
-               position: Scalar) -> list[ForceOnLink]:
-        """Return the force on its link; arguments as of :meth:`generalised`."""
-        size, x, y = self._push(n, value, links, position)
+    def forces(self, n: NumberType, links: LinkMotions, position: Scalar) -> list[ForceOnLink]:
+        """Return the force on its link in a pose at an input."""
+        size, x, y = self._push(n, links, position)
         point = self.point.on(links[self.point.link])
         return [ForceOnLink(self.point.link, point.x, point.y, size * x, size * y,
-                            size if self.direction is None else 0.0)]
+                            size if self.unit_vector is None else 0.0)]
 
     @property
     def turns(self) -> int:
         """Return after how many turns of the crank it repeats: 2 for a four-stroke table."""
-        table = self.value
-        if not (isinstance(table, ForceTable) and table.is_periodic):
+        if not (isinstance(self.value, TableForce) and self.value.table.is_periodic):
             return 1
-        return max(1, round(table.span / tau))
+        return max(1, round(self.value.table.span / tau))
 
-    def make_value(self, mechanism: Mechanism) -> Callable[[Any], Any]:
+    def fitted(self, mechanism: MechanismGeometry) -> PositionForce:
         """
-        Return the function s -> F(s), times the factor, of floats and arrays.
+        Return the force on a mechanism: ``value`` is a TableForce or a UserForce.
 
-        Raises InvalidParameter for a table that does not fit the mechanism; the function does for
-        a value that is no finite number.
+        Raises InvalidParameter for a table that does not fit the mechanism.
         """
-        value, factor = self.value, self.factor
-        if not isinstance(value, ForceTable):
-            def force(s: float | Array) -> Any:
-                if isinstance(s, float):
-                    return factor * finite('value', value(s), f'at {s!r} must be a finite number')
-                return np.vectorize(lambda x: factor * value(float(x)), otypes=[float])(s)
-            return force
+        table = self.value.table if isinstance(self.value, TableForce) else self.value
+        if not isinstance(table, ForceTable):
+            return self if isinstance(table, UserForce) else replace(self, value=UserForce(table))
         is_angle = (not mechanism.is_driven_by_slide if self.over == INPUT
                     else isinstance(self.over, LinkAngle))
-        _require_fitting(value, is_angle, mechanism.turns_fully and self.over == INPUT)
-        return TableForce(value, factor,
-                          value.middle if is_angle and not value.is_periodic else None)
+        _require_fitting(table, is_angle, mechanism.turns_fully and self.over == INPUT)
+        return replace(self, value=TableForce(
+            table, table.middle if is_angle and not table.is_periodic else None))
 
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
@@ -422,18 +452,77 @@ def _along(unit: tuple[float, float], axes: LinkMotion) -> tuple[Scalar, Scalar]
 def _damped(element: Spring | TorsionSpring, n: NumberType, links: LinkMotions) -> Scalar:
     """Return the pull of a spring with that of its damper."""
     pull, growth, square = element.tension(n, links)
-    return pull + element.damping * growth / square if element.damping else pull
+    return pull + element.damping * growth / square if element.has_damping else pull
 
 
-def links_of(elements: Sequence[Element], mechanism: Mechanism) -> list[str]:
+def links_of(elements: Sequence[Element]) -> list[str]:
     """
-    Return the moving links that elements name; refuse one that the mechanism does not have.
+    Return the moving links that elements name.
 
     Each once, in a fixed order: a formula recorded in another process has the same lines.
     """
+    return sorted({link for element in elements for link in element.links} - {GROUND})
+
+
+def fitted(elements: Any, mechanism: MechanismGeometry) -> tuple[Element, ...]:
+    """Return elements as they act on a mechanism; InvalidParameter for one that does not fit."""
+    if isinstance(elements, (Spring, TorsionSpring, PositionForce)):
+        elements = (elements,)
+    for element in elements:
+        if not isinstance(element, (Spring, TorsionSpring, PositionForce)):
+            raise InvalidParameter('elements', element, 'must be Spring, TorsionSpring or '
+                                                        'PositionForce, any of them')
     links = [link.name for link in mechanism.LINKS]
-    named = sorted({link for element in elements for link in element.links} - {GROUND})
-    for link in named:
+    for link in links_of(elements):
         if link not in links:
             raise InvalidParameter('link', link, f'must be one of {", ".join(links)}, {GROUND}')
-    return named
+    return tuple([element.fitted(mechanism) if isinstance(element, PositionForce) else element
+                  for element in elements])
+
+
+def structure_of(elements: Sequence[Element]) -> Hashable:
+    """Return what the formula of elements depends on besides their numbers."""
+    without_numbers: Hashable = converted(tuple(elements), lambda _: 0.0)
+    return without_numbers
+
+
+def turns_of(elements: Sequence[Element]) -> int:
+    """Return after how many turns of a crank forces repeat: two of a four-stroke engine."""
+    return lcm(*[element.turns for element in elements if isinstance(element, PositionForce)])
+
+
+def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
+                 ) -> Callable[[NamedFields], Any]:
+    """
+    Return the function motion -> {link: :class:`Applied`}, constant forces with elements'.
+
+    The forces of elements on a link act at the point of its constant force; those on the ground
+    are left out. Numbers are of the type ``n``, and not checked to be finite.
+    """
+    loaded, position = links_of(mechanism.elements), mechanism.input_coordinate.position
+
+    def applied(motion: NamedFields) -> Any:
+        moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
+        acting = [force for element in constants.elements
+                  for force in element.forces(n, moving, getattr(motion, position))]
+        return constants.external._replace(**{link: _sum_of(
+            applied_to(constants.external, link), moving[link],
+            [force for force in acting if force.link == link]) for link in loaded})
+    return applied
+
+
+def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[ForceOnLink]) -> Applied:
+    """
+    Return the external force that does the same as a constant force and more forces on its link.
+
+    It acts at the point of the constant force, which is fixed to the link: the moments of the
+    others about that point are added.
+    """
+    point = point_of(link, constant.along, constant.across)
+    couple, force_x, force_y = 0.0, 0.0, 0.0
+    for force in acting:                  # in a loop: sum() rounds otherwise from Python 3.12 on
+        couple = couple + (force.couple + (force.x - point.x) * force.force_y
+                           - (force.y - point.y) * force.force_x)
+        force_x, force_y = force_x + force.force_x, force_y + force.force_y
+    return unchecked(Applied, constant.force_x + force_x, constant.force_y + force_y,
+                     constant.along, constant.across, constant.couple + couple)

@@ -1,0 +1,168 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Where loads over the input are not smooth: the ends of pieces that springs and forces bring.
+
+A force table is one polynomial between two of its points, and a torsion spring jumps where its
+deflection has made half a turn. So the input is cut where the position s of a table comes to one
+of its points, or an angle comes round. Springs besides have branch points where their length is
+zero: those at complex inputs near the real ones are given too, as quantities change fast there.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from math import inf, pi, tau
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.elements import (
+    Element,
+    LinkAngle,
+    PositionForce,
+    Spring,
+    TableForce,
+    TorsionSpring,
+)
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.newton import newton_roots
+from fourbar_ros.numerics.number_types import ARRAY
+import numpy as np
+
+SAMPLES = 361           # of a turn, or of a range of the input
+CLOSER = 2.0**-np.arange(16.0, 46.0)    # of a range: distances of more samples from its ends
+STEP = 2.0**-200        # of derivatives by a complex step
+TOUCHING = 1e-9         # of a turn or range: nearer ends of pieces are one
+FARTHEST = 1.0          # [rad] distance from the real inputs at which branch points still matter
+
+
+class Coordinate(NamedTuple):
+    """A number over the input, at some values of which something is not smooth."""
+
+    of: Callable[[Mapping[str, LinkMotion], Any], Any]      # motions of links, input -> it
+    points: Array           # those values
+    period: float           # after which it comes round, inf: never
+    is_square: bool = False     # of a spring's length: only where it is least matters
+
+
+class Pieces(NamedTuple):
+    """Inputs within a cycle from -half of it on, or in the ranges, [rad] or [m]."""
+
+    ends: tuple[float, ...]             # between which all loads are smooth, in order
+    branch_points: tuple[complex, ...]  # of springs, beside the real inputs
+
+
+def pieces_of(mechanism: Mechanism) -> Pieces:
+    """Return the ends of pieces and the branch points that the elements of a mechanism bring."""
+    coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
+    ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
+    for low, high in _ranges(mechanism) if coordinates else ():
+        if mechanism.turns_fully:       # once round, from beside zero
+            x = low + 0.3 + np.linspace(0.0, high - low, SAMPLES * mechanism.turns)
+        else:       # beside a toggle angles change as the root of the distance
+            shares = np.concatenate((CLOSER, 0.5 - 0.5 * np.cos(
+                np.linspace(0.0, pi, SAMPLES)[1:-1])))
+            x = np.unique(np.concatenate((low + (high - low) * shares,
+                                          high - (high - low) * CLOSER)))
+        for coordinate in coordinates:
+            def values(x: Array, coordinate: Coordinate = coordinate) -> tuple[Array, Array]:
+                """Return a coordinate and its slope at inputs."""
+                with np.errstate(all='ignore'):
+                    z = x + 1j * STEP
+                    moving = {**mechanism.link_motions(mechanism.motion(z)), GROUND: FIXED}
+                    s = np.broadcast_to(coordinate.of(moving, z), x.shape)
+                return s.real, s.imag / STEP
+
+            turning, bend = _turning_points(values, x)
+            if coordinate.is_square:
+                least, bend = turning[bend > 0.0], bend[bend > 0.0]
+                away = np.sqrt(2.0 * values(least)[0] / bend)
+                branch_points += [complex(*z) for z in zip(least.tolist(), away.tolist())
+                                  if z[1] < FARTHEST * mechanism.input_unit]
+            else:
+                ends += _crossings(values, np.union1d(x, turning), coordinate).tolist()
+    apart, width = list[float](), high - low
+    for end in sorted(end - width if mechanism.turns_fully and end >= high else end
+                      for end in ends):
+        if not apart or end - apart[-1] > TOUCHING * width:
+            apart.append(end)
+    return Pieces(tuple(apart), tuple(branch_points))
+
+
+def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
+    if mechanism.turns_fully:
+        return ((-pi * mechanism.turns, pi * mechanism.turns),)
+    return mechanism.input_ranges
+
+
+def _coordinates(element: Element) -> Iterator[Coordinate]:
+    """Yield the coordinates over which an element is not smooth."""
+    if isinstance(element, Spring):
+        if element.has_length:
+            yield Coordinate(lambda moving, _: element.tension(ARRAY, moving)[2], np.empty(0), inf,
+                             True)
+    elif isinstance(element, TorsionSpring):
+        yield Coordinate(lambda moving, _: element.deflection(ARRAY, moving), np.array([pi]), tau)
+    elif isinstance(element, PositionForce):
+        points: Array = np.empty(0)
+        period = inf
+        if isinstance(element.value, TableForce):
+            points, period = np.array(element.value.table.places), element.value.period
+            if element.value.middle is not None:        # there the table ends and begins again
+                points = np.append(points, element.value.middle + pi)
+        elif isinstance(element.over, LinkAngle):
+            points, period = np.array([pi]), tau
+        if points.size:
+            yield Coordinate(lambda moving, x: element.position(ARRAY, moving, x), points, period)
+
+
+def _turning_points(values: Callable[[Array], tuple[Array, Array]], x: Array
+                    ) -> tuple[Array, Array]:
+    """Return where a coordinate turns back between rising inputs, and its second derivative."""
+    slope = values(x)[1]
+    before = np.flatnonzero((slope[1:] >= 0.0) != (slope[:-1] >= 0.0))
+    low, high = x[before], x[before + 1]
+
+    def newton(x: Array, _: Array) -> tuple[Array, Array]:
+        turn = 2.0**-24 * (high - low)
+        here, there = values(x)[1], values(x + turn)[1]
+        with np.errstate(all='ignore'):
+            return here, here * turn / (there - here)
+    if not before.size:
+        return before.astype(float), before.astype(float)
+    turning = newton_roots(newton, before, low, high, slope[before], 0.5 * (low + high))
+    turn = 2.0**-12 * (high - low)
+    return turning, (values(turning + turn)[1] - values(turning - turn)[1]) / (2.0 * turn)
+
+
+def _crossings(values: Callable[[Array], tuple[Array, Array]], x: Array, coordinate: Coordinate
+               ) -> Array:
+    """Return where a coordinate, monotone between rising inputs, comes to one of its points."""
+    points, period = np.sort(coordinate.points), coordinate.period
+    s = values(x)[0]
+    known = np.isfinite(s)
+    x, s = x[known], s[known]
+    if period < inf:
+        s = np.unwrap(s, period=period)
+        first, last = (np.floor((end - points[0]) / period) for end in (s.min(), s.max()))
+        points = np.unique(np.add.outer(np.arange(first - 1, last + 2) * period, points))
+    low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
+    first, last = np.searchsorted(points, low), np.searchsorted(points, high)
+    interval = np.repeat(np.arange(low.size), last - first)
+    rank = np.arange(interval.size) - np.repeat(np.cumsum(last - first) - (last - first),
+                                                last - first)
+    target, begin, end = points[first[interval] + rank], x[interval], x[interval + 1]
+
+    def newton(x: Array, _: Array) -> tuple[Array, Array]:
+        way, slope = values(x)
+        way = way - target
+        if period < inf:
+            way = way - period * np.round(way / period)
+        with np.errstate(all='ignore'):
+            return way, way / slope
+    if not interval.size:
+        return np.empty(0)
+    part = (target - s[interval]) / (s[interval + 1] - s[interval])
+    return newton_roots(newton, interval, begin, end, s[interval] - target,
+                        begin + part * (end - begin))

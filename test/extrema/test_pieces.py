@@ -1,0 +1,176 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Extrema of loads with springs and force tables against dense scans of the loads themselves."""
+from math import pi
+
+from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
+from fourbar_ros.extrema import find_extrema, OverInput
+from fourbar_ros.mechanisms.elements import (
+    Attachment,
+    LinkAngle,
+    PositionForce,
+    Spring,
+    TorsionSpring,
+    Way,
+)
+from fourbar_ros.mechanisms.force_table import ForceTable
+from fourbar_ros.scene.scene import load
+import numpy as np
+import pytest
+from support.samples import more
+
+TURN = 2.0 * pi
+MACHINES = 'watt', 'quick_return', 'bucket'
+SCAN = 24001            # samples of a scan, per turn or range
+LOST = 1e-9             # of the span of a quantity: what a scan cannot tell from rounding
+
+
+def mechanism_of(rng):
+    """Return a random mechanism: all kinds, cranks and slides, machines of several dyads."""
+    choice = rng.integers(6)
+    if choice == 5:
+        return load(MACHINES[rng.integers(len(MACHINES))]).linkage
+    a1, a2, a3 = rng.uniform(0.2, 0.4), rng.uniform(0.9, 1.3), rng.uniform(0.7, 1.1)
+    bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (a1, a2, a3)))
+    gravity = (0.0, -9.81)
+    if choice < 2:
+        return FourBar(a1, a2, a3, 1.0, mode=1 + choice, bodies=bodies, gravity=gravity)
+    if choice == 2:
+        return SliderCrank(a1, a2, rng.uniform(-0.1, 0.1), bodies=bodies, gravity=gravity)
+    if choice == 3:
+        return SliderCrank(a1, a2, 0.05, input='slide', bodies=bodies, gravity=gravity)
+    return InvertedSlider(a1, a2, 0.1, bodies=bodies, gravity=gravity)
+
+
+def table_of(rng, low, high, is_periodic=False):
+    """Return a random table, cubic or of straight lines."""
+    count = int(rng.integers(3, 12))
+    places = np.concatenate(([low], np.sort(rng.uniform(low, high, count - 2)), [high]))
+    values = rng.normal(size=count) * 200.0
+    if is_periodic:
+        values[-1] = values[0]
+    return ForceTable(places, values, is_periodic, bool(rng.integers(2)))
+
+
+def elements_of(rng, mechanism):
+    """Return one to three random elements on a mechanism."""
+    links = [link.name for link in mechanism.LINKS]
+    turning = [link.name for link in mechanism.LINKS if link.turns]
+    elements = []
+    for _ in range(rng.integers(1, 4)):
+        link, kind = str(rng.choice(links)), rng.integers(6)
+        point = Attachment(link, *rng.uniform(-0.3, 0.3, 2))
+        if kind == 0:
+            elements.append(Spring(Attachment('ground', *rng.uniform(-0.5, 1.5, 2)), point,
+                                   rng.uniform(100.0, 2000.0), damping=rng.uniform(0.0, 20.0),
+                                   free_length=rng.choice([0.0, 0.3]),
+                                   preload=rng.choice([0.0, 40.0])))
+        elif kind == 1:
+            elements.append(TorsionSpring('ground', str(rng.choice(turning)), 60.0,
+                                          free_angle=rng.uniform(-3.0, 3.0)))
+        elif kind == 2 and not mechanism.is_driven_by_slide and mechanism.turns_fully:
+            turns = int(rng.integers(1, 3))
+            elements.append(PositionForce(point, table_of(rng, 0.0, turns * TURN, True)))
+        elif kind == 3:
+            elements.append(PositionForce(point, table_of(rng, -0.2, 1.2), Way(point),
+                                          rng.uniform(-3.0, 3.0)))
+        elif kind == 4:
+            elements.append(PositionForce(point, table_of(rng, -1.5, 1.4), LinkAngle(
+                str(rng.choice(turning))), None))
+        else:
+            elements.append(PositionForce(point, table_of(rng, 0.0, TURN, True),
+                                          LinkAngle(str(rng.choice(turning))), 0.3, link))
+    return elements
+
+
+def scan_of(mechanism, name, rate):
+    """Return inputs and a load at them: dense, denser about the ends of pieces."""
+    ranges = (((0.0, mechanism.cycle),) if mechanism.turns_fully else mechanism.input_ranges)
+    parts = []
+    for low, high in ranges:
+        x = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(
+            np.linspace(0.0, pi, mechanism.turns * SCAN)[1:-1])
+        if mechanism.turns_fully:
+            x = np.linspace(low, high, mechanism.turns * SCAN)
+        parts.append((x, getattr(mechanism.loads(x, rate), name)))
+    return parts
+
+
+def turning_points(x, values):
+    """Return (input before, after, sense, depth) of all turning points of a scan."""
+    step = np.sign(np.diff(values))
+    inner = np.flatnonzero(step[1:] * step[:-1] < 0.0) + 1
+    return [(x[i - 1], x[i + 1], int(step[i - 1]), i) for i in inner]
+
+
+@pytest.mark.parametrize('seed', range(more(12, 200)))
+def test_no_extremum_of_a_load_is_lost(seed):
+    rng = np.random.default_rng(seed)
+    mechanism = mechanism_of(rng)
+    mechanism = mechanism.with_elements(*elements_of(rng, mechanism))
+    names, rate = ('shaking_force', 'shaking_moment', mechanism.drive_load,
+                   mechanism.reactions[0]), float(rng.choice([0.0, 3.0]))
+    extrema = find_extrema(mechanism, names, rate, conditions=False)
+    for name in names:
+        found = [extremum for extremum in extrema if extremum.quantity == name]
+        assert all(extremum.proof == '' for extremum in found), (name, found[0].proof)
+        inputs = np.array([extremum.input for extremum in found])
+        lowest = min(extremum.value for extremum in found)
+        highest = max(extremum.value for extremum in found)
+        for x, values in scan_of(mechanism, name, rate):
+            span = np.ptp(values)
+            if span <= 1e-9 * np.abs(values).max():     # a constant
+                continue
+            if np.isfinite([lowest, highest]).all():
+                assert values.min() >= lowest - LOST * (span + abs(lowest)), name
+                assert values.max() <= highest + LOST * (span + abs(highest)), name
+            for low, high, _, i in turning_points(x, values):
+                depth = min(abs(values[i] - values[max(i - 40, 0)]),
+                            abs(values[i] - values[min(i + 40, x.size - 1)]))
+                if depth <= LOST * span:
+                    continue
+                near = 2.0 * (high - low)
+                away = np.abs(inputs - 0.5 * (low + high))
+                if not mechanism.is_driven_by_slide:
+                    cycle = mechanism.cycle
+                    away = np.minimum(away, np.abs(away - cycle))
+                    if not mechanism.turns_fully:
+                        away = np.abs((inputs - 0.5 * (low + high) + pi) % TURN - pi)
+                assert away.min() <= near, (name, low, values[i])
+
+
+def test_the_mean_of_a_four_stroke_is_over_two_turns():
+    engine = load('engine').linkage
+    over = OverInput(engine, 'driving_torque', 20.0)
+    x = engine.cycle * (np.arange(400_000) + 0.5) / 400_000
+    torque = engine.loads(x, 20.0).driving_torque
+    assert engine.cycle == 2.0 * TURN
+    assert over.mean == pytest.approx(torque.mean(), rel=1e-7)
+    assert over.rms == pytest.approx(np.sqrt(np.mean(torque**2)), rel=1e-7)
+    assert over.peak >= np.abs(torque).max()
+
+
+def test_a_kink_of_straight_lines_is_an_extremum_at_its_point():
+    """A triangle of couples on a massless crank: the torque is minus it, least at its tip."""
+    bodies = Bodies(*(round_rod(length, 1e-9, 0.01) for length in (0.3, 1.0, 0.9)))
+    tip = ForceTable([0.0, 2.0, TURN], [0.0, 50.0, 0.0], True, True)
+    mechanism = FourBar(0.3, 1.0, 0.9, 1.0, bodies=bodies).with_elements(
+        PositionForce(Attachment('crank'), tip, direction=None))
+    least, most = sorted(find_extrema(mechanism, 'driving_torque', 1.0),
+                         key=lambda extremum: extremum.value)
+    assert (least.kind, least.place, most.place) == ('minimum', 'interior', 'interior')
+    assert least.theta1 == pytest.approx(2.0, abs=1e-15)
+    assert least.value == pytest.approx(-50.0, rel=1e-9)
+    assert most.theta1 == pytest.approx(0.0, abs=1e-15)
+
+
+def test_a_jump_counts_on_both_sides():
+    """A torsion spring of the crank comes round half a turn from its free angle."""
+    bodies = Bodies(*(round_rod(length, 1e-9, 0.01) for length in (0.3, 1.0, 0.9)))
+    mechanism = FourBar(0.3, 1.0, 0.9, 1.0, bodies=bodies).with_elements(
+        TorsionSpring('ground', 'crank', 10.0, free_angle=0.5))
+    extrema = find_extrema(mechanism, 'driving_torque', 1.0)
+    ends = {(extremum.side, round(extremum.value, 6)): extremum for extremum in extrema
+            if extremum.place == 'limit'}
+    assert set(ends) == {(-1, round(10.0 * pi, 6)), (1, round(-10.0 * pi, 6))}
+    assert all(abs(extremum.theta1 - 0.5 - pi) < 1e-9 for extremum in ends.values())
