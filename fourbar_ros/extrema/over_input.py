@@ -88,7 +88,7 @@ class OverInput:
     @property
     def of_cycle(self) -> float:
         """
-        Return the integral over a period of an input that turns fully; NaN of any other.
+        Return the integral over a cycle of an input that turns fully; NaN of any other.
 
         Of the driving torque that is the work of a cycle [J]. 0 where it is less than its error.
         """

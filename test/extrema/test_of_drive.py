@@ -21,12 +21,14 @@ from fourbar_ros import (
     SliderCrank,
 )
 from fourbar_ros.extrema import OverInput
+from fourbar_ros.mechanisms.elements import Attachment, Spring
 from fourbar_ros.mechanisms.quantities import by_name, of_drive
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
-from support import contract
+from scipy.interpolate import PchipInterpolator
+from support import contract, ROOT
 from support.contract import every_mechanism
 from support.samples import more
 
@@ -198,6 +200,50 @@ def test_work_of_a_cycle_is_that_of_a_couple_on_the_crank_and_of_nothing_else():
     assert OverInput(scene.linkage, 'driving_torque', 25.0).of_cycle == 0.0
     assert isnan(OverInput(load_scene('cylinder').linkage, 'driving_force').of_cycle)
     assert isnan(OverInput(linkage, 'driving_torque', within=(0.0, 1.0)).of_cycle)
+
+
+def test_work_of_a_cycle_of_an_engine_is_that_of_its_gas_over_two_turns():
+    """Minus the integral of the force over the stroke: between points of its table, by Gauss."""
+    engine = load_scene('engine')
+    linkage = engine.linkage
+    degrees, bar = np.loadtxt(ROOT / 'config/engine.csv', delimiter=',', skiprows=2).T
+    x = np.radians(degrees)
+    pressure = PchipInterpolator(np.concatenate([x[:-1] - 2.0 * tau, x, x[1:] + 2.0 * tau]),
+                                 np.concatenate([bar[:-1], bar, bar[1:]]))
+    roots, weights = np.polynomial.legendre.leggauss(12)
+    half = 0.5 * np.diff(x)[:, None]
+    theta = x[:-1, None] + half * (1.0 + roots)
+    r, length = linkage.a1, linkage.a2
+    root = np.sqrt(length**2 - (r * np.sin(theta))**2)
+    slope = -r * np.sin(theta) * (1.0 + r * np.cos(theta) / root)      # of the stroke, by theta
+    gas = (half * weights * engine.values['forces.gas.factor'] * 1e5 * pressure(theta)
+           * slope).sum()
+    load = OverInput(linkage, 'driving_torque', 100.0)
+    assert load.of_cycle == pytest.approx(-gas, rel=1e-10) and gas > 100.0
+    work, power = measured(engine, 'work', 'driving_power.mean')
+    assert work == pytest.approx(load.of_cycle, rel=1e-12)
+    speed = engine.drive.speed
+    assert power == pytest.approx(work * speed / (2.0 * tau), rel=1e-10)
+    assert drive_of(linkage, speed, 0.0, None)['cycle'] == {
+        'work': pytest.approx(work, rel=1e-12), 'mean_power': pytest.approx(power, rel=1e-12)}
+
+
+def test_a_spring_is_held_where_its_energy_has_that_slope(step=1e-5):
+    spring = Spring(Attachment('ground', 0.2, 0.7), Attachment('output', 0.5), 900.0,
+                    free_length=0.3)
+    rods = Bodies(*[Body(0.0)] * 3)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=rods).with_elements(spring)
+
+    def energy(theta):
+        at = linkage.link_motion(linkage.motion(theta), 'output')
+        length = np.hypot(at.x + 0.5 * at.cosine - 0.2, at.y + 0.5 * at.sine - 0.7)
+        return 450.0 * (length - 0.3)**2
+
+    x = np.linspace(0.1, 6.1, 40)
+    slope = (energy(x + step) - energy(x - step)) / (2.0 * step)
+    assert of_drive(linkage)['holding_torque'].values(linkage, x, 50.0) == pytest.approx(
+        slope, abs=1e-8 * np.abs(slope).max())
+    assert OverInput(linkage, 'driving_torque', 25.0).of_cycle == 0.0
 
 
 @pytest.mark.parametrize(('a1', 'a4'), [(0.1, 0.15), (0.102, 0.3)])
