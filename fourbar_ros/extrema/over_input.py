@@ -109,8 +109,8 @@ class OverInput:
     def rms(self) -> float:
         """Return the root mean square."""
         # of a full turn the integral tells by itself whether it is finite, without a search
-        if (not self._linkage.turns_fully or isinstance(self._quantity, OfDrive)
-                ) and self.peak == inf:
+        by_itself = self._linkage.turns_fully and not isinstance(self._quantity, OfDrive)
+        if not by_itself and self.peak == inf:
             return inf          # it grows as one over the root of the distance, at least
         # over the size of a few values, so that no square overflows
         few, _ = nodes(self._linkage, FEW, self._ranges)

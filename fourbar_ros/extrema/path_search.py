@@ -197,6 +197,7 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
     jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))
+
     def rises(row: int, gap: int, side: int) -> bool:
         """Return whether a quantity grows towards a jump from below it, or away from it above."""
         index, value = ((gaps.before[gap], v_before[row, gap]) if side < 0 else

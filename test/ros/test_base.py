@@ -76,8 +76,8 @@ def test_two_nodes_on_one_base_pass_their_loads_on(run_node, client, lockstep, t
     client.until(lambda: tell.get_subscription_count() and in_effect, 'the topics')
     tell.publish(BaseMessage(**base._asdict(), header=Header(stamp=to_stamp(10**6))))
     client.until(lambda: in_effect[-1].rate == base.rate, 'the base')
-    linkage, due, answers = from_values(both).linkage, {}, client.hear(LinkageLoads,
-                                                                            '/two/loads')
+    linkage, due, answers = from_values(both).linkage, {}, client.hear(
+        LinkageLoads, '/two/loads')
 
     def chained():
         number = 1 + len(due)
