@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fourbar_ros.errors import (
         FourBarError,
         InvalidParameter,
+        Locked,
         MissingBodies,
         OutOfRange,
         Toggle,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanics.bodies import Applied, Base, Bodies, Body, External
     from fourbar_ros.mechanics.rods import flat_bar, round_rod
     from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion, MovingJointFourBar
+    from fourbar_ros.mechanisms.friction import DriveFriction, JointFriction
     from fourbar_ros.mechanisms.mechanism import Mechanism
     from fourbar_ros.mechanisms.parts import CROSSED, OPEN
     from fourbar_ros.mechanisms.points import point_motion
@@ -43,18 +45,20 @@ if TYPE_CHECKING:
 __version__ = '2.0.0'
 
 __all__ = [
-    'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'External', 'FourBar', 'FourBarError',
-    'InvalidParameter', 'InvertedSlider', 'Loads', 'Mechanism', 'MissingBodies', 'Motion',
-    'MovingJointFourBar', 'OutOfRange', 'ScotchYoke', 'SliderCrank', 'Toggle', 'find_extrema',
-    'flat_bar', 'load_scene', 'point_motion', 'round_rod',
+    'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'DriveFriction', 'External', 'FourBar',
+    'FourBarError', 'InvalidParameter', 'InvertedSlider', 'JointFriction', 'Loads', 'Locked',
+    'Mechanism', 'MissingBodies', 'Motion', 'MovingJointFourBar', 'OutOfRange', 'ScotchYoke',
+    'SliderCrank', 'Toggle', 'find_extrema', 'flat_bar', 'load_scene', 'point_motion', 'round_rod',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.errors': 'FourBarError, InvalidParameter, MissingBodies, OutOfRange, Toggle',
+    'fourbar_ros.errors': (
+        'FourBarError, InvalidParameter, Locked, MissingBodies, OutOfRange, Toggle'),
     'fourbar_ros.extrema.find': 'find_extrema',
     'fourbar_ros.mechanics.bodies': 'Applied, Base, Bodies, Body, External',
     'fourbar_ros.mechanics.rods': 'flat_bar, round_rod',
     'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
+    'fourbar_ros.mechanisms.friction': 'DriveFriction, JointFriction',
     'fourbar_ros.mechanisms.mechanism': 'Mechanism',
     'fourbar_ros.mechanisms.parts': 'CROSSED, OPEN',
     'fourbar_ros.mechanisms.points': 'point_motion',

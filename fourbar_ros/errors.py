@@ -110,6 +110,19 @@ class Toggle(FourBarError, ArithmeticError):
                          'are unbounded')
 
 
+class Locked(FourBarError, ArithmeticError):
+    """
+    The mechanism locks itself by friction: no drive moves it, whatever its torque.
+
+    It keeps ``name`` and ``value`` of the input, and the ``joints`` that lock together.
+    """
+
+    def __init__(self, name: str, value: float, unit: str, joints: Iterable[str]):
+        self.name, self.value, self.joints = name, value, tuple(joints)
+        super().__init__(f'{name} = {value!r} {unit}: the mechanism locks itself by friction at '
+                         f'{", ".join(self.joints)}: no drive moves it, so it has no loads')
+
+
 class MissingBodies(FourBarError, ValueError):
     """Loads were requested from a mechanism without masses."""
 

@@ -72,6 +72,7 @@ class Loads:
             raise BalanceError('nothing to balance: the scene gives no masses')
         if rate == 0.0 or not isfinite(rate):
             raise InvalidParameter('rate', rate, 'must be finite, not zero')
+        mechanism.require_no_friction('balancing')
         toggles = {end for bounds in mechanism.closing_ranges for end in bounds}
         if not mechanism.turns_fully and not toggles.isdisjoint(
                 end for bounds in mechanism.input_ranges for end in bounds):

@@ -34,6 +34,9 @@ def add(verbs: Verbs) -> None:
                     'the state at one input.', EPILOG)
     add_scene(show)
     add_pose(show, 'also show state and loads at this input angle [degrees], or slide [m]')
+    show.add_argument('--hold', type=of('rad', 'm'), metavar='INPUT',
+                      help='also show between which drives it stays at rest at this input: with '
+                           'friction a range')
     show.add_argument('--from', dest='low', type=of('rad', 'm'), metavar='INPUT',
                       help='with --to: extrema between these inputs alone [degrees or m], whose '
                            'values at both count too')
@@ -53,7 +56,7 @@ def add(verbs: Verbs) -> None:
 def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
     from fourbar_lab.drawing.curves import effort_of
-    from fourbar_lab.drawing.poses import evaluate_at
+    from fourbar_lab.drawing.poses import evaluate_at, position_of
     from fourbar_lab.drawing.record import drive_of, record_of
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import select
@@ -63,19 +66,26 @@ def _show(arguments: Namespace) -> None:
     within = _within(linkage, arguments.low, arguments.high)
     pose = (None if arguments.at is None else evaluate_at(
         linkage, arguments.at, speed, acceleration))
+    holding = None if arguments.hold is None else linkage.holding(
+        position_of(linkage, arguments.hold))
+    quantities = select((), linkage, scene.point_quantities)
+    locked = linkage.locked_ranges(speed, acceleration, within)
+    if locked:          # there are no loads in them
+        quantities = [quantity for quantity in quantities if not quantity.is_load]
     with bar('proof', 100) as done:
         extrema = find_extrema(
-            linkage, select((), linkage, scene.point_quantities), speed, acceleration,
-            arguments.certify, seconds=arguments.seconds,
+            linkage, quantities, speed, acceleration, arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)
     effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
-              if linkage.has_loads else None)
-    drive = drive_of(linkage, speed, acceleration, within)
+              if linkage.has_loads and not locked else None)
+    drive = drive_of(linkage, speed, acceleration, within) if not locked else {}
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
             **({'within': list(within)} if within else {}), 'why_no_loads': linkage.why_no_loads,
             **({'drive_effort': effort._asdict()} if effort else {}),
+            **({'locked': locked} if linkage.friction else {}),
+            **({'holding': holding} if holding else {}),
             'drive': drive, **record_of(linkage, extrema, scene.points, pose)}))
     else:
         from fourbar_lab.drawing import tables
@@ -90,13 +100,17 @@ def _show(arguments: Namespace) -> None:
             tables.extrema_table(linkage, extrema,
                                  f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
             tables.proofs_in_words(extrema) or None,
-            linkage.why_no_loads or None]
+            linkage.why_no_loads or None,
+            'locks itself by friction, so without extrema of loads, in '
+            + in_words(locked, linkage.input_coordinate.unit) if locked else None]
         if effort:
             unit = 'N' if linkage.is_driven_by_slide else 'N m'
             blocks.append(f'{linkage.drive_load.replace("_", " ")}: root mean square '
                           f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} '
                           'over the input')
         blocks += tables.drive_in_words(linkage, drive)
+        if holding:
+            blocks.append(tables.holding_in_words(linkage, arguments.hold, *holding))
         if pose:
             blocks += [motion_table(linkage, pose),
                        loads_table(linkage, pose.loads) if pose.loads else None,

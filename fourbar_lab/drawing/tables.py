@@ -161,6 +161,18 @@ def drive_in_words(linkage: Mechanism, drive: LinkageRecord) -> list[str]:
     return lines
 
 
+def holding_in_words(linkage: Mechanism, user_input: float, lower: float, upper: float) -> str:
+    """Return a line on the drives between which a mechanism stays at rest."""
+    unit = 'N' if linkage.is_driven_by_slide else 'N m'
+    at = f'{user_input:g} {"m" if linkage.is_driven_by_slide else "deg"}'
+    ways = [f'{drive:.6g} {unit} ({way})' if isfinite(drive) else f'any {limit} {unit} ({locks})'
+            for drive, way, limit, locks in (
+                (lower, 'less lets it go backward', 'negative', 'it locks backward'),
+                (upper, 'more drives it forward', 'positive', 'it locks forward'))]
+    return (f'{linkage.drive_load.replace("_", " ")} at rest at '
+            f'{linkage.input_coordinate.position} = {at}: it stays from {" to ".join(ways)}')
+
+
 def proofs_in_words(extrema: Sequence[Extremum]) -> str:
     """Return a line for each way in which extrema are proved, or not, with the quantities."""
     names: dict[str, dict[str, None]] = {}

@@ -262,6 +262,7 @@ class GeneratedModel:
     def check(self) -> None:
         """Raise NotGenerated or InvalidParameter if the scene cannot be generated as asked."""
         mechanism, outputs = self.mechanism, list(self.outputs or ())
+        mechanism.require_no_friction('generated code')
         known = self.names_of_motion
         for name in outputs:
             if name in mechanism.LOADS._fields and mechanism.bodies is None:

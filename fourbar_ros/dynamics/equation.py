@@ -198,6 +198,7 @@ class Equation:
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
+        mechanism.require_no_friction('a motion that follows from torque')
         # (link, body, applied load), without links that add nothing
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()

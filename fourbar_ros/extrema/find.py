@@ -194,6 +194,19 @@ class _Group(NamedTuple):
     paths: list[InputPath]
 
 
+def _pieces_with_friction(linkage: Mechanism, rates: tuple[float, float],
+                          within: tuple[float, float] | None) -> Pieces:
+    """Return the pieces of loads with friction; refuse inputs at which the mechanism locks."""
+    locked = linkage.locked_ranges(*rates, within)
+    if locked:
+        unit = linkage.input_coordinate.unit
+        raise InvalidParameter('friction', linkage.friction[0][0], 'it locks the mechanism in '
+                               f'{in_words(locked, unit)}: loads have extrema only between '
+                               'inputs without any such')
+    from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
+    return with_friction(linkage, rates)
+
+
 class Search:
     """
     The search, and its proof, for some quantities of a mechanism at rate and acceleration.
@@ -206,14 +219,17 @@ class Search:
                  rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
         """Make samplers of the quantities, by complex steps and by differences."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
+        every_pieces = linkage.pieces
+        if linkage.friction and any(quantity.is_load for quantity in quantities):
+            every_pieces = _pieces_with_friction(linkage, rates, within)
         rough = [row for row, quantity in enumerate(quantities)
                  if isinstance(quantity, Function) and not quantity.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
         self._groups, self.unresolved = list[_Group](), unresolved(linkage)
         for kind, every in ((Sampler, smooth), (DifferenceSampler, rough)):
             by_group: dict[tuple[Pieces | None, tuple[float, ...]], list[int]] = {}
-            for pieces in (None, linkage.pieces) if linkage.pieces else (None,):
-                rows = [row for row in every if not linkage.pieces
+            for pieces in (None, every_pieces) if every_pieces else (None,):
+                rows = [row for row in every if not every_pieces
                         or quantities[row].is_load == (pieces is not None)]
                 if linkage.flat_inputs and rows:
                     for row, poles in zip(rows, kind(linkage, [quantities[row] for row in rows],

@@ -528,8 +528,8 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
     if path.gaps is not None:       # all in the last piece, in the other mode too
-        assert other_mode.linkage.pieces
-        ends = np.array([*path.gaps.x, *np.array(other_mode.linkage.pieces.ends) / sampler.unit])
+        ends = np.array([*path.gaps.x, *np.array(
+            other_mode.linkage.pieces.ends if other_mode.linkage.pieces else ()) / sampler.unit])
         away = np.abs(ends - end.x)
         farthest = np.abs(x - end.x).max()
         width = min(farthest, 0.5 * away[away > 0.0].min()) if away.any() else farthest

@@ -297,6 +297,8 @@ class Enclosing:
                     linkage.pieces and linkage.pieces.ends and quantities[i].is_load):
                 self.why_not[i] = ('forces over a position and torsion springs that come round '
                                    'are not enclosed')
+            elif linkage.friction and quantities[i].is_load:
+                self.why_not[i] = 'friction is not enclosed'
         self._values: list[Any] = [
             None if number is None else (arb(number), arb(number))
             for number in trace.numbers([*rates, *numbers_of(data)])]

@@ -128,7 +128,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else tuple(wanted)
     if data is not None:
-        columns = numbers_of(data if with_loads else data._replace(bodies=None, elements=()))
+        columns = numbers_of(data if with_loads else data.of_motion)
         trace = trace_of(formula_of(mechanism, with_loads)[0])
         known = trace.numbers(columns)
         with np.errstate(all='ignore'):

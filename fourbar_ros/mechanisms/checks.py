@@ -38,7 +38,16 @@ def checked(mechanism: MechanismGeometry) -> dict[str, Any]:
                   external=records('external', mechanism.external, Applied, mechanism.EXTERNAL))
     if mechanism.bodies is not None:
         values['bodies'] = records('bodies', mechanism.bodies, Body, mechanism.BODIES)
+    values['friction'] = friction_of(mechanism)
     return values
+
+
+def friction_of(mechanism: MechanismGeometry) -> Any:
+    """Return the friction of a mechanism as checked pairs (joint, friction)."""
+    if isinstance(mechanism.friction, tuple) and not mechanism.friction:
+        return ()
+    from fourbar_ros.mechanisms.friction import checked_friction  # few mechanisms have any
+    return checked_friction(mechanism.REACTIONS, mechanism.friction)
 
 
 def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:

@@ -37,6 +37,12 @@ class Constants(NamedTuple):
     gravity: Gravity
     external: Any
     elements: tuple[Any, ...] = ()
+    friction: Any = ()      # of joints and drive, in the order of the mechanism's
+
+    @property
+    def of_motion(self) -> Constants:
+        """Return those of the motion alone."""
+        return self._replace(bodies=None, elements=(), friction=())
 
 
 @dataclass(frozen=True)
@@ -64,9 +70,11 @@ def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constan
     """Return the formula of a mechanism, and the data it is made for."""
     structure, data = mechanism.structure, mechanism.constants
     if not with_loads:
-        data = data._replace(bodies=None, elements=())
+        data = data.of_motion
     elif mechanism.elements:
         structure += mechanism.structure_of_elements
+    if with_loads:
+        structure += tuple([(name, friction.structure) for name, friction in mechanism.friction])
     return Formula((*structure, type(mechanism.gravity)), with_loads, mechanism), data
 
 

@@ -156,6 +156,8 @@ class FourBar(FourBarLinks):
         Forces and couples on coupler and output link.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
+    friction : mapping {joint: JointFriction}
+        By its name, as 'O1'; 'drive': a DriveFriction.
 
     Raises
     ------
@@ -173,6 +175,7 @@ class FourBar(FourBarLinks):
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (parts.Output(THETA4, 'velocity_ratio'),)}
@@ -249,7 +252,7 @@ class MovingJointFourBar(FourBarLinks):
         Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
     input : str
         'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
-    bodies, gravity, external
+    bodies, gravity, external, friction
         As of :class:`~FourBar`.
 
     Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
@@ -267,6 +270,7 @@ class MovingJointFourBar(FourBarLinks):
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     MODES = {1: '1', parts.OPEN: '2'}
     INPUTS = {parts.JOINT_A: THETA2, parts.JOINT_B: THETA3}

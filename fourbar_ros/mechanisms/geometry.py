@@ -12,7 +12,12 @@ from typing import Any, cast, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
-from fourbar_ros.mechanisms.checks import checked, checked_gravity, checked_stroke
+from fourbar_ros.mechanisms.checks import (
+    checked,
+    checked_gravity,
+    checked_stroke,
+    friction_of,
+)
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.parts import (
     Coordinate,
@@ -162,7 +167,7 @@ class MechanismGeometry(StatedMechanism):
     def constants(self) -> Constants:
         """Return the :class:`Constants` of this mechanism."""
         return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external,
-                         self.elements)
+                         self.elements, tuple([friction for _, friction in self.friction]))
 
     @cached_property
     def structure_of_elements(self) -> tuple[object, ...]:
@@ -374,6 +379,11 @@ class MechanismGeometry(StatedMechanism):
         copied = self._copy(**self._geometry, elements=elements)
         copied._fit_elements()
         return copied
+
+    def with_friction(self: _Self, friction: Any) -> _Self:
+        """Return the same mechanism with friction of joints and drive, {name: its friction}."""
+        copied = self._copy(**self._geometry, friction=friction)
+        return copied._copy(**self._geometry, friction=friction_of(copied))
 
     def with_base(self: _Self, base: Base) -> _Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""

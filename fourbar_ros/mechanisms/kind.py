@@ -284,7 +284,18 @@ class Kind(Mechanism):
 
     # --- loads ----------------------------------------------------------------------------------
 
-    def joint_loads(self, n: NumberType, constants: Constants, m: Any) -> list[Scalar]:
+    @property
+    def layout(self) -> Layout:
+        """Return the structure of its machine."""
+        return self.drive.layout
+
+    def joint_in_layout(self, joint: str) -> str:
+        """Return the name that its machine has for a joint."""
+        force = next(each.magnitude for each in self.REACTIONS if each.joint == joint)
+        return self.drive.reactions[force].lstrip('-')
+
+    def joint_loads(self, n: NumberType, constants: Constants, m: Any,
+                    told: list[Any] | None = None) -> list[Scalar]:
         """Return the loads of the machine by the names of the kind."""
         # of linkages with masses alone
         from fourbar_ros.mechanics.newton_euler import needs_of
@@ -301,14 +312,17 @@ class Kind(Mechanism):
             n, drive.layout, [drive.lengths(*lengths)],
             self._links(lengths, m, per_unit, are_ratios=True), needs,
             [[getattr(m, slide.position) * per_unit for slide in drive.slides]], [m.sine], unit,
-            {link: by_name[length] for link, length in drive.reversed.items()}, borne)))
+            {link: by_name[length] for link, length in drive.reversed.items()}, borne,
+            self.friction_in(n, constants, unit, told, getattr(m, self.input_coordinate.rate))
+            if self.friction else None)))
         for link in borne:
             joint = drive.reactions['f41' if link == 'crank' else 'f43']
             side, joint = -1.0 if joint.startswith('-') else 1.0, joint.lstrip('-')
             force = needs[link].force * side
             x, y = loads[f'{joint}_x'] + force.x, loads[f'{joint}_y'] + force.y
             loads |= {f'{joint}_x': x, f'{joint}_y': y, joint: n.hypot(x, y)}
-        loads |= self.corrected(n, constants, m, needs, loads)
+        if not self.friction:
+            loads |= self.corrected(n, constants, m, needs, loads)
 
         def named(name: str) -> Scalar:
             """Return a load by its name as a kind has it."""

@@ -12,13 +12,14 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
-from math import isfinite
+from math import inf, isfinite
 from numbers import Real
 from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros.errors import (
     FourBarError,
     InvalidParameter,
+    Locked,
     MissingBodies,
     OutOfRange,
     Toggle,
@@ -29,23 +30,24 @@ from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.load_table import all_loads
-from fourbar_ros.mechanisms.parts import NamedFields, OPEN
+from fourbar_ros.mechanisms.parts import DRIVE, NamedFields, OPEN, Ranges
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
+    from fourbar_ros.mechanisms.machine.solve.friction import MachineFriction
     from fourbar_ros.mechanisms.pieces import Pieces
 
 # Links and the coordinate that drives them: a mechanism, or the same links driven at another one.
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
 _Self = TypeVar('_Self', bound='Mechanism')
 # what tab completion shows besides the fields
-SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'in_mode',
-         'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes', 'motion',
-         'output_ranges', 'outputs', 'reactions', 'step', 'turns_fully', 'with_base',
+SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'holding',
+         'in_mode', 'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes',
+         'motion', 'output_ranges', 'outputs', 'reactions', 'step', 'turns_fully', 'with_base',
          'with_elements', 'with_external', 'with_lengths')
 
 
@@ -64,8 +66,13 @@ class Mechanism(MechanismGeometry):
         """Return the motion of one of its ``LINKS`` by name, from one of its motions."""
         return self.link_motions(motion)[self.link(link).name]
 
-    def loads_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+    def loads_formula(self, n: NumberType, constants: Constants,
+                      told: list[Any] | None = None) -> Function:
+        """
+        Return (fields of MOTION) -> fields of LOADS for constants of a number type.
+
+        ``told``: takes what joints with friction tell, each a :class:`.Told`.
+        """
         applied = None
         if constants.elements:
             from fourbar_ros.mechanisms.elements import make_applied  # few mechanisms have any
@@ -75,7 +82,7 @@ class Mechanism(MechanismGeometry):
             motion, acting = self.MOTION._make(fields), constants
             if applied is not None:
                 acting = constants._replace(external=applied(motion))
-            return all_loads(self, constants, motion, self.joint_loads(n, acting, motion))
+            return all_loads(self, constants, motion, self.joint_loads(n, acting, motion, told))
         return loads
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
@@ -256,7 +263,66 @@ class Mechanism(MechanismGeometry):
     def weightless(self: _Self) -> _Self:
         """Return the same mechanism without all that acts on it: masses alone."""
         external = self.EXTERNAL._make([NOT_APPLIED] * len(self.EXTERNAL._fields))
-        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external, elements=())
+        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external, elements=(),
+                          friction=())
+
+    def friction_in(self, n: NumberType, constants: Constants, unit: Scalar,
+                    told: list[Any] | None, rate: Scalar) -> MachineFriction:
+        """
+        Return the friction of its joints, for loads at a rate of the input.
+
+        ``unit``: of lengths [m]; ``told``: takes what the joints tell.
+        """
+        # few mechanisms have friction
+        from fourbar_ros.mechanisms.machine.solve.friction import MachineFriction
+        joints = [name if name == DRIVE else self.joint_in_layout(name)
+                  for name, _ in self.friction]
+        return MachineFriction(
+            n, self.layout, dict(zip(joints, constants.friction)),
+            {joint: friction.length < inf for joint, (_, friction) in zip(joints, self.friction)
+             if joint != DRIVE and friction.coefficient}, rate, unit,
+            [] if told is None else told)
+
+    def joint_in_layout(self, joint: str) -> str:
+        """Return the name that the :class:`.Layout` of its machine has for a joint."""
+        return joint
+
+    def holding(self, position: ArrayLike) -> tuple[Any, Any]:
+        """
+        Return the least and the largest drive [N m], [N] that hold it at rest: (lower, upper).
+
+        With less it goes backward, with more forward; both are those of friction at impending
+        motion, one of either way. An infinite bound: the mechanism locks itself that way, and no
+        drive moves it. Without friction both are equal. Arguments and errors as in :meth:`loads`.
+        """
+        if not self.friction:
+            drive = getattr(self.loads(position), self.drive_load)
+            return drive, drive
+        from fourbar_ros.mechanisms.friction import holding  # few mechanisms have any
+        return holding(self, position)
+
+    def locked_ranges(self, rate: float, acceleration: float = 0.0,
+                      within: tuple[float, float] | None = None) -> Ranges:
+        """
+        Return the ranges of the input in which it locks itself by friction [rad or m].
+
+        ``within``: those alone that overlap with two inputs.
+        """
+        if not (self.friction and self.has_loads):
+            return ()
+        from fourbar_ros.mechanisms.friction import locked_ranges  # few mechanisms have any
+        return locked_ranges(self, rate, acceleration, within)
+
+    def require_no_friction(self, what: str) -> None:
+        """Refuse a mechanism with friction for what does not take it, by name."""
+        if self.friction:
+            raise InvalidParameter(f'friction.{self.friction[0][0]}', None,
+                                   f'{what} takes no friction yet')
+
+    @cached_property
+    def without_friction(self: _Self) -> _Self:
+        """Return the same mechanism without friction."""
+        return self._copy(**self._geometry, friction=()) if self.friction else self
 
     @property
     def drive_load(self) -> str:
@@ -311,8 +377,7 @@ class Mechanism(MechanismGeometry):
                                    'the ends of a spring meet there: it has no direction'
                                    ) from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
-            raise InvalidParameter(self.input_coordinate.rate, rate,
-                                   'so fast, or with such masses, that loads overflow')
+            raise self._why_no_loads(motion)
         return as_motion(motion), as_loads(loads)
 
     def motion_and_loads(self, position: ArrayLike, rate: ArrayLike = 0.0,
@@ -343,6 +408,22 @@ class Mechanism(MechanismGeometry):
         self.checked_input(self.input_coordinate.position, values[0])
         raise InvalidParameter(self.input_coordinate.rate, values[1],
                                'so fast that its square overflows')
+
+    def _why_no_loads(self, motion: Sequence[float]) -> FourBarError:
+        """Return the error for a motion of which a load is not finite."""
+        fields = self.MOTION._make(motion)
+        position, rate, _ = (getattr(fields, name) for name in self.input_coordinate)
+        told = list[Any]()
+        if self.friction:
+            self.loads_formula(REAL, self.constants, told)(fields)
+        for joints, locks, _ in told:
+            if locks != 0.0:
+                named = {self.joint_in_layout(name): name for name, _ in self.friction
+                         if name != DRIVE}
+                return Locked(self.input_coordinate.position, position,
+                              self.input_coordinate.unit, [named[joint] for joint in joints])
+        return InvalidParameter(self.input_coordinate.rate, rate,
+                                'so fast, or with such masses, that loads overflow')
 
     def _why_no_motion(self, position: float) -> FourBarError:
         """Return the error for an input at which a square root was not real or a sine zero."""

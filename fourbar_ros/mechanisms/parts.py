@@ -156,6 +156,7 @@ class Joint(NamedTuple):
 
 
 GROUND = 'ground'      # as a link: it does not move
+DRIVE = 'drive'        # of which there may be friction, besides that of joints
 
 
 class Reaction(NamedTuple):

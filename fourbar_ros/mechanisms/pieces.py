@@ -10,7 +10,7 @@ zero: those at complex inputs near the real ones are given too, as quantities ch
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf, pi, tau
 from typing import Any, NamedTuple
 
@@ -27,13 +27,16 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.newton import newton_roots
-from fourbar_ros.numerics.number_types import ARRAY
+from fourbar_ros.numerics.number_types import ARRAY, numbers_of
+from fourbar_ros.numerics.tables import ARRAYS, run
+from fourbar_ros.numerics.trace import flat
 import numpy as np
 
 SAMPLES = 361           # of a turn, or of a range of the input
 CLOSER = 2.0**-np.arange(16.0, 46.0)    # of a range: distances of more samples from its ends
 STEP = 2.0**-200        # of derivatives by a complex step
 TOUCHING = 1e-9         # of a turn or range: nearer ends of pieces are one
+BESIDE = 1e-10          # ... distance of samples beside them
 FARTHEST = 1.0          # [rad] distance from the real inputs at which branch points still matter
 
 
@@ -58,13 +61,7 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
     coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
     ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
     for low, high in _ranges(mechanism) if coordinates else ():
-        if mechanism.turns_fully:       # once round, from beside zero
-            x = low + 0.3 + np.linspace(0.0, high - low, SAMPLES * mechanism.turns)
-        else:       # beside a toggle angles change as the root of the distance
-            shares = np.concatenate((CLOSER, 0.5 - 0.5 * np.cos(
-                np.linspace(0.0, pi, SAMPLES)[1:-1])))
-            x = np.unique(np.concatenate((low + (high - low) * shares,
-                                          high - (high - low) * CLOSER)))
+        x = _samples(mechanism, low, high)
         for coordinate in coordinates:
             def values(x: Array, coordinate: Coordinate = coordinate) -> tuple[Array, Array]:
                 """Return a coordinate and its slope at inputs."""
@@ -82,12 +79,71 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
                                   if z[1] < FARTHEST * mechanism.input_unit]
             else:
                 ends += _crossings(values, np.union1d(x, turning), coordinate).tolist()
+    return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
+
+
+def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
+    """
+    Return the pieces of a mechanism with friction at a rate and an acceleration of the input.
+
+    Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
+    where what a guide bears does.
+    """
+    from fourbar_ros.mechanisms.friction import trace_of_edges  # few mechanisms have any
+    ends, branch_points = mechanism.pieces or Pieces((), ())
+    trace, found = trace_of_edges(mechanism), list(ends)
+    known = trace.numbers(numbers_of(mechanism.constants))
+    results = flat(trace.results)
+    for low, high in _ranges(mechanism) if rates[0] else ():
+        x = _samples(mechanism, low, high)
+        for index in sorted(results, key=lambda i: len(trace.needed([i]))):
+            order = [i for i in trace.needed([index]) if not trace.steps[i].is_given]
+
+            def values(x: Array, index: int = index, order: list[int] = order
+                       ) -> tuple[Array, Array]:
+                """Return an edge and its slope at inputs."""
+                with np.errstate(all='ignore'):
+                    inputs = [x + 1j * STEP, *[np.complex128(rate) for rate in rates]]
+                    s = run(trace, order, ARRAYS, [*inputs, *known[3:]])[index]
+                s = np.broadcast_to(s, x.shape)
+                return s.real, s.imag / STEP
+            # on both sides of the ends so far, at which it may jump
+            sides = np.array([end + side * BESIDE * (high - low)
+                              for end in found for side in (-1.0, 1.0)])
+            apart = np.union1d(x, sides[(sides > x[0]) & (sides < x[-1])])
+            apart = apart[np.isfinite(values(apart)[0])]
+            if apart.size < 2:
+                continue
+            turning, _ = _turning_points(values, apart)
+            found += _crossings(values, np.union1d(apart, turning), Coordinate(
+                lambda moving, x: x, np.zeros(1), inf)).tolist()
+        found = list(_apart(mechanism, found, low, high))
+    return Pieces(tuple(found), branch_points)
+
+
+def _samples(mechanism: Mechanism, low: float, high: float) -> Array:
+    """Return rising inputs of a cycle, or of a range, denser at its ends."""
+    if mechanism.turns_fully:       # once round, from beside zero
+        return np.asarray(low + 0.3 + np.linspace(0.0, high - low, SAMPLES * mechanism.turns))
+    return samples_of_range(low, high)
+
+
+def samples_of_range(low: float, high: float) -> Array:
+    """Return rising inputs of a range: beside a toggle angles change as the distance's root."""
+    shares = np.concatenate((CLOSER, 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, SAMPLES)[1:-1])))
+    return np.asarray(np.unique(np.concatenate((low + (high - low) * shares,
+                                                high - (high - low) * CLOSER))))
+
+
+def _apart(mechanism: Mechanism, ends: Sequence[float], low: float, high: float
+           ) -> tuple[float, ...]:
+    """Return ends of pieces in order, those of a cycle from ``low`` on, each once."""
     apart, width = list[float](), high - low
     for end in sorted(end - width if mechanism.turns_fully and end >= high else end
                       for end in ends):
         if not apart or end - apart[-1] > TOUCHING * width:
             apart.append(end)
-    return Pieces(tuple(apart), tuple(branch_points))
+    return tuple(apart)
 
 
 def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:

@@ -109,6 +109,8 @@ class SliderCrank(OffsetSlide):
         the links close.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
+    friction : mapping {joint: JointFriction}
+        By its name, as 'guide'; 'drive': a DriveFriction.
 
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
     about B.
@@ -125,6 +127,7 @@ class SliderCrank(OffsetSlide):
     external: External = External()
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     TITLE = 'slider-crank'
     TEXT = 'a slider on a guide parallel to x'
@@ -219,6 +222,8 @@ class InvertedSlider(OffsetSlide):
         the links close.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
+    friction : mapping {joint: JointFriction}
+        By its name, as 'slide'; 'drive': a DriveFriction.
 
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
     block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
@@ -236,6 +241,7 @@ class InvertedSlider(OffsetSlide):
     external: External = External()
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     TITLE = 'inverted slider-crank'
     TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
@@ -377,6 +383,8 @@ class ScotchYoke(Kind):
         Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
+    friction : mapping {joint: JointFriction}
+        By its name, as 'slot'; 'drive': a DriveFriction.
 
     """
 
@@ -389,6 +397,7 @@ class ScotchYoke(Kind):
     external: External = External()
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     TITLE = 'Scotch yoke'
     TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'

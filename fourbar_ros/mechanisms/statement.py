@@ -82,6 +82,7 @@ class StatedMechanism(ABC):
     gravity: Gravity
     external: Any
     elements: tuple[Any, ...]       # springs, dampers, forces over a position: :mod:`.elements`
+    friction: Any       # pairs of :data:`.mechanisms.friction.Friction`
     stroke: tuple[float, float] | None = None       # of mechanisms that have none
 
     # --- each kind must give these --------------------------------------------------------------
@@ -91,8 +92,18 @@ class StatedMechanism(ABC):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
 
     @abstractmethod
-    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields) -> Any:
-        """Return the fields of LOADS that are no DERIVED ones, for constants of a number type."""
+    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
+                    told: list[Any] | None = None) -> Any:
+        """
+        Return the fields of LOADS that are no DERIVED ones, for constants of a number type.
+
+        ``told``: takes what joints with friction tell, each a :class:`.Told`.
+        """
+
+    @property
+    @abstractmethod
+    def layout(self) -> Any:
+        """Return the structure of its machine, a Layout."""
 
     @property
     @abstractmethod

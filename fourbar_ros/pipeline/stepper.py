@@ -14,7 +14,7 @@ from math import isfinite, isinf, isnan, nan, nextafter
 from types import MappingProxyType
 from typing import cast, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Toggle
+from fourbar_ros.errors import FourBarError, InvalidParameter, Locked, OutOfRange, Toggle
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.numerics.number_types import REAL
@@ -27,9 +27,10 @@ if TYPE_CHECKING:      # scenes with wrenches need it
     from fourbar_ros.pipeline.wrenches import ActingInput
 
 # The same values as the STATUS_ constants of fourbar_msgs/LinkageState (a test compares them).
-OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN = range(7)
+OK, OUT_OF_RANGE, INVALID_INPUT, TOGGLE, RATES_UNKNOWN, INPUT_TIMEOUT, LOADS_UNKNOWN, \
+    LOCKED = range(8)
 STATUS_NAMES = ('ok', 'out of range', 'invalid input', 'toggle', 'rates unknown', 'input timeout',
-                'loads unknown')
+                'loads unknown', 'locked by friction')
 
 Evaluated = tuple[int, NamedFields, NamedFields]      # status, MOTION and LOADS of the mechanism
 
@@ -47,7 +48,7 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
     INVALID_INPUT: the input is NaN, infinite, an angle at which floats are 4 rad apart, or so
     fast that a result overflows. RATES_UNKNOWN: the rate or acceleration is NaN; fields that do
     not depend on it are valid. TOGGLE: rates are unbounded, or at the flat position of a change
-    point the condition alone; there are no loads.
+    point the condition alone; there are no loads. LOCKED: by friction, so there are no loads.
     """
     inputs = position, rate, acceleration
     if not isfinite(position * mechanism.overflowing) or isinf(rate) or isinf(acceleration):
@@ -69,6 +70,8 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
         return OUT_OF_RANGE, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
     except Toggle:
         return _partly(TOGGLE, mechanism, *inputs)
+    except Locked:
+        return LOCKED, mechanism.motion(*inputs), _none_of(mechanism.LOADS)
     except InvalidParameter:     # numbers overflow
         pass
     return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
@@ -204,7 +207,7 @@ class Stepper:
         values = self._completed((*motion, *loads, *branch.outputs(mechanism, status, motion,
                                                                    loads, wanted.outputs)))
         if self._policy == 'hold':
-            if status in (OK, LOADS_UNKNOWN):
+            if status in (OK, LOADS_UNKNOWN, LOCKED):
                 branch.held = values
             elif status in (OUT_OF_RANGE, INVALID_INPUT) and branch.held:
                 values = branch.held

@@ -31,7 +31,7 @@ VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings
 IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 LISTED = '; docs/reference.md lists all'
-ABSENT = 'gears', 'friction', 'cams'       # which other programs have
+ABSENT = 'gears', 'cams'       # which other programs have
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -119,7 +119,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     family, *rest = name.split('.')
     is_member = member_of(name) is not None
     if family in FAMILIES and len(rest) > 1 and not is_member:
-        noun = 'link' if family in OF_LINKS else family[:-1].replace('_', ' ')
+        noun = ('link' if family in OF_LINKS else 'joint' if family == 'friction'
+                else family[:-1].replace('_', ' '))
         return (f'{rest[0]!r} is not a valid {noun} name: use letters, digits and _, starting '
                 'with a letter')
     if family == 'dyads' and not is_machine:

@@ -308,6 +308,9 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     if families & {'forces', 'springs', 'torsion_springs'}:
         from fourbar_ros.scene.elements import elements_of  # few scenes have any
         mechanism = mechanism.with_elements(*elements_of(values, mechanism))
+    if 'friction' in families:
+        from fourbar_ros.scene.friction import friction_of  # nor friction
+        mechanism = mechanism.with_friction(friction_of(values, mechanism))
     dynamics = None
     if values['drive.source'] in SOURCES:
         from fourbar_ros.scene.dynamics import of_values  # nor torque

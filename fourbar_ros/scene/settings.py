@@ -468,6 +468,22 @@ _TORSION = _table(
     Parameter('torsion_springs.NAME.damping', 'double', 0.0, 'N m s/rad',
               'damping of the torsion spring NAME', low=0.0),
 )
+# NAME is a joint, or drive.
+_FRICTION = _table(
+    Parameter('friction.NAME.coefficient', 'double', 0.0, '',
+              'coefficient of dry friction of the joint NAME', low=0.0),
+    Parameter('friction.NAME.radius', 'double', 0.0, 'm',
+              'radius of the pin NAME: its dry friction is the couple coefficient radius |force|',
+              low=0.0),
+    Parameter('friction.NAME.length', 'double', nan, 'm',
+              'length of the block of the guide NAME, whose two ends bear force and couple; '
+              'default: the couple is borne without friction', positive=True),
+    Parameter('friction.NAME.viscous', 'double', 0.0, '',
+              'viscous friction of the pin NAME, or of a drive that turns [N m s/rad], of the '
+              'guide NAME, or of a drive that slides [N s/m]', low=0.0),
+    Parameter('friction.NAME.torque', 'double', 0.0, 'N m or N',
+              'of friction.drive: constant friction of the drive itself', low=0.0),
+)
 # A table of forces stands in a file, or in places and values.
 _FORCE = _table(
     *_point('forces.NAME', 'point where the force NAME acts', REQUIRED,
@@ -505,5 +521,5 @@ _FORCE = _table(
               'negative against the direction'),
 )
 FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, 'forces': _FORCE,
-            'dyads': _DYAD, 'bodies': _BODY, 'external': _EXTERNAL}
+            'friction': _FRICTION, 'dyads': _DYAD, 'bodies': _BODY, 'external': _EXTERNAL}
 OF_LINKS = 'bodies', 'external'      # families of which every link of the mechanism is a member

@@ -64,7 +64,7 @@ def test_a_rocker_says_where_its_input_ends(run_node, client, lockstep):
 
 def test_status_numbers_are_those_of_the_message():
     for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT',
-                 'LOADS_UNKNOWN'):
+                 'LOADS_UNKNOWN', 'LOCKED'):
         assert getattr(codes, name) == getattr(LinkageState, f'STATUS_{name}')
 
 

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
-from fourbar_ros.mechanisms.checks import checked_gravity, STROKE, two_numbers
+from fourbar_ros.mechanisms.checks import checked_gravity, friction_of, STROKE, two_numbers
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
@@ -91,6 +91,8 @@ class Machine(Mechanism):
         Shortest and longest slide or cylinder [m].
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
+    friction : mapping {joint: JointFriction}
+        By its name, as 'base' and 'd_first' of a dyad d; 'drive': a DriveFriction.
 
     Raises
     ------
@@ -116,6 +118,7 @@ class Machine(Mechanism):
     external: Any = field(default_factory=dict)
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
+    friction: Any = ()
 
     base_layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
@@ -135,7 +138,7 @@ class Machine(Mechanism):
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
                                    NOT_APPLIED) or self.EXTERNAL(),
-                  gravity=checked_gravity(self.gravity))
+                  gravity=checked_gravity(self.gravity), friction=friction_of(self))
         self._require_closing()
         self._check_stroke()
         self._fit_elements()
@@ -406,7 +409,8 @@ class Machine(Mechanism):
     def constants(self) -> Constants:
         """Return the lengths of each dyad for lengths, the modes of all for the mode."""
         return Constants(tuple([dyad.lengths for dyad in self.stages]), self.signs, self.bodies,
-                         self.gravity, self.external, self.elements)
+                         self.gravity, self.external, self.elements,
+                         tuple([friction for _, friction in self.friction]))
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         """Return its :attr:`constants` with other lengths, of any kind of numbers."""
@@ -430,10 +434,13 @@ class Machine(Mechanism):
         return partial(motion_of, n, self.layout, shaped(n, self.layout, constants.lengths),
                        constants.sign)
 
-    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields) -> Any:
+    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
+                    told: list[Any] | None = None) -> Any:
         """Return the fields of LOADS for constants of a number type."""
         return loads_of(n, self.layout, constants.lengths, constants.bodies, constants.gravity,
-                        constants.external, motion)
+                        constants.external, motion,
+                        self.friction_in(n, constants, 1.0, told, motion.rate)
+                        if self.friction else None)
 
     @property
     def classification(self) -> str:

@@ -66,11 +66,11 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
                                              request.acceleration, response.has_loads)
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
                  (*motion, *loads))
-    response.result = {OK: response.RESULT_OK,
-                       stepper.OUT_OF_RANGE: response.RESULT_OUT_OF_RANGE,
-                       stepper.INVALID_INPUT: response.RESULT_INVALID_REQUEST,
-                       stepper.RATES_UNKNOWN: response.RESULT_INVALID_REQUEST,
-                       stepper.TOGGLE: response.RESULT_TOGGLE}[status]
+    response.result = getattr(response, {
+        OK: 'RESULT_OK', stepper.OUT_OF_RANGE: 'RESULT_OUT_OF_RANGE',
+        stepper.INVALID_INPUT: 'RESULT_INVALID_REQUEST',
+        stepper.RATES_UNKNOWN: 'RESULT_INVALID_REQUEST', stepper.TOGGLE: 'RESULT_TOGGLE',
+        stepper.LOCKED: 'RESULT_LOCKED'}[status])
     if status == stepper.OUT_OF_RANGE:
         driven = linkage.input_coordinate
         response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
@@ -81,6 +81,8 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
     elif status == stepper.TOGGLE:
         response.message = ('toggle position: rates and loads are unbounded; at the flat '
                             'position of a change point the motion goes on, loads are not known')
+    elif status == stepper.LOCKED:
+        response.message = 'the mechanism locks itself by friction: no drive moves it'
     return response
 
 

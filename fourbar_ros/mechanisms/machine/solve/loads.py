@@ -4,7 +4,7 @@
 Loads of a machine: Newton-Euler backward through its dyads.
 
 The paper's 9x9 system, Eq. (9), is solved by hand as its Eq. (10) does by an inverse. Assumed:
-rigid links that move in one plane; joints without clearance and without friction; gravity uniform;
+rigid links that move in one plane; joints without clearance; gravity uniform;
 external forces and couples constant along the ground axes, at points fixed in their link. The
 drive is a pure torque on the second of two links from the first, or a force along a slide.
 
@@ -23,8 +23,9 @@ other links,
 
 A dyad adds its forces to the *needs* of the links on which it hangs: the force f and the moment
 m about its first joint that the joints of a link must add up to. The force D of a
-cylinder's drive acts along its rod, on the rod and back on the tube. Slides are free of friction:
-a normal force along n and a couple. Notation as in
+cylinder's drive acts along its rod, on the rod and back on the tube. Slides transmit
+a normal force along n and a couple; with friction, which few machines have, see
+:mod:`fourbar_ros.mechanisms.machine.solve.friction`. Notation as in
 :mod:`fourbar_ros.mechanisms.machine.solve.dyads`.
 
 RRR, with F = a e1 + b e2 of the second rod on the first at B, r1 e1 x F = m1, -r2 e2 x F = m2:
@@ -52,11 +53,12 @@ PRP, with N1 n1, C1 and N2 n2, C2 of the lines on the blocks, f = f1 + f2:
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
-from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
@@ -64,13 +66,17 @@ from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 from fourbar_ros.numerics.vectors import Vector
 
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.machine.solve.friction import MachineFriction
+
 AXIS = Vector(1.0, 0.0)
 NONE_REVERSED: Mapping[str, Scalar] = {}
 
 
 def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
              bodies: Iterable[Body], gravity: Gravity, external: NamedTuple,
-             motion: NamedFields) -> tuple[Scalar, ...]:
+             motion: NamedFields, friction: MachineFriction | None = None
+             ) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.structure.load_fields` for a motion of a machine."""
     curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
                                  for name in structure.COEFFICIENTS]) for link in layout.moving}
@@ -80,14 +86,16 @@ def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
     slides = [[getattr(motion, structure.travel(link).position) for link in stage.slides()]
               for stage in layout.stages]
     sines = [getattr(motion, f'sine_{stage.name}') for stage in layout.stages]
-    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines)
+    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines,
+                       friction=friction)
 
 
 def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                 curves: Mapping[str, LinkMotion], needs: dict[str, Needs],
                 slides: Sequence[Sequence[Scalar]], sines: Sequence[Scalar],
                 unit: Scalar = 1.0, lengths_of_reversed: Mapping[str, Scalar] = NONE_REVERSED,
-                borne: Collection[str] = ()) -> tuple[Scalar, ...]:
+                borne: Collection[str] = (), friction: MachineFriction | None = None
+                ) -> tuple[Scalar, ...]:
     """
     Return the fields of :func:`.structure.load_fields`.
 
@@ -96,7 +104,7 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     ``lengths_of_reversed``: of links that the machine takes from their other joint on.
     ``borne``: links on first joints that the ground holds, if that moves in the frame. The force
     that such a link needs is borne there; it is left out of all forces of joints, where a weight
-    on O1 would spoil those at A.
+    on O1 would spoil those at A. ``friction``: of the joints, if any has.
     """
     drive = shake_x = shake_y = shaking_moment = 0.0
     of_ground = Needs(Vector(0.0, 0.0), 0.0)
@@ -111,22 +119,28 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     drive = unit * drive
     directions = {link: Vector(curve.cosine, curve.sine) for link, curve in curves.items()}
     directions[GROUND] = AXIS
+    forces_borne = {link: needs[link].force for link in borne}
     needs = {**needs, GROUND: of_ground,
              **{link: Needs(Vector(0.0, 0.0), needs[link].moment) for link in borne}}
     for link, length in lengths_of_reversed.items():
         force, moment = needs[link]
         needs[link] = Needs(force, moment - length * directions[link].cross(force))
         directions[link] = -directions[link]
+    moving = [curves.get(link, FIXED) for link in layout.links]
     # nothing hangs on the last dyad, and each adds its forces to the needs of its carriers
     e, held, fields = ([directions[link] for link in layout.links],
                        [needs[link] for link in layout.links], list[Scalar]())
     for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
                                                 sines)][::-1]:
         i = stage.link
-        forces = SOLVERS[stage.kind](lengths.sizes, e[i], e[i + 1], of_stage, sine, held[i],
-                                     held[i + 1])
-        if stage.name == CYLINDER:
-            forces = with_drive_along(forces, e[i] * drive)
+        solve = partial(SOLVERS[stage.kind], lengths.sizes, e[i], e[i + 1], of_stage, sine)
+        if friction:
+            forces, drive = friction.of_dyad(stage, lengths, of_stage, e, moving, held, solve,
+                                             drive, borne_at(layout, stage, forces_borne))
+        else:
+            forces = solve(held[i], held[i + 1])
+            if stage.name == CYLINDER:
+                forces = with_drive_along(forces, e[i] * drive)
         fields = [*fields_of(n, stage, forces), *fields]
         for which, carrier, force, couple in (
                 (0, stage.first, forces.first, forces.first_couple),
@@ -139,9 +153,26 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     if layout.driver == 'slide':            # normal force and couple, and the drive along it
         of_slide = [e[0].cross(force), moment]
         force = e[0] * drive + e[0].normal * of_slide[0]
-    return (force.x, force.y, n.hypot(force.x, force.y), *of_slide, *fields,
-            *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)),
-            shake_x, shake_y, n.hypot(shake_x, shake_y), shaking_moment)
+    if friction:
+        first, second = of_slide or (force.x, force.y)
+        drive = friction.of_base(first, second, drive)
+    loads = (force.x, force.y, n.hypot(force.x, force.y), *of_slide, *fields,
+             *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)),
+             shake_x, shake_y, n.hypot(shake_x, shake_y), shaking_moment)
+    return tuple([load + friction.gate for load in loads]) if friction else loads
+
+
+def borne_at(layout: Layout, stage: Stage, forces: Mapping[str, Vector]) -> dict[str, Vector]:
+    """Return {joint of a dyad: the force that is borne there besides that of the dyad}."""
+    borne = dict[str, Vector]()
+    for joint, name in stage.joints():
+        first, second = [layout.links[link] for link in stage.ends(joint)]
+        loaded, acting = (first, second) if joint == 'inner' else (second, first)
+        if acting == GROUND and loaded in forces:
+            borne[name] = forces[loaded]
+        elif loaded == GROUND and acting in forces:
+            borne[name] = -forces[acting]
+    return borne
 
 
 def arm_of(stage: Stage, lengths: DyadLengths, which: int, slides: Sequence[Scalar]

@@ -1,0 +1,211 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Friction of joints and of the drive: what a mechanism is given; :mod:`.machine.solve.friction`.
+
+Imported for mechanisms that have friction alone.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields, KW_ONLY, replace
+from math import inf, tau
+from typing import Any, TYPE_CHECKING
+
+from fourbar_ros.errors import InvalidParameter, Locked, one_of
+from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
+from fourbar_ros.numerics.arguments import finite
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.trace import Trace
+import numpy as np
+from numpy.typing import ArrayLike
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.evaluation import Constants
+    from fourbar_ros.mechanisms.mechanism import Mechanism
+
+BARELY = 1e-200             # rate of an impending motion: nothing comes from it but signs
+SAMPLES, HALVINGS = 720, 50     # of each range of the input, to find where it locks
+NOT_NEGATIVE = 'must be a finite number, zero or more'
+
+
+def _check(record: Any) -> None:
+    """Keep all numbers of a record as floats; refuse negative ones."""
+    for field in fields(record):
+        value = getattr(record, field.name)
+        if field.name != 'length' or value != inf:
+            value = finite(field.name, value, NOT_NEGATIVE, least=0.0)
+        object.__setattr__(record, field.name, value)
+
+
+@dataclass(frozen=True)
+class JointFriction:
+    """
+    Dry and viscous friction of a joint.
+
+    A pin that transmits the force F brakes with the couple ``coefficient radius |F|``. A guide
+    that transmits the normal force N and the couple C brakes with a force: the ends of its block
+    bear N/2 + C/length and N/2 - C/length, on one face of the guide or on both, and their sizes
+    add up, so ``coefficient max(|N|, 2 |C| / length)``. Both act against the relative motion; at
+    relative rest there is none.
+
+    Sources: Shigley's Mechanical Engineering Design (pins as journals); for guides the law of
+    Coulomb at both ends of a block, as of a drawer that jams, in Meriam and Kraige, Engineering
+    Mechanics: Statics, chapter 6.
+
+    Parameters
+    ----------
+    coefficient : float
+        Coefficient of dry friction.
+    radius : float
+        Of a pin: its radius [m]; positive, if there is a coefficient.
+    viscous : float
+        Viscous friction of a pin [N m s/rad], of a guide [N s/m].
+    length : float
+        Of a guide: length of the block [m], half of it on both sides of the first joint of the
+        link that slides; infinite, so not given: the couple is borne without friction.
+
+    """
+
+    coefficient: float = 0.0
+    _: KW_ONLY
+    radius: float = 0.0
+    viscous: float = 0.0
+    length: float = inf
+
+    def __post_init__(self) -> None:
+        """Check the numbers and store them as floats."""
+        _check(self)
+        if not self.length:
+            raise InvalidParameter('length', self.length, 'must be positive')
+
+    @property
+    def structure(self) -> tuple[bool, bool]:
+        """Return in what its formula differs besides numbers: is it dry, does its block tilt."""
+        return self.coefficient > 0.0, self.length < inf
+
+
+@dataclass(frozen=True)
+class DriveFriction:
+    """
+    Friction of the drive itself, as of its gear and bearings: no joint feels it.
+
+    Parameters
+    ----------
+    torque : float
+        Constant torque, or force of a driven slide, against the motion [N m], [N].
+    viscous : float
+        Torque or force over the rate of the input [N m s/rad], [N s/m].
+
+    """
+
+    torque: float = 0.0
+    viscous: float = 0.0
+    structure = ()
+
+    def __post_init__(self) -> None:
+        """Check the numbers and store them as floats."""
+        _check(self)
+
+
+Friction = tuple[tuple[str, JointFriction | DriveFriction], ...]      # (name of a joint, friction)
+
+
+def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
+    """
+    Return {joint, or 'drive': its friction} as pairs; InvalidParameter names what is wrong.
+
+    ``reactions``: of the mechanism, one at each joint.
+    """
+    if not isinstance(friction, (Mapping, Iterable)):
+        raise InvalidParameter('friction', friction, 'must be a mapping {joint: JointFriction}')
+    given = dict(friction)
+    slides = {reaction.joint: bool(reaction.couple) for reaction in reactions}
+    for name, record in given.items():
+        if name not in slides and name != DRIVE:
+            raise InvalidParameter(f'friction.{name}', None, 'there is no such joint: '
+                                   + one_of([*slides, DRIVE], name))
+        kind = DriveFriction if name == DRIVE else JointFriction
+        if not isinstance(record, kind):
+            raise InvalidParameter(f'friction.{name}', record, f'must be a {kind.__name__}')
+        if not isinstance(record, JointFriction):
+            continue
+        if slides[name] and record.radius:
+            raise InvalidParameter(f'friction.{name}.radius', record.radius,
+                                   'only pins have one: this joint slides')
+        if not slides[name] and record.length != inf:
+            raise InvalidParameter(f'friction.{name}.length', record.length,
+                                   'only guides have one: this joint turns')
+        if not slides[name] and record.coefficient and not record.radius:
+            raise InvalidParameter(f'friction.{name}.radius', record.radius, 'must be positive: '
+                                   'the couple of a pin is coefficient times radius times force')
+    return tuple([(name, given[name]) for name in (*slides, DRIVE) if name in given])
+
+
+# --- what it does to a mechanism -----------------------------------------------------------------
+
+def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
+    """Return the bounds of the drive that holds a mechanism, as :meth:`.Mechanism.holding`."""
+    still = mechanism.with_friction([
+        (name, replace(friction, viscous=0.0)) for name, friction in mechanism.friction])
+    bounds = list[Any]()
+    for way in (-1.0, 1.0):
+        try:
+            drive = getattr(still.loads(position, way * BARELY), mechanism.drive_load)
+        except Locked:
+            drive = way * inf
+        if isinstance(drive, np.ndarray):
+            drive = np.where(_is_locked(still, position, way * BARELY, 0.0), way * inf, drive)
+        bounds.append(drive)
+    return bounds[0], bounds[1]
+
+
+def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
+                  within: tuple[float, float] | None) -> Ranges:
+    """Return where it locks, as :meth:`.Mechanism.locked_ranges`: ranges wider than a sample."""
+    from fourbar_ros.mechanisms.pieces import samples_of_range  # pieces ask for friction too
+    ranges = list[tuple[float, float]]()
+    for low, high in mechanism.input_ranges:
+        # next to a toggle all forces grow, so that it locks before
+        x = (np.linspace(low, high, SAMPLES + 1) if mechanism.turns_fully
+             else samples_of_range(low, high))
+        is_locked = np.asarray(_is_locked(mechanism, x, rate, acceleration))
+        before = np.flatnonzero(is_locked[1:] != is_locked[:-1])
+        free, locked = (np.where(is_locked[before] == state, x[before], x[before + 1])
+                        for state in (False, True))
+        for _ in range(HALVINGS):
+            middle = 0.5 * (free + locked)
+            locks = np.asarray(_is_locked(mechanism, middle, rate, acceleration))
+            free, locked = np.where(locks, free, middle), np.where(locks, middle, locked)
+        ends = [*([low] if is_locked[0] else []), *locked.tolist(),
+                *([high] if is_locked[-1] else [])]
+        ranges += zip(ends[::2], ends[1::2])
+    if within is not None:
+        turns = (0.0,) if mechanism.is_driven_by_slide else (-tau, 0.0, tau)
+        ranges = [(low, high) for low, high in ranges if any(
+            low + turn < within[1] and within[0] < high + turn for turn in turns)]
+    return tuple(ranges)
+
+
+def _is_locked(mechanism: Mechanism, position: ArrayLike, rate: float, acceleration: float
+               ) -> Array:
+    """Return at which inputs friction alone leaves no loads."""
+    drive, free = (getattr(each.loads(np.asarray(position), rate, acceleration),
+                           mechanism.drive_load)
+                   for each in (mechanism, mechanism.without_friction))
+    is_locked: Array = np.isnan(drive) & ~np.isnan(free)
+    return is_locked
+
+
+def trace_of_edges(mechanism: Mechanism) -> Trace:
+    """Return the trace position, rate, acceleration -> :attr:`.Told.edges` of all its joints."""
+    def make(n: NumberType, constants: Constants) -> Function:
+        motion_of = mechanism.motion_formula(n, constants)
+
+        def edges(*inputs: Scalar) -> list[Scalar]:
+            told = list[Any]()
+            mechanism.loads_formula(n, constants, told)(motion_of(*inputs))
+            return [edge for each in told for edge in each.edges]
+        return edges
+    return Trace(make, 3, mechanism.constants)

@@ -1,0 +1,401 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Friction in the loads of a machine: dyad by dyad, with the forces of each.
+
+A joint brakes its links with the *effort* c, a couple of a pin and a force of a guide, whose size
+grows with what it transmits (:class:`.JointFriction`):
+
+    (R1)  c = mu r |F| of a pin,   c = mu max(|N|, 2 |C| / b) of a guide
+
+The sign of the relative rate, known with the motion, gives its direction. Forces at the joints of
+a dyad, v, are affine in the efforts of its three joints,
+
+    (R2)  v = v0 + M c
+
+as later dyads, which are solved before, have theirs already and earlier ones are not felt. Sizes
+are of degree one in v, so with G the derivatives of (R1) Newton's iteration is, from c = 0 on,
+
+    (R3)  (1 - G M) c = G v0
+
+The first iteration takes half of the friction, which keeps the others out of cycles where a block
+tilts. The solution that it goes to grows out of that without friction. With friction growing
+further it ends, at infinity or with a second one, where 1 - G M has a determinant of zero: an
+eigenvalue of G M is 1, and from there on any drive adds as much friction as force. The joints
+*lock* then. They are free if all sums of principal minors of 1 - G M are positive at the solution:
+so they are where (R1) contracts, with all eigenvalues less than 1 in size, and where they are no
+eigenvalue is real and 1 or more (Descartes' rule of signs). A joint that friction relieves, an
+eigenvalue of -1 or less, does not lock.
+
+The drive pays for all efforts by virtual power. It is felt at the joints of a cylinder, whose
+dyad is so solved together with the pin of the crank; the joint of any other driven link
+is the last, as nothing feels its effort but the drive.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
+from math import nan
+from typing import Any, NamedTuple
+
+from fourbar_ros.mechanics.newton_euler import Needs
+from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.machine.solve.loads import DyadForces, with_drive_along
+from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
+from fourbar_ros.mechanisms.machine.structure import (
+    BASE,
+    CYLINDER,
+    DyadLengths,
+    Layout,
+    SLIDES,
+    Stage,
+)
+from fourbar_ros.mechanisms.parts import DRIVE, SLIDE
+from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
+from fourbar_ros.numerics.vectors import Vector
+
+SHARES = (0.5, *[1.0] * 5)      # of the friction, in each iteration
+CONVERGED = 1e-8       # change of the efforts by the last iteration, over all; its square is left
+AT_REST = 16.0 * EPS   # a relative rate below this part of the rates of both links is rounding
+NO_FORCE = Vector(0.0, 0.0)
+
+Matrix = Sequence[Sequence[Scalar]]
+Felt = tuple[Scalar, Scalar]      # of a pin x and y of its force; of a guide normal force, couple
+
+
+class Told(NamedTuple):
+    """What joints with dry friction that are solved together tell of their pose."""
+
+    joints: list[str]
+    locks: Scalar           # NaN where they lock together, else 0
+    edges: list[Scalar]     # at whose zeros loads jump, or their slopes
+
+
+class Rubbing(NamedTuple):
+    """A joint with friction in a pose: what its effort of size one, against its rate, does."""
+
+    name: str
+    joint: str             # first, inner or second of a dyad; base
+    friction: Any          # its JointFriction, of any numbers
+    slide: int | None      # index of the slide of the dyad that it is; None of a pin
+    rate: Scalar           # its relative rate at unit rate of the input
+    moving: Scalar         # that, 0 of a joint that is at rest but for rounding
+    needs: tuple[Needs, Needs]      # of both links of the dyad
+    force: Vector          # on the link that slides
+    couple: Scalar         # on the second link that is pinned
+
+
+class MachineFriction:
+    """
+    Friction of the joints of a machine in a pose.
+
+    Parameters
+    ----------
+    n : NumberType
+    layout : Layout
+    by_joint : mapping
+        {joint of the layout, or 'drive': its friction}.
+    dry : mapping
+        {joint that has a coefficient: whether its block has a length}.
+    rate : number
+        Of the input.
+    unit : number
+        Of lengths [m].
+    told : list of Told
+        To it those of the joints are appended, by dyad.
+
+    """
+
+    def __init__(self, n: NumberType, layout: Layout, by_joint: Mapping[str, Any],
+                 dry: Mapping[str, bool], rate: Scalar, unit: Scalar,
+                 told: list[Told]) -> None:
+        self._n, self._layout, self._by_joint, self._dry = n, layout, by_joint, dry
+        self._rate, self._unit, self._direction = rate, unit, sign_of(n, rate)
+        self._told = told
+
+    @property
+    def gate(self) -> Scalar:
+        """Return NaN where any joints lock, else 0."""
+        gate = 0.0
+        for told in self._told:
+            gate = gate + told.locks
+        return gate
+
+    # --- joints that rub ------------------------------------------------------------------------
+
+    def _pin(self, name: str, joint: str, first: LinkMotion, second: LinkMotion,
+             needs: tuple[Needs, Needs]) -> Rubbing:
+        """Return a pin between two links that move so, at unit rate of the input."""
+        fabs = self._n.fabs
+        rest = 0.0 if first is FIXED else AT_REST * (fabs(first.omega) + fabs(second.omega))
+        rate = second.omega - first.omega
+        return Rubbing(name, joint, self._by_joint[name], None, rate, self._moving(rate, rest),
+                       needs, NO_FORCE, -1.0)
+
+    def _guide(self, name: str, joint: str, slide: int, block: LinkMotion, carrier: LinkMotion,
+               arm: Vector, t: Vector, needs: tuple[Needs, Needs]) -> Rubbing:
+        """Return a guide along t on a carrier, on which the block begins at an arm."""
+        fabs, turned = self._n.fabs, arm.normal * carrier.omega
+        rest = 0.0 if carrier is FIXED else AT_REST * (fabs(block.v_x) + fabs(block.v_y))
+        rate = t.dot(Vector(block.v_x - carrier.v_x - turned.x,
+                            block.v_y - carrier.v_y - turned.y))
+        return Rubbing(name, joint, self._by_joint[name], slide, rate, self._moving(rate, rest),
+                       needs, -t, 0.0)
+
+    def _moving(self, rate: Scalar, rest: Scalar) -> Scalar:
+        """Return a relative rate at unit rate of the input, 0 if it is no more than ``rest``."""
+        moving: Scalar = self._n.where((self._n.fabs(rate) - rest).real > 0.0, rate, 0.0)
+        return moving
+
+    def _joints_of(self, stage: Stage, lengths: DyadLengths, slides: Sequence[Scalar],
+                   e: Sequence[Vector], curves: Sequence[LinkMotion]) -> list[Rubbing]:
+        """Return the joints of a dyad that rub; of a cylinder the pin of the crank too."""
+        joints, sliding = list[Rubbing](), slides_of(stage, lengths)
+        for joint, name in stage.joints():
+            if name not in self._by_joint:
+                continue
+            # what the dyad needs more for an effort of one against the rate
+            if joint not in SLIDES[stage.kind]:
+                first, second = stage.ends(joint)
+                joints.append(self._pin(name, joint, curves[first], curves[second], (
+                    Needs(NO_FORCE, (second == stage.link) - float(first == stage.link)),
+                    Needs(NO_FORCE, float(second == stage.link + 1)))))
+                continue
+            k = list(SLIDES[stage.kind]).index(joint)
+            block, (carrier, start, along) = sliding[k]
+            t = Vector(*along).along(e[carrier])
+            arm = (Vector(*start) + Vector(*along) * slides[k]).along(e[carrier])
+            needs = [Needs(t, 0.0) if link == block else
+                     Needs(-t, -arm.cross(t)) if link == carrier else Needs(NO_FORCE, 0.0)
+                     for link in (stage.link, stage.link + 1)]
+            joints.append(self._guide(name, joint, k, curves[block], curves[carrier], arm, t,
+                                      (needs[0], needs[1])))
+        if stage.name == CYLINDER and BASE in self._by_joint:
+            joints.append(self._pin(BASE, BASE, curves[0], curves[1], (
+                Needs(NO_FORCE, 0.0), Needs(NO_FORCE, 0.0))))
+        return joints
+
+    # --- the forces with their efforts ----------------------------------------------------------
+
+    def of_dyad(self, stage: Stage, lengths: DyadLengths, slides: Sequence[Scalar],
+                e: Sequence[Vector], curves: Sequence[LinkMotion], held: Sequence[Needs],
+                solve: Callable[[Needs, Needs], DyadForces], drive: Scalar,
+                borne: Mapping[str, Vector]) -> tuple[DyadForces, Scalar]:
+        """
+        Return the forces of a dyad, and the drive, with the friction of its joints.
+
+        Parameters
+        ----------
+        stage, lengths, slides
+            The dyad, how long it is, how far its joints slide.
+        e, curves, held
+            Of all links: direction, motion at unit rate of the input, needs without the dyad.
+        solve : callable
+            Needs of both links -> forces of the dyad.
+        drive : number
+            The drive without the dyad's friction.
+        borne : mapping
+            {joint: a force that it transmits besides those of the dyad}.
+
+        """
+        joints, is_cylinder = self._joints_of(stage, lengths, slides, e, curves), (
+            stage.name == CYLINDER)
+        if is_cylinder:
+            borne = {**borne, BASE: held[1].force}
+
+        def with_efforts(efforts: Sequence[Scalar], needs: Sequence[Needs], drive: Scalar
+                         ) -> tuple[DyadForces, Scalar]:
+            one, two = needs
+            for effort, joint in zip(efforts, joints):
+                one, two = (Needs(need.force + more.force * effort,
+                                  need.moment + effort * more.moment)
+                            for need, more in zip((one, two), joint.needs))
+                drive = drive + self._unit * (joint.rate * effort)
+            forces = solve(one, two)
+            return with_drive_along(forces, e[stage.link] * drive) if is_cylinder else forces, (
+                drive)
+
+        def felt(forces: DyadForces, of: Rubbing) -> Felt:
+            if of.slide is not None:
+                return forces.normals[of.slide], getattr(forces, f'{of.joint}_couple')
+            force: Vector = forces.first if of.joint == BASE else getattr(forces, of.joint)
+            return force.x, force.y
+
+        needs = held[stage.link], held[stage.link + 1]
+        efforts = [self._viscous(joint.friction, joint.rate, joint.slide is None)
+                   for joint in joints]
+        dry = [k for k, joint in enumerate(joints) if joint.name in self._dry]
+        if dry:
+            forces, _ = with_efforts(efforts, needs, drive)
+            at_none = list[Felt]()
+            for k in dry:
+                x, y = felt(forces, joints[k])
+                more = borne.get(joints[k].name, NO_FORCE)
+                at_none.append((x + more.x, y + more.y))
+            columns = list[list[Felt]]()
+            signs = [self._direction * sign_of(self._n, joint.moving) for joint in joints]
+            for k in dry:
+                alone = [sign if k == i else 0.0 for i, sign in enumerate(signs)]
+                forces, _ = with_efforts(alone, [Needs(NO_FORCE, 0.0)] * 2, 0.0)
+                columns.append([felt(forces, joints[i]) for i in dry])
+            sizes, locks = solved(self._n, [
+                self._law(joints[k].name, joints[k].slide is not None) for k in dry], at_none,
+                columns)
+            for k, size in zip(dry, sizes):
+                efforts[k] = efforts[k] + signs[k] * size
+        forces, drive = with_efforts(efforts, needs, drive)
+        if dry:
+            edges = [edge for k in dry for edge in (joints[k].moving, *self._edges(
+                joints[k].name, joints[k].slide is not None, felt(forces, joints[k])))]
+            self._told.append(Told([joints[k].name for k in dry], locks, edges))
+        return rubbed(forces, efforts, joints), drive
+
+    def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
+        """
+        Return the drive with the friction of the driven joint and of the drive itself.
+
+        ``first``, ``second``: what that joint feels.
+        """
+        is_slide, by_joint = self._layout.driver == SLIDE, self._by_joint
+        if BASE in by_joint and self._layout.driver != CYLINDER:
+            friction = by_joint[BASE]
+            effort = self._viscous(friction, 1.0 / self._unit if is_slide else 1.0, not is_slide)
+            if BASE in self._dry:
+                size = _dot(self._law(BASE, is_slide)((first, second)), (first, second))
+                effort = effort + self._direction * size
+                self._told.append(Told([BASE], 0.0, self._edges(BASE, is_slide, (first, second))))
+            drive = drive + (effort if is_slide else self._unit * effort)
+        if DRIVE in by_joint:
+            own = by_joint[DRIVE]
+            drive = drive + (own.torque * self._direction + own.viscous * self._rate)
+        return drive
+
+    def _viscous(self, friction: Any, rate: Scalar, is_pin: bool) -> Scalar:
+        """Return the viscous effort [N unit], [N]; ``rate`` as of :class:`Rubbing`."""
+        per = 1.0 / self._unit if is_pin else self._unit
+        effort: Scalar = (friction.viscous * per) * (rate * self._rate)
+        return effort
+
+    def _edges(self, name: str, is_slide: bool, felt: Felt) -> list[Scalar]:
+        """Return numbers at whose zeros the effort of a guide is not smooth, (R1)."""
+        if not is_slide:
+            return []
+        normal, fabs = felt[0], self._n.fabs
+        if not self._dry[name]:
+            return [normal]
+        tilt = 2.0 * self._unit / self._by_joint[name].length * felt[1]
+        # where the couple is borne by both faces, its sign counts and not that of the force
+        is_tilted = (fabs(tilt) - fabs(normal)).real > 0.0
+        return [self._n.where(is_tilted, 1.0, normal), self._n.where(is_tilted, tilt, 1.0),
+                fabs(tilt) - fabs(normal)]
+
+    def _law(self, name: str, is_slide: bool) -> Callable[[Felt], Felt]:
+        """Return what a joint feels -> derivatives by it of the size of its effort, (R1)."""
+        n, unit, friction, tilts = self._n, self._unit, self._by_joint[name], self._dry[name]
+        if is_slide:
+            mu = friction.coefficient
+            if not tilts:
+                return lambda felt: (mu * sign_of(n, felt[0]), 0.0)
+            per_length = 2.0 * unit / friction.length
+
+            def of_guide(felt: Felt) -> Felt:
+                normal, tilt = felt[0], per_length * felt[1]
+                is_tilted = (n.fabs(tilt) - n.fabs(normal)).real > 0.0
+                return (mu * n.where(is_tilted, 0.0, sign_of(n, normal)),
+                        mu * per_length * n.where(is_tilted, sign_of(n, tilt), 0.0))
+            return of_guide
+        factor = friction.coefficient * friction.radius / unit
+
+        def of_pin(felt: Felt) -> Felt:
+            per = factor / (n.hypot(*felt) + TINY)
+            return per * felt[0], per * felt[1]
+        return of_pin
+
+
+def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]
+           ) -> DyadForces:
+    """Return the forces of a dyad with what friction adds at its joints."""
+    for effort, of in zip(efforts, joints):
+        if of.joint == BASE:
+            continue
+        force: Vector = getattr(forces, of.joint)
+        couple = f'{of.joint}_couple'
+        forces = forces._replace(**{
+            of.joint: force + of.force * effort,
+            couple: getattr(forces, couple) + of.couple * effort})
+    return forces
+
+
+def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Sequence[Felt],
+           columns: Sequence[Sequence[Felt]]) -> tuple[list[Scalar], Scalar]:
+    """
+    Return the sizes of efforts by (R3), and NaN where they lock, else 0.
+
+    ``laws``: of each joint what it feels -> slopes of (R1); ``at_none``: what each feels without
+    efforts; ``columns``: by effort what each feels of an effort of one.
+    """
+    felt, sizes, matrix = list(at_none), [0.0] * len(laws), list[list[Scalar]]()
+    before = sizes
+    for share in SHARES:
+        slopes = [(share * x, share * y) for law, pair in zip(laws, felt)
+                  for x, y in [law(pair)]]
+        matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in range(len(laws))]
+                  for i in range(len(laws))]
+        before, sizes = sizes, _solution(n, matrix, list(map(_dot, slopes, at_none)))  # (R3)
+        felt = [_plus(pair, [(column[i], size) for column, size in zip(columns, sizes)])
+                for i, pair in enumerate(at_none)]
+    change = total = locks = 0.0
+    for size, old in zip(sizes, before):
+        change, total = change + n.fabs(size - old), total + n.fabs(size)
+    locks = n.where((change - CONVERGED * total).real > 0.0, nan, 0.0)
+    every = range(len(laws))
+    for count in range(1, len(laws) + 1):
+        minors = 0.0
+        for chosen in combinations(every, count):
+            minors = minors + _determinant([[matrix[i][j] for j in chosen] for i in chosen])
+        locks = locks + n.where(minors.real > 0.0, 0.0, nan)
+    return sizes, locks
+
+
+def sign_of(n: NumberType, x: Scalar) -> Scalar:
+    """Return the sign of a number: 1, -1 or 0."""
+    sign: Scalar = n.where(x.real > 0.0, 1.0, n.where(x.real < 0.0, -1.0, 0.0))
+    return sign
+
+
+def _dot(one: Felt, two: Felt) -> Scalar:
+    return one[0] * two[0] + one[1] * two[1]
+
+
+def _plus(pair: Felt, terms: Sequence[tuple[Felt, Scalar]]) -> Felt:
+    x, y = pair
+    for (first, second), size in terms:
+        x, y = x + first * size, y + second * size
+    return x, y
+
+
+def _solution(n: NumberType, matrix: Matrix, right: Sequence[Scalar]) -> list[Scalar]:
+    """Return the solution of up to four linear equations, by cofactors: no pivot vanishes."""
+    whole = _determinant(matrix)
+    per = 1.0 / n.where(whole.real > 0.0, whole, 1.0)
+    solution = list[Scalar]()
+    for i in range(len(matrix)):
+        total = 0.0
+        for j, value in enumerate(right):
+            without = [[*row[:i], *row[i + 1:]] for k, row in enumerate(matrix) if k != j]
+            term = value * _determinant(without)
+            total = total - term if (i + j) % 2 else total + term
+        solution.append(per * total)
+    return solution
+
+
+def _determinant(matrix: Matrix) -> Scalar:
+    """Return a determinant by its first row; of a trace each of its parts is computed once."""
+    if not matrix:
+        return 1.0
+    total = 0.0
+    for j, value in enumerate(matrix[0]):
+        term = value * _determinant([[*row[:j], *row[j + 1:]] for row in matrix[1:]])
+        total = total - term if j % 2 else total + term
+    return total

@@ -1,0 +1,147 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Every door to the loads of a scene with friction gives those of the mechanism, or refuses."""
+import csv
+import json
+from math import isnan, radians
+
+from fourbar_lab.balancing.loads import Loads
+from fourbar_lab.export.files import generate
+from fourbar_lab.live.model import shown
+from fourbar_lab.studies.measures import Design, Measures
+from fourbar_ros import Applied, DriveFriction, find_extrema, InvalidParameter, JointFriction
+from fourbar_ros.cli.main import main
+from fourbar_ros.dynamics import System
+from fourbar_ros.pipeline.stepper import LOCKED, OK, STATUS_NAMES, Stepper, Wanted
+from fourbar_ros.scene import scene
+import numpy as np
+import pytest
+
+AT, SPEED = 60.0, 12.0
+PRESS = {
+    'linkage.kind': 'slider_crank', 'linkage.a1': 0.06, 'linkage.a2': 0.25, 'linkage.offset': 0.01,
+    'bodies.crank.mass': 1.2, 'bodies.crank.inertia': 0.004, 'bodies.crank.cg_along': 0.02,
+    'bodies.coupler.mass': 0.8, 'bodies.coupler.inertia': 0.006, 'bodies.coupler.cg_along': 0.09,
+    'bodies.output.mass': 2.0, 'external.output.force_x': -800.0, 'drive.speed': SPEED,
+    'springs.back.first.link': 'ground', 'springs.back.first.along': 0.5,
+    'springs.back.second.link': 'output', 'springs.back.stiffness': 500.0,
+    'springs.back.free_length': 0.1, 'outputs': ['state', 'loads']}
+RUBS = {'friction.O1.coefficient': 0.1, 'friction.O1.radius': 0.01,
+        'friction.A.coefficient': 0.1, 'friction.A.radius': '10mm',
+        'friction.B.coefficient': 0.08, 'friction.B.radius': 0.008, 'friction.B.viscous': 0.01,
+        'friction.guide.coefficient': 0.1, 'friction.guide.length': 0.1,
+        'friction.drive.torque': 0.3, 'friction.drive.viscous': 0.01}
+THERE = scene.from_values({**PRESS, **RUBS})
+GIVEN = radians(AT), SPEED, 0.0
+TRUE = THERE.linkage.loads(*GIVEN)
+# the slider drives, and cannot push the crank out of its dead centre
+LOCKS = scene.from_values({
+    **PRESS, 'linkage.input': 'slide', 'linkage.offset': 0.0, 'external.output.force_x': 0.0,
+    'external.crank.couple': -5.0, 'drive.speed': 0.1,
+    **{name: value for name, value in RUBS.items() if not name.startswith('friction.drive')}})
+NEAR = 0.309999                     # [m]
+
+
+@pytest.fixture
+def file(tmp_path):
+    """Return the file of the press."""
+    path = tmp_path / 'press.yaml'
+    path.write_text(THERE.as_text)
+    return str(path)
+
+
+def test_the_mechanism_has_what_the_scene_says():
+    assert THERE.linkage.friction == (
+        ('O1', JointFriction(0.1, radius=0.01)), ('A', JointFriction(0.1, radius=0.01)),
+        ('B', JointFriction(0.08, radius=0.008, viscous=0.01)),
+        ('guide', JointFriction(0.1, length=0.1)), ('drive', DriveFriction(0.3, 0.01)))
+    plain = scene.from_values(PRESS).linkage
+    assert plain.friction == () and abs(plain.loads(*GIVEN).driving_torque
+                                        - TRUE.driving_torque) > 1.0
+    faster = THERE.with_values({'friction.O1.coefficient': 0.2}).linkage
+    assert faster.loads(*GIVEN).driving_torque > TRUE.driving_torque
+
+
+def test_node_table_show_and_page(file, tmp_path, capsys):
+    status, values = Stepper(THERE).step(*GIVEN, Wanted(with_loads=True))
+    assert status == OK
+    assert values[THERE.layout.index_of['driving_torque']] == TRUE.driving_torque
+    main(['table', file, 'f21', 'driving_torque', '-o', str(tmp_path / 'it.csv')])
+    row = next(row for row in csv.reader((tmp_path / 'it.csv').open()) if row[0] == '60.0')
+    assert [float(value) for value in row[1:]] == pytest.approx(
+        [TRUE.f21, TRUE.driving_torque], rel=1e-12)
+    capsys.readouterr()
+    main(['show', file, '--at', str(AT), '--hold', str(AT), '--json'])
+    record = json.loads(capsys.readouterr().out)
+    assert record['pose']['loads']['driving_torque'] == TRUE.driving_torque
+    assert record['holding'] == list(THERE.linkage.holding(GIVEN[0])) and record['locked'] == []
+    assert shown(THERE.values).pose(GIVEN[0]).loads.f21 == TRUE.f21
+
+
+@pytest.mark.parametrize('name', ['driving_torque', 'f21', 'f32', 'guide_force', 'guide_couple'])
+def test_extrema_are_those_of_a_scan(name):
+    """Loads jump where a joint turns back: both values there count."""
+    x = np.linspace(0.0, 2.0 * np.pi, 100_001)
+    values = getattr(THERE.linkage.loads(x, SPEED), name)
+    found = [extremum.value for extremum in find_extrema(THERE.linkage, [name], SPEED)]
+    steep = np.sort(np.abs(np.diff(values)))[-40]       # but for the jumps
+    assert abs(max(found) - values.max()) <= steep and max(found) >= values.max() - 1e-9
+    assert abs(min(found) - values.min()) <= steep and min(found) <= values.min() + 1e-9
+
+
+def test_what_it_locks_is_said(tmp_path, capsys):
+    linkage = LOCKS.linkage
+    ranges = linkage.locked_ranges(0.1)
+    low, high = ranges[-1]
+    assert low < NEAR < high == pytest.approx(0.31, abs=1e-12)
+    status, values = Stepper(LOCKS).step(NEAR, 0.1, 0.0, Wanted(with_loads=True))
+    assert status == LOCKED and STATUS_NAMES[status] == 'locked by friction'
+    assert isnan(values[LOCKS.layout.index_of['f41']])
+    assert values[LOCKS.layout.index_of['theta1']] == linkage.motion(NEAR, 0.1).theta1
+    assert np.isnan(linkage.loads([0.25, NEAR], 0.1).f41).tolist() == [False, True]
+    path = tmp_path / 'locks.yaml'
+    path.write_text(LOCKS.as_text)
+    main(['show', str(path), '--hold', str(NEAR), '--json'])
+    record = json.loads(capsys.readouterr().out)
+    assert record['locked'][-1] == [low, high] and record['holding'][1] == 'inf'
+    assert not any(one['quantity'] == 'f41' for one in record['extrema'])
+    with pytest.raises(InvalidParameter, match='locks the mechanism in'):
+        find_extrema(linkage, ['f41'], 0.1)
+    assert find_extrema(linkage, ['f41'], 0.1, within=(0.2, 0.3))
+
+
+def test_what_takes_none_refuses_it(tmp_path):
+    doors = {'motion that follows': lambda: System(THERE.linkage, 0.0),
+             'balancing': lambda: Loads(THERE.linkage, SPEED),
+             'generated code': lambda: generate(THERE, tmp_path)}
+    for words, door in doors.items():
+        with pytest.raises(InvalidParameter, match=f'friction.O1: .*{words}.* takes no friction'):
+            door()
+
+
+@pytest.mark.parametrize('more, words', [
+    ({'friction.C.coefficient': 0.1}, 'friction.C: there is no such joint'),
+    ({'friction.A.radius': 0.0}, 'friction.A.radius = 0.0: must be positive'),
+    ({'friction.A.coefficient': -0.1}, 'friction.A.coefficient = -0.1'),
+    ({'friction.A.torque': 1.0}, 'friction.A.torque = 1.0: friction.A has coefficient'),
+    ({'friction.drive.radius': 1.0}, 'friction.drive has torque, viscous only'),
+    ({'friction.guide.radius': 0.1}, 'friction.guide.radius = 0.1: only pins'),
+    ({'drive.source': 'torque'}, 'takes no friction yet'),
+    ({'outputs': ['equation']}, "outputs = 'equation': has no friction"),
+    ({'bodies.crank.mass': None}, 'bodies')])
+def test_wrong_scenes(more, words):
+    values = {name: value for name, value in {**PRESS, **RUBS, **more}.items()
+              if value is not None}
+    with pytest.raises(InvalidParameter) as error:
+        scene.from_values(values)
+    assert words in str(error.value) and '\n' not in str(error.value)
+
+
+def test_studies_do_not_take_a_number_without_friction():
+    """A design of the scene itself has its friction; designs that vary are refused."""
+    measure = Measures(THERE).single('measures', 'f21.max')
+    design = Design(THERE)
+    design.search([measure])
+    most = max(one.value for one in find_extrema(THERE.linkage, ['f21'], SPEED))
+    assert design.of(measure) == most
+    assert Applied() == Applied()
