@@ -13,20 +13,19 @@ from fourbar_lab.export.statements import JUDGED
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.elements import PositionForce
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, REAL
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.elements import element_names
+from fourbar_ros.scene.parameters import of_name
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
 UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
                    'couple': 'N m'}
-UNITS_OF_ELEMENTS = {'along': 'm', 'across': 'm', 'free_length': 'm', 'preload': 'N',
-                     'factor': '-'}
+POINTS_OF_FORCE = {'point': '', 'apart_from': 'from'}       # as scenes name them
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
 _WORDS = """
@@ -204,12 +203,24 @@ class GeneratedModel:
             [('gravity.x', 'm/s^2'), ('gravity.y', 'm/s^2')])
         names += _of_links('external', constants.external)
         for name, element in zip(element_names(self.scene.values), constants.elements):
-            names += [(f'{name}.{field}', unit) if unit else ('', '')
-                      for field, unit in _units_in(element)]
+            names += self._names_in(name, element)
         names += [(f'points.{name}.{field}', 'm') for name in self.scene.points
                   for field in ('along', 'across')]
         assert len(names) == len(self.data)
         return names
+
+    def _names_in(self, name: str, record: Any) -> Iterable[tuple[str, str]]:
+        """Yield name and unit of each number of a spring or force, or of a point of it."""
+        for field in fields(record):
+            value, renamed = getattr(record, field.name), POINTS_OF_FORCE.get(field.name)
+            if is_dataclass(value) and not callable(value):
+                yield from self._names_in(name if renamed == '' else
+                                          f'{name}.{renamed or field.name}', value)
+            else:
+                parameter = f'{name}.{field.name}'
+                named = ((parameter, of_name(parameter).unit) if parameter in self.scene.values
+                         else ('', ''))
+                yield from [named] * len(numbers_of(value))
 
     @cached_property
     def tunable(self) -> tuple[Named, ...]:
@@ -393,19 +404,6 @@ def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
             *(f'  double {entry.field};{" " * (width - len(entry.field))}  /* '
               f'[{entry.unit or "-"}] {entry.text}'.rstrip() + ' */' for entry in named),
             f'}} {name};', '']
-
-
-def _units_in(element: Any) -> Iterable[tuple[str, str]]:
-    """Yield name in scenes and unit of each number of a spring or force; '' for one of another."""
-    for field in fields(element):
-        value = getattr(element, field.name)
-        if is_dataclass(value) and not callable(value):
-            prefix = '' if isinstance(element, PositionForce) else f'{field.name}.'
-            for name, unit in _units_in(value):     # of the coordinate of a force nothing
-                yield prefix + name, unit if field.name != 'over' else ''
-        else:
-            for _ in numbers_of(value):
-                yield field.name, UNITS_OF_ELEMENTS.get(field.name, '')
 
 
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:

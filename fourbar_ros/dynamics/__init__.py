@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.system import System
     from fourbar_ros.mechanisms.elements import (
         Attachment,
+        Distance,
         LinkAngle,
         PositionForce,
         Spring,
@@ -54,15 +55,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED', 'Attachment',
-    'ConstantTorque', 'DCMotor', 'Drive', 'Equation', 'Equilibrium', 'Flywheel', 'ForceTable',
-    'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run', 'RunState', 'Shaft',
-    'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring', 'Way', 'equilibria',
-    'flywheel_for', 'free_period', 'simulate',
+    'ConstantTorque', 'DCMotor', 'Distance', 'Drive', 'Equation', 'Equilibrium', 'Flywheel',
+    'ForceTable', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run',
+    'RunState', 'Shaft', 'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring',
+    'Way', 'equilibria', 'flywheel_for', 'free_period', 'simulate',
 ]
 
 __getattr__, __dir__ = lazily(__name__, {
     'fourbar_ros.mechanisms.elements':
-        'Attachment, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
+        'Attachment, Distance, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
     'fourbar_ros.dynamics.equation': 'Equation',
     'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
     'fourbar_ros.mechanisms.force_table': 'ForceTable',

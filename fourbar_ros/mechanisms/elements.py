@@ -288,7 +288,28 @@ class Way:
         return gap.x * x + gap.y * y
 
 
-Over = Union[str, LinkAngle, Way]        # INPUT and these: the s of a force
+@dataclass(frozen=True)
+class Distance:
+    """The distance of a point from another one [m], as the length of a gas strut."""
+
+    point: Attachment
+    origin: Attachment
+
+    def __post_init__(self) -> None:
+        _require_kind('point', self.point, Attachment)
+        _require_kind('origin', self.origin, Attachment)
+
+    @property
+    def links(self) -> tuple[str, str]:
+        return self.point.link, self.origin.link
+
+    def of(self, n: NumberType, links: LinkMotions) -> Scalar:
+        gap = _apart(self.origin, self.point, links)
+        length: Scalar = n.sqrt(gap.x * gap.x + gap.y * gap.y)
+        return length
+
+
+Over = Union[str, LinkAngle, Way, Distance]        # INPUT and these: the s of a force
 
 
 @dataclass(frozen=True)
@@ -303,7 +324,7 @@ class PositionForce:
     value : ForceTable or callable
         s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: s counts within
         half a turn of its middle, or it is periodic.
-    over : 'input', LinkAngle or Way
+    over : 'input', LinkAngle, Way or Distance
         The position s. The input of a crank counts on over whole turns, so a table of two turns
         serves a four-stroke engine; other angles are in (-pi, pi].
     direction : float, optional
@@ -311,6 +332,9 @@ class PositionForce:
         couple, counter-clockwise positive.
     factor : float
         Multiplies F(s): for a table of pressures the area [m^2], with its sign.
+    apart_from : Attachment, optional
+        A point of another link or of the ground: the force pushes both points apart, as a gas
+        strut does, and has no other ``direction``.
 
     """
 
@@ -320,6 +344,7 @@ class PositionForce:
     direction: float | None = quantity(0.0, instead=None)
     axes: str = GROUND
     factor: float = quantity(1.0)
+    apart_from: Attachment | None = None
     unit_vector: tuple[float, float] | None = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -328,8 +353,14 @@ class PositionForce:
             raise InvalidParameter('point', GROUND, 'a force acts on a moving link')
         if not callable(self.value):
             raise InvalidParameter('value', self.value, 'must be a ForceTable or a function')
-        if not (isinstance(self.over, (LinkAngle, Way)) or self.over == INPUT):
-            raise InvalidParameter('over', self.over, f'must be {INPUT!r}, a LinkAngle or a Way')
+        if not (isinstance(self.over, (LinkAngle, Way, Distance)) or self.over == INPUT):
+            raise InvalidParameter('over', self.over, f'must be {INPUT!r}, a LinkAngle, a Way or '
+                                                      'a Distance')
+        if self.apart_from is not None:
+            _require_kind('apart_from', self.apart_from, Attachment)
+            if self.apart_from.link == self.point.link:
+                raise InvalidParameter('apart_from', self.point.link,
+                                       'must be on another link than the point')
         check_quantities(self)
         object.__setattr__(self, 'unit_vector',
                            None if self.direction is None else direction(self.direction))
@@ -338,34 +369,46 @@ class PositionForce:
     def links(self) -> tuple[str, ...]:
         """Return the names of all links that it depends on, the loaded link first."""
         links_of_s = () if isinstance(self.over, str) else self.over.links
-        return self.point.link, self.axes, *links_of_s
+        second = (self.apart_from.link,) if self.apart_from else ()
+        return self.point.link, self.axes, *links_of_s, *second
 
     def position(self, n: NumberType, links: LinkMotions, input_position: Scalar) -> Scalar:
         """Return the position s in a pose at an input."""
         return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
-    def _push(self, n: NumberType, links: LinkMotions,
-              position: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-        """Return F and the unit vector along which it acts, of a couple (0, 0)."""
+    def _push(self, n: NumberType, links: LinkMotions, position: Scalar
+              ) -> tuple[Scalar, Scalar, Scalar, MovingPoint]:
+        """Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so."""
         size = self.factor * n.call(self.value, self.position(n, links, position))
+        if self.apart_from is not None:
+            gap = _apart(self.apart_from, self.point, links)
+            length = n.sqrt(gap.x * gap.x + gap.y * gap.y)
+            return size, gap.x / length, gap.y / length, gap
+        point = self.point.on(links[self.point.link])
         if self.unit_vector is None:
-            return size, 0.0, 0.0
-        return size, *_along(self.unit_vector, links[self.axes])
+            return size, 0.0, 0.0, point
+        return size, *_along(self.unit_vector, links[self.axes]), point
 
     def generalised(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
         """Return Q of (E7) in a pose at an input."""
-        size, x, y = self._push(n, links, position)
-        if self.unit_vector is None:
+        size, x, y, moved = self._push(n, links, position)
+        if self.unit_vector is None and self.apart_from is None:
             return size * links[self.point.link].omega
-        point = self.point.on(links[self.point.link])
-        return size * (x * point.v_x + y * point.v_y)
+        return size * (x * moved.v_x + y * moved.v_y)
 
     def forces(self, n: NumberType, links: LinkMotions, position: Scalar) -> list[ForceOnLink]:
-        """Return the force on its link in a pose at an input."""
-        size, x, y = self._push(n, links, position)
-        point = self.point.on(links[self.point.link])
-        return [ForceOnLink(self.point.link, point.x, point.y, size * x, size * y,
-                            size if self.unit_vector is None else 0.0)]
+        """Return the force on its link, and that on a second one, in a pose at an input."""
+        size, x, y, _ = self._push(n, links, position)
+        is_couple = self.unit_vector is None and self.apart_from is None
+        on_link = [(self.point, size)]
+        if self.apart_from is not None:
+            on_link.append((self.apart_from, -size))
+        acting = []
+        for end, push in on_link:
+            point = end.on(links[end.link])
+            acting.append(ForceOnLink(end.link, point.x, point.y, push * x, push * y,
+                                      push if is_couple else 0.0))
+        return acting
 
     @property
     def turns(self) -> int:

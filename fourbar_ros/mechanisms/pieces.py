@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.elements import (
+    Distance,
     Element,
     LinkAngle,
     PositionForce,
@@ -161,6 +162,10 @@ def _coordinates(element: Element) -> Iterator[Coordinate]:
     elif isinstance(element, TorsionSpring):
         yield Coordinate(lambda moving, _: element.deflection(ARRAY, moving), np.array([pi]), tau)
     elif isinstance(element, PositionForce):
+        second = element.apart_from
+        if second is not None:
+            yield Coordinate(lambda moving, _: Distance(element.point, second).of(
+                ARRAY, moving)**2, np.empty(0), inf, True)
         points: Array = np.empty(0)
         period = inf
         if isinstance(element.value, TableForce):

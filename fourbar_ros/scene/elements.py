@@ -8,31 +8,39 @@ holds the numbers, and opens no file, whoever made it.
 """
 from __future__ import annotations
 
-from math import atan2, pi
+from collections.abc import Iterator
+from math import atan2, inf, pi
 from typing import Any, NoReturn
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.elements import (
     Attachment,
+    Distance,
     Element,
     INPUT,
     LinkAngle,
     Over,
     PositionForce,
     Spring,
+    TableForce,
     TorsionSpring,
     Way,
 )
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.scene.parameters import names_in, point_in
-from fourbar_ros.scene.settings import COUPLE, FORCE_UNITS, ParameterValues, POSITION_UNITS
+from fourbar_ros.scene.settings import APART, COUPLE, FORCE_UNITS, ParameterValues, POSITION_UNITS
 from fourbar_ros.scene.units import UNITS
+import numpy as np
 
+SAMPLES = 361       # of a range of the input, in which positions of tables are looked up
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
         'across': (True, 0.5 * pi)}
+DISTANCE = 'distance'
 # angles of the kinds of mechanisms: (link, link from which the angle counts)
 ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
@@ -52,6 +60,23 @@ def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element,
                                f'{names[0]} needs masses')
     return tuple([(_force if name.startswith('forces') else _spring)(values, name, mechanism)
                   for name in names])
+
+
+def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
+    """Yield a line for each force table that ends, with a force, before its position does."""
+    inputs = np.concatenate([np.linspace(*ends, SAMPLES)[1:-1] for ends in mechanism.input_ranges])
+    moving = {**mechanism.link_motions(mechanism.motion(inputs)), GROUND: FIXED}
+    for name, element in zip(element_names(values), mechanism.elements):
+        if not isinstance(element, PositionForce) or not isinstance(element.value, TableForce) or (
+                element.value.period < inf):
+            continue
+        table, s = element.value.table, np.asarray(element.position(ARRAY, moving, inputs))
+        low, high = float(s.min()), float(s.max())
+        if low < table.places[0] and table.values[0] or (
+                high > table.places[-1] and table.values[-1]):
+            yield (f'{name}: its table goes from {table.places[0]:.6g} to {table.places[-1]:.6g}, '
+                   f'{values[f"{name}.over"]} from {low:.6g} to {high:.6g}: beyond its ends the '
+                   'force is that at the end')
 
 
 def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element:
@@ -80,8 +105,10 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
     """Return the force of the parameters ``name``.*, checked by computing with it once."""
     link, acts = values[f'{name}.link'], values[f'{name}.acts']
     links = tuple(mechanism.loads_of_links())
-    if link not in links:
-        raise InvalidParameter(f'{name}.link', link, one_of(links, link))
+    for field, known in (('link', links), ('from.link', (GROUND, *links))):
+        if values[f'{name}.{field}'] not in known:
+            raise InvalidParameter(f'{name}.{field}', values[f'{name}.{field}'],
+                                   one_of(known, values[f'{name}.{field}']))
     over = _over(values, name, mechanism)
     positions, forces = _columns(values, name, over, mechanism)
     turns_with_link, direction = ACTS.get(acts, (False, 0.0))
@@ -91,10 +118,11 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
             ForceTable(positions, forces, values[f'{name}.periodic'],
                        values[f'{name}.interpolation'] == 'linear'), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
-            link if turns_with_link else GROUND, values[f'{name}.factor'])
+            link if turns_with_link else GROUND, values[f'{name}.factor'],
+            Attachment(*point_in(f'{name}.from', values)) if acts == APART else None)
         force.fitted(mechanism)
     except InvalidParameter as error:
-        field = 'periodic' if error.name == 'is_periodic' else error.name
+        field = {'is_periodic': 'periodic', 'apart_from': 'from.link'}.get(error.name, error.name)
         raise InvalidParameter(f'{name}.{field}', error.value, error.allowed) from None
     return force
 
@@ -137,11 +165,13 @@ def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Over:
     """
     Return the coordinate that forces.NAME.over names: the force is a function of it.
 
-    It is the input, an angle or slide of the mechanism, or a coordinate of a point, ``P.x``.
+    It is the input, an angle or slide of the mechanism, a coordinate of a point, ``P.x``, or the
+    distance of two points.
     """
     over, driven = values[f'{name}.over'], mechanism.input_coordinate.position
     inputs: dict[str, Over] = {INPUT: INPUT, driven: INPUT}
-    known = {**inputs, **_coordinates(mechanism), **inputs}
+    known = {**inputs, **_coordinates(mechanism), **inputs, DISTANCE: Distance(
+        Attachment(*point_in(name, values)), Attachment(*point_in(f'{name}.from', values)))}
     for point in names_in('points', values):
         attachment = Attachment(*point_in(f'points.{point}', values))
         known |= {f'{point}.x': Way(attachment), f'{point}.y': Way(attachment, direction=0.5 * pi)}

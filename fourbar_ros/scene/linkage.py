@@ -233,7 +233,16 @@ STEEL = 7850.0
 
 def warnings_of(scene: Scene) -> list[str]:
     """Return a line for each value of a scene that is allowed but probably not meant."""
-    return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene), *_carried(scene)]
+    return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene), *_carried(scene),
+            *_tables(scene)]
+
+
+def _tables(scene: Scene) -> Iterator[str]:
+    """Yield a line for each force table that ends, with a force, before its position does."""
+    if not scene.linkage.elements:
+        return
+    from fourbar_ros.scene.elements import beyond_tables  # few scenes have any
+    yield from beyond_tables(scene.values, scene.linkage)
 
 
 def _long(scene: Scene) -> Iterator[str]:

@@ -42,6 +42,7 @@ ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in 
 MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
+APART = 'apart'         # forces.NAME.acts between two points
 TIMER, MESSAGES = 'timer', tuple(INPUTS)
 SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion follows from torque
 # {unit: its size in SI} of both columns of a table of forces
@@ -489,15 +490,17 @@ _FORCE = _table(
     *_point('forces.NAME', 'point where the force NAME acts', REQUIRED,
             'link on which the force NAME acts, also in a motion that is given'),
     Parameter('forces.NAME.acts', 'string', REQUIRED, '',
-              'direction of the force NAME: x or y of the ground; along the link, of a slider '
-              'along its guide, or across it, to its left; or a couple, counter-clockwise',
-              choices=('x', 'y', 'along', 'across', COUPLE)),
+              'x or y of the ground; along the link, of a slider its guide, or across it, to its '
+              'left; a couple, counter-clockwise; apart: away from forces.NAME.from',
+              choices=('x', 'y', 'along', 'across', COUPLE, APART)),
+    *_point('forces.NAME.from', 'point from which the force NAME pushes (acts: apart)', GROUND,
+            'link of the point from which the force NAME pushes (acts: apart)'),
     Parameter('forces.NAME.direction', 'double', 0.0, 'rad',
               'angle by which the force NAME is turned from that direction'),
     Parameter('forces.NAME.over', 'string', 'input', '',
               'what the table of the force NAME is over: input (of a crank counted over whole '
-              'turns), an angle or slide of the linkage as theta4 or slide, or POINT.x, POINT.y '
-              'of a point of the scene'),
+              'turns), an angle or slide of the linkage as theta4 or slide, POINT.x, POINT.y '
+              'of a point of the scene, or distance: of its point from that of forces.NAME.from'),
     Parameter('forces.NAME.table', 'string', '', '',
               'CSV file, from the folder of the scene: a header with units, as "theta1 [deg], '
               'pressure [bar]", then a place and a value in each row; or give places and values',

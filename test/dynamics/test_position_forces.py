@@ -16,6 +16,7 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.elements import (
     Attachment,
+    Distance,
     LinkAngle,
     PositionForce,
     Spring,
@@ -450,3 +451,24 @@ def test_equilibria_inside_a_narrow_table_are_found(over, width):
     found = [one.position for one in equilibria(Equation(linkage), -50.0 / width)]
     middle = 2.0 if over == 'input' else 3.0
     assert found == pytest.approx([middle - 0.5 * width, middle + 0.5 * width], abs=1e-12)
+
+
+def test_a_strut_over_its_length_is_the_spring_of_the_same_law():
+    """A table that is a straight line between two points, at all doors of the mechanism."""
+    strut, pivot = Attachment('output', 0.4, 0.1), Attachment('ground', 1.5, 0.3)
+    law = ForceTable([0.1, 3.0], [-900.0 * (0.1 - 0.3), -900.0 * (3.0 - 0.3)], is_linear=True)
+    for plain in CRANKS:
+        spring = plain.with_elements(Spring(strut, pivot, 900.0, free_length=0.3))
+        table = plain.with_elements(PositionForce(strut, law, Distance(strut, pivot),
+                                                  apart_from=pivot))
+        for motion in samples(plain, 5, 7):
+            one, other = spring.loads(*motion), table.loads(*motion)
+            size = 1e3 * (1.0 + max(map(abs, one)))
+            assert max(abs(a - b) for a, b in zip(one, other)) <= 64 * 2.0**-52 * size
+            assert Equation(table).torque(*motion) == pytest.approx(
+                other.driving_torque, abs=1e-11 * size)
+
+
+def test_a_strut_has_two_links():
+    with pytest.raises(InvalidParameter, match='another link'):
+        PositionForce(Attachment('crank'), CYCLE, apart_from=Attachment('crank', 0.1))
