@@ -10,7 +10,7 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import output_ranges, OverInput
+from fourbar_ros.extrema.over_input import efficiency, output_ranges, OverInput
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
@@ -134,8 +134,8 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
     """
     Return what a drive must hold and do, and its mechanical advantage, as {name: record}.
 
-    ``work`` [J] and ``mean_power`` [W] of a cycle are NaN where the input does not turn fully, all
-    of the first two records without masses.
+    ``work`` [J], ``mean_power`` [W] and efficiency of a cycle are NaN where the input does not
+    turn fully; without loads there is the advantage alone.
     """
     names = [name for name, quantity in of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
@@ -154,7 +154,9 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
     if linkage.has_loads:
         load = OverInput(linkage, linkage.drive_load, speed, acceleration, within)
         work = load.of_cycle
-        record['cycle'] = {'work': work, 'mean_power': work / linkage.cycle * speed}
+        record['cycle'] = {'work': work, 'mean_power': work / linkage.cycle * speed,
+                           'efficiency': nan if within else
+                           efficiency(linkage, speed, acceleration)}
     return record
 
 

@@ -152,7 +152,9 @@ def drive_in_words(linkage: Mechanism, drive: LinkageRecord) -> list[str]:
         if name == 'cycle':
             if isfinite(record['work']):
                 lines.append(f'work of the drive: {record["work"]:.6g} J a cycle, mean power '
-                             f'{record["mean_power"]:.6g} W')
+                             f'{record["mean_power"]:.6g} W' + (
+                                 f', efficiency {record["efficiency"]:.6g}'
+                                 if linkage.friction and isfinite(record['efficiency']) else ''))
             continue
         least, most = (f'{record[end]:.6g} {record["unit"]}'.rstrip() for end in ('least', 'most'))
         ends = (f'{least} at {shown(driven, record["least_at"])} to {most} at '

@@ -155,6 +155,22 @@ def settled(mean: Values, rms: Values) -> Values:
         return np.where(np.abs(mean) <= AGREE * rms, 0.0, mean)
 
 
+def efficiency(linkage: Mechanism, rate: float = 1.0, acceleration: float = 0.0) -> float:
+    """
+    Return the share of the work of a cycle that friction leaves, between drive and loads.
+
+    From the work of the drive with and without friction, at the same motion: their quotient that
+    is below 1, whichever way the work goes. What dampers take is no loss of it. NaN where the
+    input does not turn fully, where no work is done, and where friction turns its sign.
+    """
+    work = OverInput(linkage, linkage.drive_load, rate, acceleration).of_cycle
+    without = (OverInput(linkage.without_friction, linkage.drive_load, rate, acceleration).of_cycle
+               if linkage.friction else work)
+    if work < 0.0:          # the loads drive: what arrives at the drive, over what they give
+        return work / without if without < 0.0 else nan
+    return without / work if work > 0.0 and without >= 0.0 else nan
+
+
 # --- what an output sweeps -----------------------------------------------------------------------
 
 class OutputRange(NamedTuple):

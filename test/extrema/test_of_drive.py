@@ -2,25 +2,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a designer asks of the drive: advantage, holding torque, power, work, time ratio."""
 from dataclasses import replace
-from math import asin, inf, isnan, pi, tau
+from math import asin, inf, isnan, nan, pi, tau
 
 from fourbar_lab.drawing.curves import curves_of
 from fourbar_lab.drawing.record import drive_of, properties_of
+from fourbar_lab.drawing.tables import drive_in_words
 from fourbar_lab.studies.measures import Design
 from fourbar_ros import (
     Applied,
     Bodies,
     Body,
+    DriveFriction,
     External,
     find_extrema,
     FourBar,
     InvalidParameter,
     InvertedSlider,
+    JointFriction,
     load_scene,
     MissingBodies,
     SliderCrank,
 )
 from fourbar_ros.extrema import OverInput
+from fourbar_ros.extrema.over_input import efficiency
 from fourbar_ros.mechanisms.elements import Attachment, Spring
 from fourbar_ros.mechanisms.quantities import by_name, of_drive
 from fourbar_ros.numerics.arrays import EPS
@@ -225,7 +229,8 @@ def test_work_of_a_cycle_of_an_engine_is_that_of_its_gas_over_two_turns():
     speed = engine.drive.speed
     assert power == pytest.approx(work * speed / (2.0 * tau), rel=1e-10)
     assert drive_of(linkage, speed, 0.0, None)['cycle'] == {
-        'work': pytest.approx(work, rel=1e-12), 'mean_power': pytest.approx(power, rel=1e-12)}
+        'work': pytest.approx(work, rel=1e-12), 'mean_power': pytest.approx(power, rel=1e-12),
+        'efficiency': 1.0}
 
 
 def test_a_spring_is_held_where_its_energy_has_that_slope(step=1e-5):
@@ -244,6 +249,41 @@ def test_a_spring_is_held_where_its_energy_has_that_slope(step=1e-5):
     assert of_drive(linkage)['holding_torque'].values(linkage, x, 50.0) == pytest.approx(
         slope, abs=1e-8 * np.abs(slope).max())
     assert OverInput(linkage, 'driving_torque', 25.0).of_cycle == 0.0
+
+
+@pytest.mark.parametrize(('couple', 'torque', 'viscous', 'expected'), [
+    (-6.0, 0.0, 0.0, 1.0), (-6.0, 2.0, 0.0, 6.0 / 8.0), (-6.0, 1.0, 0.05, 6.0 / 8.0),
+    (6.0, 2.0, 0.0, 4.0 / 6.0), (6.0, 7.0, 0.0, nan), (0.0, 2.0, 0.0, 0.0), (0.0, 0.0, 0.0, nan)])
+def test_efficiency_with_friction_of_the_drive(couple, torque, viscous, expected):
+    """A couple on the crank, and friction against it at 20 rad/s: quotients of torques."""
+    linkage = load_scene('paper').linkage.with_external(
+        External(crank=Applied(couple=couple))).with_friction(
+            {'drive': DriveFriction(torque, viscous)})
+    assert efficiency(linkage, 20.0) == pytest.approx(expected, rel=1e-10, nan_ok=True)
+    ratio = drive_of(linkage, 20.0, 0.0, None)['cycle']['efficiency']
+    assert ratio == pytest.approx(expected, rel=1e-10, nan_ok=True)
+    words = ' '.join(drive_in_words(linkage, drive_of(linkage, 20.0, 0.0, None)))
+    assert ('efficiency' in words) is not isnan(expected)
+
+
+def test_efficiency_of_pins_is_that_of_what_they_dissipate(count=20000):
+    """Work with friction less that without: couples of the pins times their relative rates."""
+    scene = load_scene('paper')
+    linkage = scene.linkage.with_external(External(output=Applied(couple=-40.0),
+                                                   crank=Applied(couple=-30.0)))
+    rubbing = linkage.with_friction({joint: JointFriction(0.1, radius=0.01) for joint in
+                                     ('O1', 'A', 'B', 'O4')})
+    rate = 8.0
+    x = (np.arange(count) + 0.5) * tau / count
+    motion, loads = rubbing.step(x, rate)
+    lost = 0.001 * sum(force * np.abs(speed) for force, speed in (
+        (loads.f41, motion.omega1), (loads.f21, motion.omega2), (loads.f32, motion.omega3),
+        (loads.f43, motion.omega4)))
+    without = 30.0 * tau
+    assert efficiency(linkage, rate) == 1.0
+    # midpoints between kinks where rates turn: an error of the square of a step
+    assert efficiency(rubbing, rate) == pytest.approx(
+        without / (without + lost.mean() * tau / rate), rel=1e-6)
 
 
 @pytest.mark.parametrize(('a1', 'a4'), [(0.1, 0.15), (0.102, 0.3)])
@@ -283,7 +323,8 @@ def test_studies_have_the_parts_of_all_of_them():
     curves = curves_of(scene, linkage, names, speed)
     assert set(names) == set(curves.names[1:]) and set(names) <= set(by_name(linkage))
     drive = drive_of(linkage, speed, 0.0, None)
-    assert drive['cycle'] == {'work': 0.0, 'mean_power': 0.0}
+    cycle = drive['cycle']
+    assert isnan(cycle.pop('efficiency')) and cycle == {'work': 0.0, 'mean_power': 0.0}
     assert drive['holding_torque']['most'] == 0.0
     assert drive[ADVANTAGE]['most'] == inf and drive[ADVANTAGE]['least'] == min(
         abs(one.value) for one in find_extrema(linkage, ADVANTAGE))
