@@ -1,0 +1,82 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Springs, force tables and friction: run time over that of the same mechanism without them."""
+from statistics import median
+from time import process_time
+
+from .pages import table
+
+ROUNDS, STEPS, BATCH = 7, 2000, 10_000
+SPEED = 20.0        # of the input [rad/s]
+
+
+def cases():
+    """Return {name: (mechanism without, {what acts: mechanism with it})}."""
+    from fourbar_ros import JointFriction, load_scene
+    from fourbar_ros.mechanisms.elements import (
+        Attachment, LinkAngle, PositionForce, Spring, TorsionSpring)
+    from fourbar_ros.mechanisms.force_table import ForceTable
+    import numpy as np
+    places = np.linspace(-3.0, 3.0, 100)
+    cut = ForceTable(places, 200.0 * np.sin(3.0 * places) * np.cos(places))
+    found = {}
+    for name, link in (('paper', 'output'), ('watt', 'rocker')):
+        plain = load_scene(name).linkage
+        springs = (Spring(Attachment('ground', 1.5, 0.3), Attachment(link, 0.2), 900.0,
+                          free_length=0.3, damping=5.0),
+                   TorsionSpring('ground', link, 30.0))
+        force = PositionForce(Attachment(link, 0.1), cut, LinkAngle(link))
+        pins = {reaction.joint: JointFriction(0.1, radius=0.01)
+                for reaction in plain.REACTIONS if not reaction.couple}
+        found[name] = plain, {
+            'a spring': plain.with_elements(springs[0]),
+            'two springs': plain.with_elements(*springs),
+            'two springs, a table': plain.with_elements(*springs, force),
+            'friction in all pins': plain.with_friction(pins),
+            'all of these': plain.with_elements(*springs, force).with_friction(pins)}
+    return found
+
+
+def took(call, repeats):
+    """Return the CPU time of a call [s]."""
+    begin = process_time()
+    for _ in range(repeats):
+        call()
+    return (process_time() - begin) / repeats
+
+
+def main():
+    """Print the ratios of steps and batches, and the times of searches."""
+    from fourbar_ros import find_extrema
+    import numpy as np
+    x, rows = np.linspace(0.0, 6.0, BATCH), []
+    print(f'CPU time of the process; {ROUNDS} rounds, in each all in turn; medians. A table has 100 '
+          f'places. Asked: steps with springs 1.3, with friction 4; batches of {BATCH} 1.3 and 6.\n')
+    for name, (plain, loaded) in cases().items():
+        calls = {what: (lambda m=m: m.step(0.5, SPEED, 0.0), lambda m=m: m.loads(x, SPEED))
+                 for what, m in {'nothing': plain, **loaded}.items()}
+        for step, batch in calls.values():      # traces are made once
+            step()
+            batch()
+        times = {what: [] for what in calls}
+        for _ in range(ROUNDS):
+            for what, (step, batch) in calls.items():
+                times[what].append((took(step, STEPS), took(batch, 5)))
+        for what in calls:
+            over = [median(now[k] / before[k] for now, before in zip(times[what], times['nothing']))
+                    for k in (0, 1)]
+            rows.append((name, what, f'{1e6 * median(t for t, _ in times[what]):.3g}',
+                         f'{over[0]:.3g}', f'{1e3 * median(t for _, t in times[what]):.3g}',
+                         f'{over[1]:.3g}'))
+    table(('linkage', 'acting', 'step [us]', 'over nothing', 'batch [ms]', 'over nothing'), rows)
+    rows = []
+    for name, (plain, loaded) in cases().items():
+        for what, mechanism in {'nothing': plain, **loaded}.items():
+            quantities = ('shaking_force', mechanism.drive_load, *mechanism.reactions)
+            find_extrema(mechanism, quantities, SPEED)
+            extrema = find_extrema(mechanism, quantities, SPEED)
+            seconds = median(took(lambda m=mechanism, q=quantities: find_extrema(m, q, SPEED), 1)
+                             for _ in range(ROUNDS))
+            rows.append((name, what, len(quantities), len(extrema), f'{seconds:.3g}'))
+    print()
+    table(('linkage', 'acting', 'loads', 'extrema', 'CPU time of all [s]'), rows)
