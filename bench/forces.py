@@ -14,7 +14,12 @@ def cases():
     """Return {name: (mechanism without, {what acts: mechanism with it})}."""
     from fourbar_ros import JointFriction, load_scene
     from fourbar_ros.mechanisms.elements import (
-        Attachment, LinkAngle, PositionForce, Spring, TorsionSpring)
+        Attachment,
+        LinkAngle,
+        PositionForce,
+        Spring,
+        TorsionSpring,
+    )
     from fourbar_ros.mechanisms.force_table import ForceTable
     import numpy as np
     places = np.linspace(-3.0, 3.0, 100)
@@ -50,11 +55,12 @@ def main():
     from fourbar_ros import find_extrema
     import numpy as np
     x, rows = np.linspace(0.0, 6.0, BATCH), []
-    print(f'CPU time of the process; {ROUNDS} rounds, in each all in turn; medians. A table has 100 '
-          f'places. Asked: steps with springs 1.3, with friction 4; batches of {BATCH} 1.3 and 6.\n')
-    for name, (plain, loaded) in cases().items():
+    print(f'CPU time of the process; {ROUNDS} rounds, in each all in turn; medians. A table has '
+          '100 places. Asked: steps with springs 1.3, with friction 4; batches of '
+          f'{BATCH} 1.3 and 6.\n')
+    for name, (alone, loaded) in cases().items():
         calls = {what: (lambda m=m: m.step(0.5, SPEED, 0.0), lambda m=m: m.loads(x, SPEED))
-                 for what, m in {'nothing': plain, **loaded}.items()}
+                 for what, m in {'nothing': alone, **loaded}.items()}
         for step, batch in calls.values():      # traces are made once
             step()
             batch()
@@ -63,8 +69,8 @@ def main():
             for what, (step, batch) in calls.items():
                 times[what].append((took(step, STEPS), took(batch, 5)))
         for what in calls:
-            over = [median(now[k] / before[k] for now, before in zip(times[what], times['nothing']))
-                    for k in (0, 1)]
+            over = [median(now[k] / plain[k] for now, plain in zip(
+                times[what], times['nothing'])) for k in (0, 1)]
             rows.append((name, what, f'{1e6 * median(t for t, _ in times[what]):.3g}',
                          f'{over[0]:.3g}', f'{1e3 * median(t for _, t in times[what]):.3g}',
                          f'{over[1]:.3g}'))

@@ -76,6 +76,10 @@ class InvalidParameter(FourBarError, ValueError):
                          else f'{name} = {_short(value)}: {allowed}')
 
 
+class UnknownForce(InvalidParameter):
+    """A spring or a user's force has no value at an input, so there are no loads there."""
+
+
 def _short(value: Any) -> str:
     """Return a value as text of one line; long text, as of an array, loses its middle."""
     text = ' '.join(repr(value).split())

@@ -19,7 +19,7 @@ from functools import cached_property
 from math import ceil, inf, lcm, remainder, tau
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import InvalidParameter, UnknownForce
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.force_table import ForceTable
@@ -230,10 +230,14 @@ class UserForce:
     function: Callable[[float], float]
 
     def __call__(self, s: Any) -> Any:
-        """Return the force at s; raises InvalidParameter for a value that is no finite number."""
+        """Return the force at s; raises UnknownForce for a value that is no finite number."""
         if not isinstance(s, np.ndarray):
-            return type(s)(finite('value', self.function(float(s)),
-                                  f'at {float(s)!r} must be a finite number'))
+            value = self.function(float(s))
+            try:
+                return type(s)(finite('value', value))
+            except InvalidParameter:
+                raise UnknownForce('value', value,
+                                   f'at {float(s)!r} must be a finite number') from None
         if np.iscomplexobj(s):
             return self(s.real) + 1j * slope_of(self, s.real) * s.imag
         return np.vectorize(lambda x: self.function(float(x)), otypes=[float])(s)

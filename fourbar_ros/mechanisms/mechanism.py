@@ -24,6 +24,7 @@ from fourbar_ros.errors import (
     OutOfRange,
     Toggle,
     UnknownBaseMotion,
+    UnknownForce,
 )
 from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
@@ -349,7 +350,7 @@ class Mechanism(MechanismGeometry):
 
         Arguments and errors as in :meth:`motion`; ``fields`` may name fields of both. A mechanism
         without masses has no loads: MissingBodies. Where a spring has no direction, as its ends
-        meet, there are none either: InvalidParameter, in arrays NaN.
+        meet, there are none either: UnknownForce, in arrays NaN.
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
@@ -367,15 +368,14 @@ class Mechanism(MechanismGeometry):
             self._refuse(position, rate, acceleration)
         try:
             motion, loads = line(position, rate, acceleration)
-        except InvalidParameter:        # of a user's force
+        except UnknownForce:        # of a user's function
             raise
         except (ValueError, ZeroDivisionError):
             motion = self.motion(position, rate, acceleration)      # its error, if it has one
             if not (self.elements and isfinite(motion.condition)):
                 raise self._why_no_motion(position) from None
-            raise InvalidParameter(self.input_coordinate.position, position,
-                                   'the ends of a spring meet there: it has no direction'
-                                   ) from None
+            raise UnknownForce(self.input_coordinate.position, position, 'the ends of a spring '
+                               'meet there: it has no direction') from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise self._why_no_loads(motion)
         return as_motion(motion), as_loads(loads)

@@ -14,7 +14,14 @@ from math import isfinite, isinf, isnan, nan, nextafter
 from types import MappingProxyType
 from typing import cast, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, Locked, OutOfRange, Toggle
+from fourbar_ros.errors import (
+    FourBarError,
+    InvalidParameter,
+    Locked,
+    OutOfRange,
+    Toggle,
+    UnknownForce,
+)
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.numerics.number_types import REAL
@@ -49,6 +56,7 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
     fast that a result overflows. RATES_UNKNOWN: the rate or acceleration is NaN; fields that do
     not depend on it are valid. TOGGLE: rates are unbounded, or at the flat position of a change
     point the condition alone; there are no loads. LOCKED: by friction, so there are no loads.
+    LOADS_UNKNOWN: a spring whose ends meet, or a user's force, has no value.
     """
     inputs = position, rate, acceleration
     if not isfinite(position * mechanism.overflowing) or isinf(rate) or isinf(acceleration):
@@ -72,6 +80,8 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
         return _partly(TOGGLE, mechanism, *inputs)
     except Locked:
         return LOCKED, mechanism.motion(*inputs), _none_of(mechanism.LOADS)
+    except UnknownForce:
+        return LOADS_UNKNOWN, mechanism.motion(*inputs), _none_of(mechanism.LOADS)
     except InvalidParameter:     # numbers overflow
         pass
     return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)

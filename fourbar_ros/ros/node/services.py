@@ -70,7 +70,7 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         OK: 'RESULT_OK', stepper.OUT_OF_RANGE: 'RESULT_OUT_OF_RANGE',
         stepper.INVALID_INPUT: 'RESULT_INVALID_REQUEST',
         stepper.RATES_UNKNOWN: 'RESULT_INVALID_REQUEST', stepper.TOGGLE: 'RESULT_TOGGLE',
-        stepper.LOCKED: 'RESULT_LOCKED'}[status])
+        stepper.LOCKED: 'RESULT_LOCKED', stepper.LOADS_UNKNOWN: 'RESULT_OK'}[status])
     if status == stepper.OUT_OF_RANGE:
         driven = linkage.input_coordinate
         response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
@@ -83,6 +83,9 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
                             'position of a change point the motion goes on, loads are not known')
     elif status == stepper.LOCKED:
         response.message = 'the mechanism locks itself by friction: no drive moves it'
+    elif status == stepper.LOADS_UNKNOWN:
+        response.has_loads = False
+        response.message = 'the ends of a spring meet there: it has no direction, so no loads'
     return response
 
 
