@@ -14,9 +14,11 @@ from fourbar_lab.export.drive import DriveCode, tables
 from fourbar_lab.export.model import GeneratedModel, struct_of
 from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
 from fourbar_ros import __version__
+from fourbar_ros.mechanisms.mechanism import Mechanism
 
 FLAGS = '-std=c99 -O2'
 STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    # as in messages
+OF_FRICTION = {7: 'locked'}      # and of mechanisms that have it
 
 
 class Formulas:
@@ -70,6 +72,16 @@ class Formulas:
         return literal(value)
 
 
+# The end of judged() in judge.c: loads that are NaN where the motion is not are of joints that lock.
+OVERFLOWS = '  return is_finite(load) && is_infinite(condition) ? 3 : 2;'
+LOCKS = f'  if (load != load && is_finite(motion)) return {min(OF_FRICTION)};\n{OVERFLOWS}'
+
+
+def statuses_of(mechanism: Mechanism) -> dict[int, str]:
+    """Return {status that the code of a mechanism gives: its name}."""
+    return {**dict(enumerate(STATUS)), **(OF_FRICTION if mechanism.friction else {})}
+
+
 class Code:
     """Header and source of a model."""
 
@@ -101,7 +113,8 @@ class Code:
         modes = filled(snippet('model.c', 'header_of_modes'), {'NAME': name})
         return filled(snippet('model.c', 'header'), {
             'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
-            'STATUS': ',\n'.join(f'  {name}_{text} = {i}' for i, text in enumerate(STATUS)),
+            'STATUS': ',\n'.join(f'  {name}_{text} = {i}'
+                                 for i, text in statuses_of(model.mechanism).items()),
             'RECORDS': '\n'.join(text for which, named, about in records
                                  for text in struct_of(f'{name}_{which}', named, about)),
             'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature(False),
@@ -223,7 +236,8 @@ class Code:
                 f'  return {" && ".join(reach) or "1"};', '}', '',
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
-                f'  return {" || ".join(limits) or "0"};', '}', '', snippet('judge.c')]
+                f'  return {" || ".join(limits) or "0"};', '}', '',
+                snippet('judge.c').replace(OVERFLOWS, LOCKS if mechanism.friction else OVERFLOWS)]
 
     def _apart(self, end: str) -> str:
         """Return the distance of x from a limit, the short way round of angles."""

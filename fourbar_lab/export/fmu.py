@@ -21,7 +21,7 @@ from typing import NamedTuple
 import uuid
 import zipfile
 
-from fourbar_lab.export.c_code import Code, FLAGS, STATUS
+from fourbar_lab.export.c_code import Code, FLAGS, statuses_of
 from fourbar_lab.export.drive import DriveCode, STATUS_OF_DRIVE
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated
 from fourbar_lab.export.statements import snippet
@@ -38,7 +38,6 @@ NOT_OFFERED = """SerializedFMUstateSize SerializeFMUstate DeSerializeFMUstate Ge
     SetRealInputDerivatives GetRealOutputDerivatives GetDirectionalDerivative"""
 MADE = (1980, 1, 1, 0, 0, 0)     # of all files of the archive: the same scene, the same bytes
 DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS_OF_DRIVE))
-STATUS_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(STATUS))
 
 
 class Variable(NamedTuple):
@@ -108,7 +107,8 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
                 entry.name, len(variables), 'input' if is_topic else causality, entry.unit,
                 entry.text, entry.value, bool(model.bound_of(entry.name))))
     last = len(variables)
-    status = Variable('status', last, 'output', '', STATUS_TEXT, 0.0)
+    status = Variable('status', last, 'output', '', ', '.join(
+        f'{i} {text.replace("_", " ")}' for i, text in statuses_of(model.mechanism).items()), 0.0)
     if drive is None:
         inputs = {entry.name for entry in model.inputs}
         return [*(variable for variable in variables

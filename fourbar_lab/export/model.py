@@ -141,7 +141,7 @@ class GeneratedModel:
         """Return the data of the mechanism's formulas."""
         constants = self.mechanism.constants
         return constants if self.mechanism.bodies else constants._replace(
-            bodies=None, elements=())
+            bodies=None, elements=(), friction=())
 
     @cached_property
     def data(self) -> list[float]:
@@ -204,6 +204,8 @@ class GeneratedModel:
         names += _of_links('external', constants.external)
         for name, element in zip(element_names(self.scene.values), constants.elements):
             names += self._names_in(name, element)
+        for (name, _), friction in zip(self.mechanism.friction, constants.friction):
+            names += self._names_in(f'friction.{name}', friction)
         names += [(f'points.{name}.{field}', 'm') for name in self.scene.points
                   for field in ('along', 'across')]
         assert len(names) == len(self.data)
@@ -239,6 +241,8 @@ class GeneratedModel:
         """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""
         if name.startswith('bodies.') and name.endswith(('.mass', '.inertia')):
             return '>='
+        if name.startswith('friction.'):
+            return '>' if name.endswith('.length') else '>='
         return '>' if any(length.name == name and not length.signed
                           for length in self.mechanism.LENGTHS) else ''
 
@@ -273,7 +277,6 @@ class GeneratedModel:
     def check(self) -> None:
         """Raise NotGenerated or InvalidParameter if the scene cannot be generated as asked."""
         mechanism, outputs = self.mechanism, list(self.outputs or ())
-        mechanism.require_no_friction('generated code')
         known = self.names_of_motion
         for name in outputs:
             if name in mechanism.LOADS._fields and mechanism.bodies is None:

@@ -48,15 +48,16 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
     ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
     Not computed so: drives at rest, quantities of the drive at rates of their own, driven slides,
-    machines (each is put together at run time), and designs where lengths, samples or search
-    leave a doubt.
+    machines (each is put together at run time), friction, whose loads jump, and designs where
+    lengths, samples or search leave a doubt.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.kind not in KINDS:
+    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.friction
+            or scene.kind not in KINDS):
         return none
     measures, designs = Measures(scene), Designs(scene, study.values, drawn)
     is_done, margins = designs.are_allowed(), designs.margins()

@@ -43,7 +43,7 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
     or the same dyads, and the same mode.
     """
     linkage = scene.linkage
-    linkage.require_no_friction('a study')
+    linkage.require_no_friction('an analysis of tolerances')
     external = external_of(values, linkage, partial(unchecked, Applied))
     constants: Constants = linkage.constants._replace(
         gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))

@@ -2,20 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every door to the loads of a scene with friction gives those of the mechanism, or refuses."""
 import csv
+from dataclasses import replace
 import json
 from math import isnan, radians
 
 from fourbar_lab.balancing.loads import Loads
-from fourbar_lab.export.files import generate
 from fourbar_lab.live.model import shown
-from fourbar_lab.studies.measures import Design, Measures
-from fourbar_ros import Applied, DriveFriction, find_extrema, InvalidParameter, JointFriction
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.derivatives import Derivatives
+from fourbar_lab.studies.study import from_document
+from fourbar_ros import DriveFriction, find_extrema, InvalidParameter, JointFriction
+from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics import System
 from fourbar_ros.pipeline.stepper import LOCKED, OK, STATUS_NAMES, Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
+from support.bags import run
+from support.exported import Code, COMPILERS, differences, of_python
 
 AT, SPEED = 60.0, 12.0
 PRESS = {
@@ -110,10 +115,37 @@ def test_what_it_locks_is_said(tmp_path, capsys):
     assert find_extrema(linkage, ['f41'], 0.1, within=(0.2, 0.3))
 
 
-def test_what_takes_none_refuses_it(tmp_path):
+@pytest.mark.skipif(not COMPILERS, reason='no C compiler')
+@pytest.mark.parametrize('there', [THERE, LOCKS], ids=['press', 'locks'])
+def test_generated_code_has_the_bits_and_statuses_of_the_node(there, tmp_path):
+    low, high = there.linkage.input_ranges[0]
+    x = np.concatenate((np.linspace(low, high, 301), high - 10.0**-np.arange(1.0, 12.0)))
+    inputs = np.column_stack((x, np.where(np.arange(x.size) % 2, 0.1, -0.3), 0.0 * x))
+    code = Code(there, tmp_path, 'rubs')
+    wanted = of_python(there.linkage, there.points, inputs)
+    found = code.compiled(COMPILERS[0], '-std=c99', '-O1')(inputs)
+    assert differences(found, wanted, len(code.model.motion)) == ''
+    assert (LOCKED in wanted[0]) is (there is LOCKS)
+    changed = {one.name: one for one in code.model.tunable}
+    assert ('friction.guide.coefficient' in changed) and changed[
+        'friction.A.radius'].value == 0.01
+
+
+@pytest.mark.parametrize('there', [THERE, LOCKS], ids=['press', 'locks'])
+def test_a_bag_recomputes_exactly(there, tmp_path):
+    low, high = there.linkage.input_ranges[0]
+    values = {**there.values, 'drive.source': 'motion'}
+    motions = [(x, rate, 0.5) for x in np.linspace(low, high, 12)[1:-1].tolist()
+               for rate in (0.3, -0.2, 0.0)] + [(high - 1e-6, 0.1, 0.0)]
+    path = run(tmp_path, 'run', values, motions, paced=True)
+    found = recompute(path)
+    assert not found.problems() and found.differences and found.largest == 0.0
+
+
+def test_what_takes_none_refuses_it():
     doors = {'motion that follows': lambda: System(THERE.linkage, 0.0),
              'balancing': lambda: Loads(THERE.linkage, SPEED),
-             'generated code': lambda: generate(THERE, tmp_path)}
+             }
     for words, door in doors.items():
         with pytest.raises(InvalidParameter, match=f'friction.O1: .*{words}.* takes no friction'):
             door()
@@ -137,11 +169,16 @@ def test_wrong_scenes(more, words):
     assert words in str(error.value) and '\n' not in str(error.value)
 
 
-def test_studies_do_not_take_a_number_without_friction():
-    """A design of the scene itself has its friction; designs that vary are refused."""
-    measure = Measures(THERE).single('measures', 'f21.max')
-    design = Design(THERE)
-    design.search([measure])
-    most = max(one.value for one in find_extrema(THERE.linkage, ['f21'], SPEED))
-    assert design.of(measure) == most
-    assert Applied() == Applied()
+def test_studies(tmp_path, file):
+    """Designs that vary have their friction: each row is that of its scene."""
+    pytest.importorskip('scipy.stats')
+    study = from_document({'scene': file, 'rows': 3, 'quantities': ['f21.max'], 'vary': {
+        'linkage.a1': {'range': [0.05, 0.06]}, 'friction.A.coefficient': {'range': [0.1, 0.2]}}})
+    columns = compute(study, 0).columns
+    for a1, coefficient, most in zip(*(columns[name].tolist() for name in (
+            'linkage.a1', 'friction.A.coefficient', 'f21.max'))):
+        linkage = THERE.with_values({'friction.A.coefficient': coefficient}).linkage
+        assert most == max(one.value for one in find_extrema(
+            replace(linkage, a1=a1), ['f21'], SPEED))
+    with pytest.raises(InvalidParameter, match='an analysis of tolerances takes no friction yet'):
+        Derivatives(THERE)

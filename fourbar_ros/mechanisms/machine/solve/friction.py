@@ -55,7 +55,7 @@ from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
 from fourbar_ros.numerics.vectors import Vector
 
-SHARES = (0.5, *[1.0] * 5)      # of the friction, in each iteration
+SHARES = (0.5, *[1.0] * 5)      # of the friction, in each iteration; one less if no block tilts
 CONVERGED = 1e-8       # change of the efforts by the last iteration, over all; its square is left
 AT_REST = 16.0 * EPS   # a relative rate below this part of the rates of both links is rounding
 NO_FORCE = Vector(0.0, 0.0)
@@ -241,7 +241,7 @@ class MachineFriction:
                 columns.append([felt(forces, joints[i]) for i in dry])
             sizes, locks = solved(self._n, [
                 self._law(joints[k].name, joints[k].slide is not None) for k in dry], at_none,
-                columns)
+                columns, SHARES[:None if any(self._dry[joints[k].name] for k in dry) else -1])
             for k, size in zip(dry, sizes):
                 efforts[k] = efforts[k] + signs[k] * size
         forces, drive = with_efforts(efforts, needs, drive)
@@ -328,16 +328,18 @@ def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbi
 
 
 def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Sequence[Felt],
-           columns: Sequence[Sequence[Felt]]) -> tuple[list[Scalar], Scalar]:
+           columns: Sequence[Sequence[Felt]], shares: Sequence[float]
+           ) -> tuple[list[Scalar], Scalar]:
     """
     Return the sizes of efforts by (R3), and NaN where they lock, else 0.
 
     ``laws``: of each joint what it feels -> slopes of (R1); ``at_none``: what each feels without
-    efforts; ``columns``: by effort what each feels of an effort of one.
+    efforts; ``columns``: by effort what each feels of an effort of one; ``shares``: of the
+    friction, in each iteration.
     """
     felt, sizes, matrix = list(at_none), [0.0] * len(laws), list[list[Scalar]]()
     before = sizes
-    for share in SHARES:
+    for share in shares:
         slopes = [(share * x, share * y) for law, pair in zip(laws, felt)
                   for x, y in [law(pair)]]
         matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in range(len(laws))]
