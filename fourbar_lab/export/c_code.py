@@ -72,7 +72,7 @@ class Formulas:
         return literal(value)
 
 
-# The end of judged() in judge.c: loads that are NaN where the motion is not are of joints that lock.
+# The end of judged() in judge.c: loads are NaN, and the motion is not, where joints lock.
 OVERFLOWS = '  return is_finite(load) && is_infinite(condition) ? 3 : 2;'
 LOCKS = f'  if (load != load && is_finite(motion)) return {min(OF_FRICTION)};\n{OVERFLOWS}'
 
