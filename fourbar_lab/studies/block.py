@@ -20,6 +20,7 @@ from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.over_input import settled
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.batches import step_of_arrays
+from fourbar_ros.mechanisms.elements import Spring
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
 from fourbar_ros.mechanisms.points import with_any_lengths
@@ -27,7 +28,6 @@ from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, 
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
-from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
 TRIED = 100         # designs, for one that can be built
@@ -59,7 +59,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.friction
             or scene.kind not in KINDS):
         return none
-    measures, designs = Measures(scene), Designs(scene, study.values, drawn)
+    if not all(isinstance(element, Spring) for element in scene.linkage.elements):
+        return none
+    measures, designs = Measures(scene), Designs(scene, drawn)
     is_done, margins = designs.are_allowed(), designs.margins()
     # type and distance from a change point follow from the lengths alone
     if margins is None:
@@ -89,8 +91,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     needed = needed or [kinds.ANGLE]        # that alone tells which designs turn fully
 
     def work(rows: Array, samples: int) -> Array:
-        group = Designs(scene, study.values, {name: column[rows]
-                                              for name, column in drawn.items()})
+        group = Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
         turns = search(group, [quantity for name in needed
@@ -183,16 +184,15 @@ class Designs:
     """
     n designs of a scene, evaluated together: a mechanism whose lengths are columns, shape (n, 1).
 
-    ``scene`` is any of them, ``values`` all of its parameters, ``drawn`` {parameter that varies:
-    values, shape (n,)}.
+    ``scene`` is any of them, ``drawn`` {parameter that varies: values, shape (n,)}.
     """
 
-    def __init__(self, scene: Scene, values: ParameterValues, drawn: dict[str, Array]):
-        self.scene = scene
+    def __init__(self, scene: Scene, drawn: dict[str, Array]):
         self.size = len(next(iter(drawn.values())))
         columns = {name: np.asarray(column, float)[:, None] for name, column in drawn.items()}
-        self.values = {**values, **columns}
+        self.values = {**scene.values, **columns}
         constants = parametric.constants_of(scene, self.values)
+        self.scene = parametric.alike(scene, constants)
         self.lengths = tuple([np.broadcast_to(length, (self.size, 1))
                               for length in constants.lengths])
         self._constants = constants._replace(
@@ -209,6 +209,8 @@ class Designs:
                 value, may_be_negative = column[:, 0], not parameter.positive
                 is_allowed &= np.isfinite(value) & (value >= parameter.low)
                 is_allowed &= (value <= parameter.high) & ((value > 0.0) | may_be_negative)
+                if name.endswith('.factor'):        # 1 is no area, of a table of pressures
+                    is_allowed &= value != 1.0
         return is_allowed
 
     def step(self, acceleration: float, with_loads: bool, names: tuple[str, ...] | None = None

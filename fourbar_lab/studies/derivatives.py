@@ -27,6 +27,7 @@ from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.measures import ANGLE, Design, Measure, Measures
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum
+from fourbar_ros.extrema.over_input import settled
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
@@ -56,6 +57,9 @@ TIE = SAME = 1e-9
 SAMPLES = 64            # inputs at which a quantity that is constant has derivatives
 LENGTHS = 'linkage.', 'dyads.', 'cylinder.'      # beginnings of the parameters that are lengths
 TOGGLE = 'the input ends at a toggle position, which has no formula'
+# Where values beside the end of a piece are taken; they differ by more, as a part of the largest,
+# if a load jumps there.
+BESIDE, JUMP = 2.0**-44, 1e-9
 
 
 def usable(scene: Scene) -> tuple[str, ...]:
@@ -66,7 +70,7 @@ def usable(scene: Scene) -> tuple[str, ...]:
         dimensions = ['dyads.', *['cylinder.'] * (linkage.input == 'cylinder')]
     beginnings = (*dimensions, 'bodies.rods.', *[f'bodies.{link.name}.' for link in linkage.LINKS],
                   'gravity.', *[f'external.{link}.' for link in linkage.EXTERNAL._fields],
-                  'points.', 'drive.speed')
+                  'springs.', 'torsion_springs.', 'forces.', 'points.', 'drive.speed')
     return tuple([name for name, value in scene.values.items() if name.startswith(beginnings)
                   and getattr(find_parameter(name), 'type', '') == 'double' and value == value])
 
@@ -336,7 +340,9 @@ class _OfMeasure:
         if x in (self._linkage.stroke or ()):               # an end that stays where it is
             _, slopes = self._derivatives.of(name, np.array([x]))
             return np.zeros_like(self._sizes) if self._is_of_inputs else slopes[:, 0]
-        return self._unknown(TOGGLE)
+        ends = self._linkage.pieces.ends if self._linkage.pieces else ()
+        is_jump = any(abs(self._linkage.distance(x, end)) <= JUMP for end in ends)
+        return self._unknown(f'it jumps at the input {x:.6g}' if is_jump else TOGGLE)
 
     def _angles(self, x: Array) -> tuple[tuple[str, ...], Array, Array]:
         """Return the transmission angles of all dyads at inputs x, (dyads, n), and which count."""
@@ -357,6 +363,15 @@ class _OfMeasure:
     def _of_mean(self, is_of_squares: bool) -> Array:
         """Return d mean(Q) = mean(Q_p), or d sqrt(mean Q^2) = mean(Q Q_p) / sqrt(mean Q^2)."""
         name = self._source
+        if self._linkage.pieces and self._derivatives.quantities[name].is_load:
+            # an end that moves brings what the load jumps there
+            ends = np.array(self._linkage.pieces.ends)
+            tiny = BESIDE * np.maximum(np.abs(ends), 1.0)
+            before, after = (self._derivatives.of(name, ends + side * tiny)[0]
+                             for side in (-1.0, 1.0))
+            jumps = np.abs(after - before) > JUMP * np.max(np.abs(before), initial=0.0)
+            if jumps.any():
+                return self._unknown(f'it jumps at the input {ends[jumps][0]:.6g}')
         most, results = TURN_NODES if self._linkage.turns_fully else RANGE_NODES, []
         for points in (most, most // 2):
             x, weights = nodes(self._linkage, points)
@@ -368,15 +383,13 @@ class _OfMeasure:
             if (self._derivatives.quantities[name].unit == 'rad'
                     and np.abs(np.diff(values)).max() > pi):
                 return self._unknown('the angle wraps')
-            if not is_of_squares:
-                results.append((weights * slopes).sum(axis=1))
-                continue
-            size = float(np.sqrt(np.sum(weights * values * values)))
+            size = float(np.sqrt(np.sum(weights * values * values))) if is_of_squares else 1.0
             if size == 0.0:       # it grows whichever way a parameter goes: no derivative
                 return np.where(slopes.any(axis=1), self._unknown('it is 0 at every input'), 0.0)
-            # a force of size 0 has no slope, and the product is 0
-            results.append((weights * np.where(values == 0.0, 0.0, values * slopes)).sum(axis=1)
-                           / size)
+            if is_of_squares:       # a force of size 0 has no slope, and the product is 0
+                slopes = np.where(values == 0.0, 0.0, values * slopes)
+            results.append(np.divide(settled((weights * slopes).sum(axis=1), (
+                weights * np.abs(slopes)).sum(axis=1)), size))
         effects = self._effects(results)
         if not np.ptp(effects, axis=0).max() <= RESOLVED * np.abs(effects).max():
             return self._unknown(f'{most} inputs do not resolve it')

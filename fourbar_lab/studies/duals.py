@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from fourbar_ros.numerics.number_types import Function
-from fourbar_ros.numerics.tables import ARRAYS, PARTIALS, Table
+from fourbar_ros.numerics.tables import ARRAYS, PARTIALS, slope_of, Table
 
 
 class Dual(NamedTuple):
@@ -56,6 +56,16 @@ def _choice(condition: Any, first: Any, second: Any) -> Any:
     return Dual(value, by) if by else value
 
 
+def _of_function(function: Function) -> Function:
+    """Return a function that is no formula, as a table of forces, for duals."""
+    def call(argument: Any) -> Any:
+        x = value_of(argument)
+        value, changes = function(x), derivatives_of(argument)
+        slope = slope_of(function, x) if changes else 0.0
+        return Dual(value, {name: slope * change for name, change in changes.items()})
+    return call
+
+
 DUALS: Table = {
-    **{name: _by_partials(name) for name in PARTIALS}, 'where': _choice,
+    **{name: _by_partials(name) for name in PARTIALS}, 'where': _choice, 'call': _of_function,
     **{name: _of_values(name) for name in ('gt', 'lt', 'power_of_two')}}

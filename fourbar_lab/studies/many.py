@@ -101,8 +101,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
 
     def searched(which: Array, samples: int) -> Array:
         """Search some linkages together, from samples of a turn; return which are done."""
-        designs = Designs(scene, scene.values,
-                          {name: column[which] for name, column in zip(names, columns)})
+        designs = Designs(scene, {name: column[which] for name, column in zip(names, columns)})
         turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, samples)
         compared = [*map(_compared, turns.values, turns.counts)]
         margins = designs.margins()

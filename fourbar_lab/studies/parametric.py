@@ -7,22 +7,31 @@ The formulas of motion and loads are those of every scene, made for such values.
 """
 from __future__ import annotations
 
+from collections.abc import Iterable
+from copy import copy
+from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
 from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
+from fourbar_ros.mechanisms.curves import Point
+from fourbar_ros.mechanisms.elements import Attachment, Element, Spring, TorsionSpring, Way
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import ARRAY, NumberType, Scalar
+from fourbar_ros.numerics.number_types import ARRAY, direction_in, NumberType, Scalar
+from fourbar_ros.scene.elements import ACTS, element_names
 from fourbar_ros.scene.linkage import BodiesOfLinks, external_of, SECTIONS
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
 import numpy as np
 
 NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum, are the same
+
+
+_Record = TypeVar('_Record')
 
 
 class _UncheckedBodies(BodiesOfLinks):
@@ -37,7 +46,7 @@ class _UncheckedBodies(BodiesOfLinks):
 
 def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
     """
-    Return lengths, bodies, gravity and outer loads for the formulas of a scene's mechanism.
+    Return lengths, bodies and all that acts, for the formulas of a scene's mechanism.
 
     ``values`` are all parameters, floats or of the arithmetic ``n``; ``scene`` has the same kind
     or the same dyads, and the same mode.
@@ -51,16 +60,88 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
         lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
         bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
         return constants._replace(
-            lengths=tuple(lengths.values()),
+            lengths=tuple(lengths.values()), elements=elements_of(scene, values, n),
             bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
     from fourbar_ros.machine import Machine
     from fourbar_ros.scene import machines
     assert isinstance(linkage, Machine)
     bodies = _UncheckedBodies(values, linkage.LINKS, {
         link.length: values[f'dyads.{link.length}'] for link in linkage.LINKS if link.length})
+    lengths_of_dyads = machines.lengths_of(linkage, values, n)
     return constants._replace(
-        lengths=machines.lengths_of(linkage, values, n),
+        lengths=lengths_of_dyads,
+        elements=elements_of(scene, values, n, machines.slides_in(linkage, lengths_of_dyads)),
         bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
+
+
+def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
+                slides: Iterable[tuple[str, Point, tuple[Scalar, Scalar]]] = ()
+                ) -> tuple[Element, ...]:
+    """
+    Return the springs and forces of a scene with numbers of any arithmetic, not checked.
+
+    ``slides``: of a machine, as :func:`.slides_in` with such lengths.
+    """
+    def made(record: _Record, name: str, *fields: str, **derived: Any) -> _Record:
+        """Return a record with the parameters NAME.FIELD and with derived values."""
+        return _with(record, **{field: values[f'{name}.{field}'] for field in fields}, **derived)
+
+    def varies(name: str, *fields: str) -> bool:
+        """Return whether one of some parameters is, or may be, another number than 0."""
+        return not all(isinstance(value, float) and value == 0.0
+                       for value in [values[f'{name}.{field}'] for field in fields])
+
+    ways = {f'slide_{link}': (_with(Attachment(), **origin._asdict()), along)
+            for link, origin, along in slides}
+    elements = list[Element]()
+    for name, element in zip(element_names(scene.values), scene.linkage.elements):
+        if isinstance(element, Spring):
+            elements.append(made(
+                element, name, 'stiffness', 'free_length', 'damping', 'preload',
+                **{end: made(getattr(element, end), f'{name}.{end}', 'along', 'across')
+                   for end in ('first', 'second')},
+                has_length=varies(name, 'free_length', 'preload'),
+                has_damping=varies(name, 'damping')))
+            continue
+        if isinstance(element, TorsionSpring):
+            elements.append(made(
+                element, name, 'stiffness', 'free_angle', 'damping',
+                free_direction=direction_in(n, values[f'{name}.free_angle']),
+                has_damping=varies(name, 'damping')))
+            continue
+        over, coordinate = element.over, values[f'{name}.over']
+        if coordinate in ways:
+            origin, along = ways[coordinate]
+            over = _with(over, origin=origin, unit_vector=along)
+        elif isinstance(over, Way) and '.' in coordinate:
+            over = _with(over, point=made(over.point, f'points.{coordinate[:-2]}',
+                                          'along', 'across'))
+        turned = None
+        if element.direction is not None:
+            turned = ACTS[values[f'{name}.acts']][1] + values[f'{name}.direction']
+        elements.append(made(
+            element, name, 'factor', over=over, direction=turned,
+            unit_vector=None if turned is None else direction_in(n, turned),
+            point=made(element.point, name, 'along', 'across')))
+    return tuple(elements)
+
+
+def alike(scene: Scene, constants: Constants) -> Scene:
+    """Return a scene whose formulas are those of such constants: springs with what may vary."""
+    elements = [_with(element, **{name: value for name, value in vars(made).items()
+                                  if name.startswith('has_')})
+                for element, made in zip(scene.linkage.elements, constants.elements)]
+    if elements == [*scene.linkage.elements]:
+        return scene
+    return replace(scene, linkage=scene.linkage.with_elements(*elements))
+
+
+def _with(record: _Record, **changed: Any) -> _Record:
+    """Return a copy of a frozen record with other fields, not checked."""
+    copied = copy(record)
+    for name, value in changed.items():
+        object.__setattr__(copied, name, value)
+    return copied
 
 
 def margin_signs(linkage: Mechanism) -> Array | None:

@@ -51,8 +51,8 @@ DISTRIBUTIONS: dict[str, Callable[[float, float], Any]] = {
     'normal': stats.norm}
 LEVELS = 10             # of a range in a grid by default
 # Beginnings of the names of parameters that change motion or loads.
-ACTING = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'points.',
-          'drive.speed', 'friction.')
+ACTING = ('linkage.', 'dyads.', 'cylinder.', 'bodies.', 'gravity.', 'external.', 'springs.',
+          'torsion_springs.', 'forces.', 'friction.', 'points.', 'drive.speed')
 MODE = 'linkage.mode'   # varies by a list only: it is no number on a scale
 # The p next to 0 and 1 that designs give: a normal distribution reaches 8.2 deviations there.
 EDGE = 2.0**-53

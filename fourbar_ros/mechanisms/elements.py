@@ -25,6 +25,7 @@ from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.arguments import finite
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_fields import check_quantities, quantity
 from fourbar_ros.numerics.number_types import converted, direction, NumberType, Scalar
 from fourbar_ros.numerics.tables import slope_of
@@ -187,11 +188,19 @@ class TableForce:
 
     def __call__(self, s: Any) -> Any:
         """Return the force [N] or couple [N m] at s, a float or an array."""
+        return self.table(self._counted(s))
+
+    def slope(self, s: Array) -> Array:
+        """Return the derivative by s, an array."""
+        return self.table.slope(self._counted(s))
+
+    def _counted(self, s: Any) -> Any:
+        """Return s as it counts in the table."""
         middle = self.middle
-        if middle is not None:
-            s = (s - tau * np.round((s.real - middle) / tau) if isinstance(s, np.ndarray)
-                 else type(s)(middle + remainder(float(s) - middle, tau)))
-        return self.table(s)
+        if middle is None:
+            return s
+        return (s - tau * np.round((s.real - middle) / tau) if isinstance(s, np.ndarray)
+                else type(s)(middle + remainder(float(s) - middle, tau)))
 
     @cached_property
     def largest(self) -> float:

@@ -106,16 +106,27 @@ class ForceTable:
         """
         if not isinstance(x, np.ndarray):
             return self._value(x, type(x))
+        (a, b, c, d), t = self._at(x)
+        return ((a * t + b) * t + c) * t + d
+
+    def slope(self, x: Array) -> Array:
+        """Return the derivative at an array x, as its value; 0 beyond the ends."""
+        (a, b, c, _), t = self._at(x)
+        is_beyond = (x.real < self.places[0]) | (x.real > self.places[-1])
+        return np.asarray(np.where(is_beyond & (not self.is_periodic), 0.0,
+                                   (3.0 * a * t + 2.0 * b) * t + c))
+
+    def _at(self, x: Array) -> tuple[Sequence[Array], Array]:
+        """Return the coefficients of the piece at an array x, and how far x is in it."""
         first, last = self.places[0], self.places[-1]
         if np.iscomplexobj(x):
             x = (x - self.span * np.floor((x.real - first) / self.span) if self.is_periodic else
                  np.where(x.real < first, first, np.where(x.real > last, last, x)))
         else:
             x = first + (x - first) % self.span if self.is_periodic else np.clip(x, first, last)
-        pieces = np.searchsorted(self.places[1:-1], x.real, side='right')
-        a, b, c, d, start = self._columns[:, pieces]
-        t = x - start
-        return ((a * t + b) * t + c) * t + d
+        *coefficients, start = self._columns[:, np.searchsorted(self.places[1:-1], x.real,
+                                                                side='right')]
+        return coefficients, x - start
 
     def _value(self, x: Any, number: Any) -> Any:
         """Return the value at x, a ``number``: a float or a Decimal."""

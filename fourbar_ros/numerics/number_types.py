@@ -104,6 +104,11 @@ def direction(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
 
 
+def direction_in(n: NumberType, angle: Scalar) -> tuple[Scalar, Scalar]:
+    """Return the :func:`direction` of an angle that is a float or of the number type ``n``."""
+    return direction(angle) if isinstance(angle, float) else (n.cos(angle), n.sin(angle))
+
+
 def _choose_in_arrays(condition: bool | Array, if_true: Any, if_false: Any) -> Any:
     """Choose element by element; of tuples, item by item."""
     if isinstance(condition, (bool, np.bool_)):

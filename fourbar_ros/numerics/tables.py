@@ -34,11 +34,13 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
 
     ``values``: by index, those that are known already; the results are written into it. ``done``:
     by index, those that nobody needs after it: arrays are given back while they are in the cache.
+    A function that is no formula is called, or what the table's 'call' makes of it.
     """
-    steps, known = trace.steps, values.__getitem__
+    steps, known, call = trace.steps, values.__getitem__, table.get('call')
     for index in order:
         step = steps[index]
-        apply = step.value if step.operation == 'call' else table[step.operation]
+        apply = table[step.operation] if step.operation != 'call' else (
+            step.value if call is None else call(step.value))
         values[index] = apply(*map(known, step.arguments))
         for i in done.get(index, ()):
             values[i] = None
@@ -79,7 +81,9 @@ DIFFERENCE = 6e-6
 
 
 def slope_of(function: Function, x: Any) -> Any:
-    """Return the slope of a function that is no formula, as a table of forces, at real x."""
+    """Return the slope of a function that is no formula at real x; of a table as it has it."""
+    if hasattr(function, 'slope'):
+        return function.slope(np.asarray(x))
     step = DIFFERENCE * (1.0 + np.abs(x))
     return (function(x + step) - function(x - step)) / (2.0 * step)
 

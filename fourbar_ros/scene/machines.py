@@ -3,7 +3,8 @@
 """The machine of dyads that the parameters of a scene describe."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import isnan
 from typing import Any
 
@@ -16,7 +17,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.number_types import direction, NumberType, Scalar
+from fourbar_ros.numerics.number_types import direction_in, NumberType, Scalar
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import ParameterValues
 
@@ -55,25 +56,23 @@ def lengths_of(machine: Machine, values: ParameterValues,
     With it a study computes many machines at once. ``machine`` has the same dyads. ``values``
     holds all parameters; those that vary may be arrays of the ``arithmetic``.
     """
-    def along(angle: Scalar) -> tuple[Scalar, Scalar]:
-        """Return (cos, sin) of an angle."""
-        return (direction(angle) if isinstance(angle, float)         # exact at right angles
-                else (arithmetic.cos(angle), arithmetic.sin(angle)))
-
-    cylinder = machine.stages[0] if machine.cylinder else None
+    along, cylinder = partial(direction_in, arithmetic), machine.cylinder and machine.stages[0]
     return tuple([_lengths(dyad, values, along, dyad is cylinder) for dyad in machine.stages])
 
 
-def slides_in(machine: Mechanism) -> Iterator[tuple[str, Point, tuple[float, float]]]:
+def slides_in(machine: Mechanism, lengths: Sequence[DyadLengths] = ()
+              ) -> Iterator[tuple[str, Point, tuple[float, float]]]:
     """
     Yield (sliding link, point of its carrier where it counts from, unit vector along the slide).
 
-    The vector is in the frame of the carrier, on which the link slides.
+    The vector is in the frame of the carrier, on which the link slides. ``lengths``: of all dyads
+    in any arithmetic, by default those of the machine.
     """
     assert isinstance(machine, Machine)
     links = machine.layout.links
-    for stage, dyad in zip(machine.layout.stages, machine.stages):
-        for link, (carrier, point, along) in slides_of(stage, dyad.lengths):
+    lengths = lengths or [dyad.lengths for dyad in machine.stages]
+    for stage, of_dyad in zip(machine.layout.stages, lengths):
+        for link, (carrier, point, along) in slides_of(stage, of_dyad):
             yield links[link], Point(links[carrier], *point), along
 
 
