@@ -49,7 +49,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
-from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
+from fourbar_ros.mechanisms.elements import BOTH, LinkAngle, PositionForce, TableForce
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arguments import finite
@@ -208,6 +208,10 @@ class Equation:
         self._base = gravity if isinstance(gravity, Base) else Base()
         self._is_turned = bool(self._base.rate or self._base.acceleration)
         self.forces = [e for e in mechanism.elements if isinstance(e, PositionForce)]
+        for force in self.forces:
+            if force.when != BOTH:
+                raise InvalidParameter('when', force.when, f'must be {BOTH}: motion that follows '
+                                       'from torque takes no force one way alone yet')
         self._springs = [e for e in mechanism.elements if not isinstance(e, PositionForce)]
         self.tables = [force for force in self.forces if isinstance(force.value, TableForce)]
         self.has_couples = bool(self.forces) or self._is_turned or any(

@@ -206,7 +206,8 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
         away = (np.roll(away, 1) if side < 0 else away) - value
         differs = np.flatnonzero(np.abs(away) > FLAT * abs(value))
         slope = (s_before if side < 0 else s_after)[row, gap]
-        return bool(side * away[differs[0]] > 0.0 if differs.size else slope >= 0.0)
+        is_flat = differs.size and differs[0] > 0
+        return bool(side * away[differs[0]] > 0.0 if is_flat else slope >= 0.0)
 
     found = [_Jump(int(rows[row]), int(gap), (float(v_before[row, gap]), float(v_after[row, gap])),
                    (rises(row, gap, -1), rises(row, gap, 1)))

@@ -110,7 +110,7 @@ class Spring:
         stretch: Scalar = n.sqrt(gap.x * gap.x + gap.y * gap.y) - self.free_length
         return (0.5 * self.stiffness * stretch + self.preload) * stretch
 
-    def forces(self, n: NumberType, links: LinkMotions, _: Scalar = 0.0) -> list[ForceOnLink]:
+    def forces(self, n: NumberType, links: LinkMotions, *_: Scalar) -> list[ForceOnLink]:
         """Return the forces on its first and on its second link, which move over time."""
         pull = _damped(self, n, links)
         p, q = self.first.on(links[self.first.link]), self.second.on(links[self.second.link])
@@ -168,7 +168,7 @@ class TorsionSpring:
         stretch = self.deflection(n, links)
         return 0.5 * self.stiffness * stretch * stretch
 
-    def forces(self, n: NumberType, links: LinkMotions, _: Scalar = 0.0) -> list[ForceOnLink]:
+    def forces(self, n: NumberType, links: LinkMotions, *_: Scalar) -> list[ForceOnLink]:
         """Return the couples on its first and on its second link, which move over time."""
         moment, first, second = _damped(self, n, links), links[self.first], links[self.second]
         return [ForceOnLink(self.first, first.x, first.y, 0.0, 0.0, moment),
@@ -252,6 +252,7 @@ class UserForce:
         return np.vectorize(lambda x: self.function(float(x)), otypes=[float])(s)
 
 
+BOTH, FORWARD, BACKWARD = 'both', 'forward', 'backward'     # when a force acts
 INPUT = 'input'        # s of a force over the input of the mechanism, an angle or a slide
 
 
@@ -270,6 +271,10 @@ class LinkAngle:
         cosine, sine = _turned(links[self.relative_to], links[self.link])
         angle: Scalar = n.atan2(sine, cosine)
         return angle
+
+    def grows(self, links: LinkMotions) -> Scalar:
+        """Return a number with the sign of its rate."""
+        return links[self.link].omega - links[self.relative_to].omega
 
 
 @dataclass(frozen=True)
@@ -300,6 +305,12 @@ class Way:
             self.unit_vector, links[self.origin.link])
         return gap.x * x + gap.y * y
 
+    def grows(self, links: LinkMotions) -> Scalar:
+        """Return a number with the sign of its rate."""
+        origin = links[self.origin.link]
+        gap, (x, y) = _apart(self.origin, self.point, links), _along(self.unit_vector, origin)
+        return gap.v_x * x + gap.v_y * y + origin.omega * (gap.y * x - gap.x * y)
+
 
 @dataclass(frozen=True)
 class Distance:
@@ -320,6 +331,11 @@ class Distance:
         gap = _apart(self.origin, self.point, links)
         length: Scalar = n.sqrt(gap.x * gap.x + gap.y * gap.y)
         return length
+
+    def grows(self, links: LinkMotions) -> Scalar:
+        """Return a number with the sign of its rate."""
+        gap = _apart(self.origin, self.point, links)
+        return gap.x * gap.v_x + gap.y * gap.v_y
 
 
 Over = Union[str, LinkAngle, Way, Distance]        # INPUT and these: the s of a force
@@ -348,6 +364,9 @@ class PositionForce:
     apart_from : Attachment, optional
         A point of another link or of the ground: the force pushes both points apart, as a gas
         strut does, and has no other ``direction``.
+    when : 'both', 'forward' or 'backward'
+        It acts always, or only while s grows or falls, as a cut does; not at rest. What acts
+        always gives back on the way back what it takes.
 
     """
 
@@ -358,6 +377,7 @@ class PositionForce:
     axes: str = GROUND
     factor: float = quantity(1.0)
     apart_from: Attachment | None = None
+    when: str = BOTH
     unit_vector: tuple[float, float] | None = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -374,6 +394,8 @@ class PositionForce:
             if self.apart_from.link == self.point.link:
                 raise InvalidParameter('apart_from', self.point.link,
                                        'must be on another link than the point')
+        if self.when not in (BOTH, FORWARD, BACKWARD):
+            raise InvalidParameter('when', self.when, f'must be {BOTH}, {FORWARD} or {BACKWARD}')
         check_quantities(self)
         object.__setattr__(self, 'unit_vector',
                            None if self.direction is None else direction(self.direction))
@@ -389,10 +411,14 @@ class PositionForce:
         """Return the position s in a pose at an input."""
         return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
-    def _push(self, n: NumberType, links: LinkMotions, position: Scalar
+    def _push(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar
               ) -> tuple[Scalar, Scalar, Scalar, MovingPoint]:
         """Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so."""
         size = self.factor * n.call(self.value, self.position(n, links, position))
+        if self.when != BOTH:
+            grows = rate if isinstance(self.over, str) else self.over.grows(links)
+            is_acting = grows.real > 0.0 if self.when == FORWARD else grows.real < 0.0
+            size = n.where(is_acting, size, 0.0)
         if self.apart_from is not None:
             gap = _apart(self.apart_from, self.point, links)
             length = n.sqrt(gap.x * gap.x + gap.y * gap.y)
@@ -404,14 +430,15 @@ class PositionForce:
 
     def generalised(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
         """Return Q of (E7) in a pose at an input."""
-        size, x, y, moved = self._push(n, links, position)
+        size, x, y, moved = self._push(n, links, position, 1.0)
         if self.unit_vector is None and self.apart_from is None:
             return size * links[self.point.link].omega
         return size * (x * moved.v_x + y * moved.v_y)
 
-    def forces(self, n: NumberType, links: LinkMotions, position: Scalar) -> list[ForceOnLink]:
-        """Return the force on its link, and that on a second one, in a pose at an input."""
-        size, x, y, _ = self._push(n, links, position)
+    def forces(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar
+               ) -> list[ForceOnLink]:
+        """Return the force on its link, and on a second one, at an input and its rate."""
+        size, x, y, _ = self._push(n, links, position, rate)
         is_couple = self.unit_vector is None and self.apart_from is None
         on_link = [(self.point, size)]
         if self.apart_from is not None:
@@ -555,12 +582,13 @@ def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
     The forces of elements on a link act at the point of its constant force; those on the ground
     are left out. Numbers are of the type ``n``, and not checked to be finite.
     """
-    loaded, position = links_of(mechanism.elements), mechanism.input_coordinate.position
+    loaded, driven = links_of(mechanism.elements), mechanism.input_coordinate
 
     def applied(motion: NamedFields) -> Any:
         moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
+        position, rate = getattr(motion, driven.position), getattr(motion, driven.rate)
         acting = [force for element in constants.elements
-                  for force in element.forces(n, moving, getattr(motion, position))]
+                  for force in element.forces(n, moving, position, rate)]
         return constants.external._replace(**{link: _sum_of(
             applied_to(constants.external, link), moving[link],
             [force for force in acting if force.link == link]) for link in loaded})

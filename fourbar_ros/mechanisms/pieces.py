@@ -16,8 +16,10 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.elements import (
+    BOTH,
     Distance,
     Element,
+    INPUT,
     LinkAngle,
     PositionForce,
     Spring,
@@ -48,6 +50,7 @@ class Coordinate(NamedTuple):
     points: Array           # those values
     period: float           # after which it comes round, inf: never
     is_square: bool = False     # of a spring's length: only where it is least matters
+    turns_back: bool = False    # where it does, a force begins or ends
 
 
 class Pieces(NamedTuple):
@@ -80,6 +83,7 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
                                   if z[1] < FARTHEST * mechanism.input_unit]
             else:
                 ends += _crossings(values, np.union1d(x, turning), coordinate).tolist()
+                ends += turning.tolist() if coordinate.turns_back else []
     return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
 
 
@@ -174,8 +178,10 @@ def _coordinates(element: Element) -> Iterator[Coordinate]:
                 points = np.append(points, element.value.middle + pi)
         elif isinstance(element.over, LinkAngle):
             points, period = np.array([pi]), tau
-        if points.size:
-            yield Coordinate(lambda moving, x: element.position(ARRAY, moving, x), points, period)
+        turns_back = element.when != BOTH and element.over != INPUT
+        if points.size or turns_back:
+            yield Coordinate(lambda moving, x: element.position(ARRAY, moving, x), points, period,
+                             turns_back=turns_back)
 
 
 def _turning_points(values: Callable[[Array], tuple[Array, Array]], x: Array
@@ -201,6 +207,8 @@ def _crossings(values: Callable[[Array], tuple[Array, Array]], x: Array, coordin
                ) -> Array:
     """Return where a coordinate, monotone between rising inputs, comes to one of its points."""
     points, period = np.sort(coordinate.points), coordinate.period
+    if not points.size:
+        return points
     s = values(x)[0]
     known = np.isfinite(s)
     x, s = x[known], s[known]

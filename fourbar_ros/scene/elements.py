@@ -119,7 +119,8 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
                        values[f'{name}.interpolation'] == 'linear'), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
             link if turns_with_link else GROUND, values[f'{name}.factor'],
-            Attachment(*point_in(f'{name}.from', values)) if acts == APART else None)
+            Attachment(*point_in(f'{name}.from', values)) if acts == APART else None,
+            values[f'{name}.when'])
         force.fitted(mechanism)
     except InvalidParameter as error:
         field = {'is_periodic': 'periodic', 'apart_from': 'from.link'}.get(error.name, error.name)

@@ -501,6 +501,10 @@ _FORCE = _table(
               'what the table of the force NAME is over: input (of a crank counted over whole '
               'turns), an angle or slide of the linkage as theta4 or slide, POINT.x, POINT.y '
               'of a point of the scene, or distance: of its point from that of forces.NAME.from'),
+    Parameter('forces.NAME.when', 'string', 'both', '',
+              'the force NAME acts always (both), or only while what its table is over grows '
+              '(forward) or falls (backward), as a cut does',
+              choices=('both', 'forward', 'backward')),
     Parameter('forces.NAME.table', 'string', '', '',
               'CSV file, from the folder of the scene: a header with units, as "theta1 [deg], '
               'pressure [bar]", then a place and a value in each row; or give places and values',

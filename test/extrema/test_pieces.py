@@ -1,9 +1,20 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema of loads with springs and force tables against dense scans of the loads themselves."""
+from dataclasses import replace
 from math import pi
 
-from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
+from fourbar_ros import (
+    Bodies,
+    Body,
+    FourBar,
+    InvalidParameter,
+    InvertedSlider,
+    JointFriction,
+    round_rod,
+    SliderCrank,
+)
+from fourbar_ros.dynamics import System
 from fourbar_ros.extrema import find_extrema, OverInput
 from fourbar_ros.mechanisms.elements import (
     Attachment,
@@ -174,3 +185,57 @@ def test_a_jump_counts_on_both_sides():
             if extremum.place == 'limit'}
     assert set(ends) == {(-1, round(10.0 * pi, 6)), (1, round(-10.0 * pi, 6))}
     assert all(abs(extremum.theta1 - 0.5 - pi) < 1e-9 for extremum in ends.values())
+
+
+def press(**changes):
+    """Return a press: weight, a spring, a cut on the way down alone, friction everywhere."""
+    rods = Bodies(Body(1.5, inertia=0.002, cg_along=0.01), Body(2.0, inertia=0.006, cg_along=0.08),
+                  Body(6.0))
+    cut = ForceTable([0.0, 0.1919, 0.192, 0.2], [0.0, 0.0, -2000.0, -2000.0], is_linear=True)
+    ram = Attachment('output')
+    pin = JointFriction(0.1, radius=0.01)
+    return replace(SliderCrank(
+        0.04, 0.16, bodies=rods, gravity=(9.81, 0.0),
+        elements=(Spring(Attachment(), ram, 4000.0, free_length=0.06),
+                  PositionForce(ram, cut, Way(ram), when='forward')),
+        friction={'O1': pin, 'A': pin, 'B': pin, 'guide': JointFriction(0.1)}), **changes)
+
+
+def test_a_cut_acts_on_the_way_down_alone():
+    """Work of a cycle: the area of the cut; at rest and on the way back it is not there."""
+    free = press(friction=())
+    both = free.with_elements(*(replace(element, when='both') if hasattr(element, 'when')
+                                else element for element in free.elements))
+    rate = 9.42477796
+    for linkage, area in ((free, 2000.0 * 0.008 + 0.5 * 2000.0 * 1e-4), (both, 0.0)):
+        assert OverInput(linkage, 'driving_torque', rate).of_cycle == pytest.approx(
+            area, abs=1e-9)
+    for angle, acts in ((-0.3, True), (0.3, False)):
+        here, there = free.loads(angle, rate), both.loads(angle, rate)
+        assert (here.driving_torque == there.driving_torque) is acts
+        back = free.loads(-angle, -rate)            # the other way round it is as the mirror
+        assert back.driving_torque == pytest.approx(-here.driving_torque, rel=1e-12)
+        assert free.loads(angle, 0.0) == free.with_elements(free.elements[0]).loads(angle, 0.0)
+    with pytest.raises(InvalidParameter, match='one way alone'):
+        System(free, 0.3)
+    with pytest.raises(InvalidParameter, match='must be both, forward or backward'):
+        replace(free.elements[1], when='down')
+
+
+@pytest.mark.parametrize('gravity', [(9.81, 0.0), (0.0, -9.81)])
+@pytest.mark.parametrize('length', [float('inf'), 0.06, 0.01])
+def test_one_sided_extrema_of_a_press_have_the_kind_of_their_side(gravity, length):
+    """A minimum 0.003 rad beyond a jump was taken for a rise at the jump."""
+    linkage = press(gravity=gravity)
+    linkage = linkage.with_friction({**dict(linkage.friction),
+                                     'guide': JointFriction(0.1, length=length)})
+    rate = 9.42477796
+    for extremum in find_extrema(linkage, (), rate, conditions=False):
+        assert extremum.proof == '', extremum
+        if extremum.place != 'limit' or extremum.quantity not in linkage.LOADS._fields:
+            continue
+        x = extremum.theta1 + extremum.side * np.array([1e-8, 1e-6])
+        near, far = getattr(linkage.loads(x, rate), extremum.quantity)
+        assert near == pytest.approx(extremum.value, rel=1e-6, abs=1e-6)
+        if abs(near - far) > 1e-9 * abs(near):
+            assert bool(far < near) is (extremum.kind == 'maximum'), extremum
