@@ -37,6 +37,7 @@ from fourbar_ros.scene.topics import (  # noqa: E402
     applied_topic,
     DRIVE_STATE,
     DRIVEN,
+    FRAME,
     INPUTS,
     OUTPUTS,
     PICTURES,
@@ -113,7 +114,7 @@ def reference_tables():
                            for t in [topic('NAME')]]),
         'always': table(('topic', 'type', 'what'),
                         [(f'`{t.topic}`', f'`{t.type}`', t.text)
-                         for t in (DRIVEN, SCENE, DRIVE_STATE)]),
+                         for t in (DRIVEN, SCENE, DRIVE_STATE, FRAME)]),
         'trajectories': table(('topic', 'type', 'what'),
                               [(f'`{t.topic}`', f'`{t.type}`', t.text)
                                for t in TRAJECTORIES.values()]),

@@ -5,7 +5,8 @@ MJCF of a scene, for MuJoCo: the tree, and the cut joints as ``connect`` constra
 
 MuJoCo keeps a constraint with a spring and a damper, so its loops give way. The settings here are
 much stiffer than its own (a time constant of two steps instead of 20 ms). The key ``start`` has a
-pose in which the loops are closed; the plane of the mechanism is x-y, gravity is the scene's.
+pose in which the loops are closed. The mechanism lies in x-y of its base, which ``frame.parent``
+may carry; gravity is the scene's, turned with it.
 """
 from __future__ import annotations
 
@@ -15,7 +16,9 @@ from typing import Any
 from fourbar_ros.description.model import inertia_of, ModelLink, NoDescription, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
+from fourbar_ros.scene.base import rotation_of
 
+WORLD = 'world'        # MuJoCo's name of what carries all bodies
 TIMESTEP = 0.0005      # [s]
 SOLREF = (2.0 * TIMESTEP, 1.0)                 # time constant [s], damping ratio
 SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)     # as hard as it gets
@@ -31,9 +34,10 @@ def mjcf(model: RobotModel) -> str:
     comment(root, model.title)
     # roll, pitch, yaw about fixed axes, as in URDF
     add(root, 'compiler', angle='radian', autolimits='true', eulerseq='XYZ')
-    add(root, 'option', gravity=(*model.gravity, 0.0), timestep=TIMESTEP)
-    world = add(root, 'worldbody')
-    base = add(world, 'body', name=model.root)
+    axes = rotation_of(model.frame.rpy)
+    add(root, 'option', gravity=tuple([sum(g * axis[i] for g, axis in zip(model.gravity, axes))
+                                       for i in range(3)]), timestep=TIMESTEP)
+    base = _base(add(root, 'worldbody'), model)
     for geom in _geoms(base, model.ground, -1):
         geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
@@ -55,6 +59,16 @@ def mjcf(model: RobotModel) -> str:
     add(add(root, 'keyframe'), 'key', name='start',
         qpos=tuple(_starts(model, model.root)))
     return as_text(root)
+
+
+def _base(world: Element, model: RobotModel) -> Element:
+    """Add the body of the ground, in one of its ``frame.parent`` if it has one; return it."""
+    if not model.frame.parent:
+        return add(world, 'body', name=model.root)
+    parent = (world if model.frame.parent == WORLD
+              else add(world, 'body', name=model.frame.parent))
+    return add(parent, 'body', name=model.root, pos=tuple(model.frame.xyz),
+               euler=tuple(model.frame.rpy))
 
 
 def _body(parent: Element, link: ModelLink, index: int, size: float) -> Element:

@@ -23,6 +23,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.pipeline.joints import start_of
+from fourbar_ros.scene.groups import FrameSettings
 from fourbar_ros.scene.scene import Scene
 
 MARGIN = 0.01          # share by which the limits of passive slides are wider than they are
@@ -113,6 +114,7 @@ class RobotModel(NamedTuple):
     name: str
     title: str
     root: str
+    frame: FrameSettings        # where the root lies, if it has a parent
     links: tuple[ModelLink, ...]
     closures: tuple[Closure, ...]
     points: dict[str, tuple[str, float, float]]
@@ -152,14 +154,14 @@ def model_of(scene: Scene) -> RobotModel:
     points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
     model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
-                       scene.frame_id, links, closures, points, shapes[GROUND],
+                       scene.frame_id, scene.frame, links, closures, points, shapes[GROUND],
                        field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
-    names = [model.root, *(link.frame for link in links), *points,
+    names = [scene.frame.parent, model.root, *(link.frame for link in links), *points,
              *(frame for closure in closures for frame in closure.frames)]
     for name in names:
         if names.count(name) > 1:
             raise NoDescription(f'two frames would be named {name!r}: change frame_id, '
-                                'joint_states.prefix or the name of a point')
+                                'frame.parent, joint_states.prefix or the name of a point')
     return model
 
 

@@ -22,8 +22,12 @@ def urdf(model: RobotModel) -> str:
     """Return the URDF of a model."""
     robot = Element('robot', name=model.name)
     comment(robot, model.title)
+    if model.frame.parent:
+        add(robot, 'link', name=model.frame.parent)
     root = add(robot, 'link', name=model.root)
     _visuals(root, model.ground, -1)
+    if model.frame.parent:
+        _fix(robot, model.root, model.frame.parent, tuple(model.frame.xyz), tuple(model.frame.rpy))
     for index, link in enumerate(model.links):
         _link(robot, link, index, model.size)
     for closure in model.closures:
@@ -63,10 +67,16 @@ def _link(robot: Element, link: ModelLink, index: int, size: float) -> None:
 def _fixed(robot: Element, name: str, frame: str, origin: tuple[float, float, float]) -> None:
     """Add a frame at a point of another frame: in URDF, an empty link on a fixed joint."""
     add(robot, 'link', name=name)
+    _fix(robot, name, frame, origin)
+
+
+def _fix(robot: Element, name: str, frame: str, origin: tuple[float, ...],
+         rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> None:
+    """Add the fixed joint of a link in a frame, at ``origin`` [m], turned by ``rpy`` [rad]."""
     joint = add(robot, 'joint', name=f'{name}_fixed', type='fixed')
     add(joint, 'parent', link=frame)
     add(joint, 'child', link=name)
-    add(joint, 'origin', xyz=origin)
+    add(joint, 'origin', xyz=origin, **({'rpy': rpy} if any(rpy) else {}))
 
 
 def _visuals(link: Element, shapes: Sequence[Shape], index: int) -> None:

@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""How the frame of a base's messages lies to that of the mechanism."""
+"""How another frame, of a robot's link or of messages, lies to that of the mechanism."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -9,6 +9,14 @@ from math import cos, hypot, sin
 from fourbar_ros.errors import InvalidParameter
 
 Rows = tuple[tuple[float, float, float], ...]
+
+
+def quaternion_of(rpy: Sequence[float]) -> tuple[float, float, float, float]:
+    """Return the quaternion x, y, z, w of roll, pitch, yaw [rad] about fixed axes, as in URDF."""
+    half = [0.5 * angle for angle in rpy]
+    (c_r, s_r), (c_p, s_p), (c_y, s_y) = [(cos(angle), sin(angle)) for angle in half]
+    return (s_r * c_p * c_y - c_r * s_p * s_y, c_r * s_p * c_y + s_r * c_p * s_y,
+            c_r * c_p * s_y - s_r * s_p * c_y, c_r * c_p * c_y + s_r * s_p * s_y)
 
 
 def rotation_of(rotation: Sequence[float]) -> Rows:
@@ -20,10 +28,7 @@ def rotation_of(rotation: Sequence[float]) -> Rows:
     if not rotation:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     if len(rotation) == 3:
-        half = [0.5 * angle for angle in rotation]
-        (c_r, s_r), (c_p, s_p), (c_y, s_y) = [(cos(angle), sin(angle)) for angle in half]
-        rotation = (s_r * c_p * c_y - c_r * s_p * s_y, c_r * s_p * c_y + s_r * c_p * s_y,
-                    c_r * c_p * s_y - s_r * s_p * c_y, c_r * c_p * c_y + s_r * s_p * s_y)
+        rotation = quaternion_of(rotation)
     size = hypot(*rotation)
     if len(rotation) != 4 or not 0.5 < size < 2.0:
         raise InvalidParameter('base.rotation', list(rotation), 'must be roll, pitch, yaw, or a '

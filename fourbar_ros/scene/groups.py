@@ -76,6 +76,15 @@ class WrenchSettings:
 
 
 @dataclass(frozen=True)
+class FrameSettings:
+    """Where the frame of the mechanism lies in a frame of the robot: the parameters frame.*."""
+
+    parent: str                     # '': nowhere
+    xyz: list[float]                # [m]
+    rpy: list[float]                # [rad]
+
+
+@dataclass(frozen=True)
 class JointStates:
     """How joints are published: joint_states.*, ``ratios`` and ``offsets`` of each joint."""
 
@@ -84,6 +93,7 @@ class JointStates:
     offsets: list[float]
     when_unknown: str
     only_passive: bool
+    leave_out: list[str]            # names of joints, without their prefix
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ from fourbar_ros.scene.topics import (
     BASES,
     DRIVE_STATE,
     DRIVEN,
+    FRAME,
     INPUTS,
     PICTURES,
     SCENE,
@@ -80,6 +81,7 @@ class Scene:
     drive: groups.DriveSettings
     outputs: tuple[str, ...]
     frame_id: str
+    frame: groups.FrameSettings
     joint_names: tuple[str, ...]      # with their prefix
     joint_states: groups.JointStates
     node: groups.NodeSettings
@@ -135,8 +137,9 @@ class Scene:
 
     @property
     def pictures(self) -> dict[str, Topic]:
-        """Return {name: Topic} of the outputs for people to look at."""
-        return {name: PICTURES[name] for name in self.outputs if name in PICTURES}
+        """Return {name: Topic} of the outputs for people to look at, and of the static frame."""
+        named = {name: PICTURES[name] for name in self.outputs if name in PICTURES}
+        return named | ({FRAME.name: FRAME} if self.frame.parent else {})
 
     @property
     def acting(self) -> tuple[str, ...]:
@@ -234,10 +237,19 @@ class Scene:
 
     @cached_property
     def joints_shown(self) -> tuple[int, ...]:
-        """Return the indices of the joints in joint_states: all, or all but the driven one."""
-        driven = self.linkage.input_coordinate
+        """Return the indices of the joints in joint_states, in order: all that stay in."""
+        driven, shown = self.linkage.input_coordinate, self.joint_states
+        left_out = {shown.prefix + name for name in shown.leave_out}
         return tuple(index for index, joint in enumerate(self.linkage.JOINTS)
-                     if not (self.joint_states.only_passive and joint.coordinate == driven))
+                     if self.joint_names[index] not in left_out
+                     and not (shown.only_passive and joint.coordinate == driven))
+
+    @property
+    def leaves_driven_out(self) -> bool:
+        """Return whether another program publishes the driven joint: that of a relay."""
+        shown = [self.linkage.JOINTS[index].coordinate for index in self.joints_shown]
+        return self.joint_states.only_passive or (
+            bool(self.joint_states.leave_out) and self.linkage.input_coordinate not in shown)
 
     def needed_for(self, output: str) -> list[int]:
         """
@@ -318,7 +330,10 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     scene = Scene(
         kind=kind, linkage=mechanism, points=points, wrenches=wrenches, base=base,
         drive=groups.read(groups.DriveSettings, 'drive', values), outputs=outputs,
-        frame_id=values['frame_id'], joint_states=joint_states,
+        frame_id=values['frame_id'],
+        frame=groups.read(groups.FrameSettings, 'frame', values,
+                          xyz=values['frame.xyz'] or [0.0] * 3,
+                          rpy=values['frame.rpy'] or [0.0] * 3), joint_states=joint_states,
         joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
         recording=groups.read(groups.RecordingSettings, 'recording', values),
         dynamics=dynamics, values=values)
@@ -379,7 +394,15 @@ def _check_together(scene: Scene) -> None:
                                     'masses. Or leave it out of outputs')
     if not scene.frame_id:
         refuse('frame_id', 'must not be empty')
-    for name, frame in (('frame_id', scene.frame_id),
+    if scene.frame.parent == scene.frame_id:
+        refuse('frame.parent', 'must be another frame than frame_id, which lies in it')
+    for name, numbers in (('xyz', scene.frame.xyz), ('rpy', scene.frame.rpy)):
+        if scene.values[f'frame.{name}'] and not scene.frame.parent:
+            refuse(f'frame.{name}', 'has no effect without frame.parent')
+        if len(numbers) != 3:
+            refuse(f'frame.{name}', 'must be 3 numbers: '
+                   + ('x, y, z' if name == 'xyz' else 'roll, pitch, yaw'))
+    for name, frame in (('frame_id', scene.frame_id), ('frame.parent', scene.frame.parent),
                         ('joint_states.prefix', scene.joint_states.prefix)):
         if frame.startswith('/'):
             refuse(name, 'must not begin with a slash: tf2 takes no such frame')
@@ -388,6 +411,13 @@ def _check_together(scene: Scene) -> None:
     if len(names) != count or len(set(names)) != count or scene.joint_states.prefix in names:
         refuse('joint_names', f'must be {count} different names, one for each joint, none empty')
     shown = scene.joint_states
+    without_prefix = [name.removeprefix(shown.prefix) for name in names]
+    for name in shown.leave_out:
+        if name not in without_prefix:
+            raise InvalidParameter('joint_states.leave_out', name,
+                                   one_of(without_prefix, name, some=True))
+    if shown.leave_out and 'joint_states' in scene.outputs and not scene.joints_shown:
+        refuse('joint_states.leave_out', 'leaves no joint: leave joint_states out of outputs')
     for name, scales in (('ratios', shown.ratios), ('offsets', shown.offsets)):
         if len(scales) != count:
             refuse(f'joint_states.{name}', f'must be {count} numbers, one for each joint')

@@ -217,6 +217,22 @@ _JOINT_STATES = _group('joint_states', (
     Parameter('only_passive', 'bool', False, '',
               'leave the driven joint out of joint_states: for a node that publishes on the topic '
               'it listens to, as a relay does', live=False),
+    Parameter('leave_out', 'strings', [], '',
+              'names of joints that are left out of joint_states, as in joint_names, without the '
+              'prefix: such as a cut joint that the URDF of the robot does not have. ratios and '
+              'offsets count them', live=False),
+))
+
+_FRAME = _group('frame', (
+    Parameter('parent', 'string', '', '',
+              'frame of the robot in which frame_id lies fixed, as that of a link; empty: none. '
+              'Its pose is published on /tf_static and written by fourbar describe', live=False),
+    Parameter('xyz', 'doubles', [], 'm',
+              'with frame.parent: O1 in that frame: x, y, z; empty: its origin'),
+    Parameter('rpy', 'doubles', [], 'rad',
+              'with frame.parent: axes of the linkage in that frame: roll, pitch, yaw about fixed '
+              'axes, as in URDF; [1.5708, 0.0, 0.0]: the plane is its x-z plane; empty: the same '
+              'axes. gravity stays along the axes of the linkage'),
 ))
 
 _RECORDING = _group('recording', (
@@ -366,7 +382,7 @@ PARAMETERS = _table(
     Parameter('joint_names', 'strings', [], '',
               f'names of the joints in joint_states, in this order; empty: {_JOINTS_IN_WORDS}',
               live=False),
-    *_JOINT_STATES,
+    *_FRAME, *_JOINT_STATES,
     Parameter('trajectories', 'bool', False, '',
               'translate trajectories of the output joint into those of the driven joint, and '
               'back; drive.start chooses the branch', live=False),

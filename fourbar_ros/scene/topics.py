@@ -149,6 +149,11 @@ PICTURES = {topic.name: topic for topic in (
           'output; latched, sent on every change', latched=True),
 )}
 
+# Sent where `frame.parent` is given, without a name in `outputs`.
+FRAME = Topic('tf_static', '/tf_static', 'tf2_msgs/msg/TFMessage',
+              'with `frame.parent`: pose of `frame_id` in that frame; latched, sent on every '
+              'change', latched=True)
+
 # If `trajectories` is set: requests, answers, and reasons for no answer.
 _TRAJECTORY = 'trajectory_msgs/msg/JointTrajectory'
 TRAJECTORIES = {topic.name: topic for topic in (

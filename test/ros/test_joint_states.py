@@ -124,6 +124,25 @@ def test_a_bag_of_all_that_is_said_on_the_topic_of_a_relay_recomputes(run_node, 
     assert (found.inputs, found.compared, found.problems()) == (30, 60, []), found
 
 
+def test_a_joint_that_is_left_out_is_in_no_answer(run_node, client, tmp_path):
+    names = ['motor', 'a', 'cut', 'c']
+    node = run_node({**PAPER, **RODS, **RELAY, 'joint_names': names, 'drive.joint': 'l_motor',
+                     'joint_states.only_passive': False, 'joint_states.prefix': 'l_',
+                     'joint_states.leave_out': ['motor', 'cut'],
+                     'joint_states.offsets': [0.0, 0.5, 7.0, 0.25], **recording_in(tmp_path)},
+                    remaps=SAME_TOPIC)
+    robot, linkage = Robot(client), scene.from_values(PAPER).linkage
+    client.until(lambda: robot.has_listeners(2), 'the node')
+    for k in range(5):
+        answer, motion = robot.move('l_motor', 0.3 + 0.1 * k, 2.0), linkage.motion(
+            0.3 + 0.1 * k, 2.0)
+        assert answer.name == ['l_a', 'l_c']
+        assert list(answer.position) == [motion.theta2 + 0.5, motion.theta4 + 0.25]
+        assert list(answer.velocity) == [motion.omega2, motion.omega4]
+    assert node.stop() == 0
+    recomputed(tmp_path / 'run')
+
+
 # --- what comes back -----------------------------------------------------------------------------
 
 HEARS_ITSELF = [({'drive.source': 'joint_state', 'drive.joint': 'O1', 'outputs': ['joint_states']},

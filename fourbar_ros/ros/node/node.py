@@ -100,7 +100,7 @@ class FourBarNode(GuardedNode):
         for topic in scene.published:
             name = self.resolve_topic_name(topic.topic)
             if name in received and not (topic.name == 'joint_states'
-                                         and scene.joint_states.only_passive):
+                                         and scene.leaves_driven_out):
                 raise FourBarError(
                     f'{topic.topic} and {received[name].topic} are one topic, {name}: the node '
                     'would take its own answers for inputs' + (

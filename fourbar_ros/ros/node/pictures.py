@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Outputs for the eye: URDF, TF, markers, traces.
+Outputs for the eye: URDF, TF, markers, traces, and where all of it lies in the robot.
 
-Only scenes that name them import their messages.
+Only scenes that have them import their messages.
 """
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.description.connections import Connection
 from fourbar_ros.description.model import model_of
-from fourbar_ros.ros.messages import Stamp
+from fourbar_ros.ros.messages import Message, Stamp
+from fourbar_ros.scene.base import quaternion_of
 from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.topics import FRAME
 from geometry_msgs.msg import Transform, TransformStamped
 from rclpy.serialization import serialize_message
 
@@ -29,16 +31,34 @@ def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:
 
     FourBarError for one that cannot be drawn.
     """
-    from fourbar_ros.description.formats import describe
-    from fourbar_ros.ros.node import markers, traces
-    from std_msgs.msg import String
-    wanted = scene.pictures
-    makers = {'tf': frames_maker, 'markers': markers.maker}
-    latched = {'robot_description': lambda scene: String(data=describe(scene)),
-               'traces': traces.message}
-    return ({name: make(scene) for name, make in makers.items() if name in wanted},
-            {name: serialize_message(make(scene)) for name, make in latched.items()
-             if name in wanted})
+    makers: dict[str, Make] = {}
+    latched: dict[str, Message] = {}
+    if FRAME.name in scene.pictures:
+        latched[FRAME.name] = static_frame(scene)
+    if 'tf' in scene.pictures:
+        makers['tf'] = frames_maker(scene)
+    if 'markers' in scene.pictures:
+        from fourbar_ros.ros.node import markers
+        makers['markers'] = markers.maker(scene)
+    if 'robot_description' in scene.pictures:
+        from fourbar_ros.description.formats import describe
+        from std_msgs.msg import String
+        latched['robot_description'] = String(data=describe(scene))
+    if 'traces' in scene.pictures:
+        from fourbar_ros.ros.node import traces
+        latched['traces'] = traces.message(scene)
+    return makers, {name: serialize_message(message) for name, message in latched.items()}
+
+
+def static_frame(scene: Scene) -> TFMessage:
+    """Return the TFMessage with the frame of a scene in that of its ``frame.parent``."""
+    from tf2_msgs.msg import TFMessage
+    message = TFMessage()
+    transform = _add_frame(message, scene.frame.parent, scene.frame_id).transform
+    translation, rotation = transform.translation, transform.rotation
+    translation.x, translation.y, translation.z = scene.frame.xyz
+    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(scene.frame.rpy)
+    return message
 
 
 # --- TF: the frame of each link in that of its parent, as in the URDF; frames of points ----------
@@ -74,9 +94,12 @@ def frames_maker(scene: Scene) -> Make:
 
 
 def frames_of(scene: Scene) -> set[str]:
-    """Return the names of the frames that a scene moves."""
-    model = model_of(scene)
-    return {*(link.frame for link in model.links), *model.points}
+    """Return the names of the frames that a scene publishes."""
+    frames = {scene.frame_id} if FRAME.name in scene.pictures else set[str]()
+    if 'tf' in scene.pictures:
+        model = model_of(scene)
+        frames |= {*(link.frame for link in model.links), *model.points}
+    return frames
 
 
 def _add_frame(message: TFMessage, parent: str, child: str) -> TransformStamped:

@@ -157,7 +157,8 @@ def wrong_in_file(arguments: Sequence[str]) -> str:
 
 def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
     """Warn where two nodes publish a TF frame of one name: it would jump between two poses."""
-    publishers = [node for node in nodes if 'tf' in node.stream.scene.outputs]
+    publishers = [node for node in nodes
+                  if {'tf', 'tf_static'} & node.stream.scene.pictures.keys()]
     if len(publishers) < 2:
         return
     from fourbar_ros.ros.node.pictures import frames_of
@@ -167,8 +168,8 @@ def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
         shared = sorted(frames & owners.keys())
         if shared:
             node.get_logger().warning(
-                f'frames {", ".join(shared)}: also of {owners[shared[0]]}; a prefix keeps them '
-                'apart: joint_states.prefix')
+                f'frames {", ".join(shared)}: also of {owners[shared[0]]}; frame_id and '
+                'joint_states.prefix keep them apart')
         owners.update(dict.fromkeys(frames, node.get_name()))
 
 

@@ -48,7 +48,7 @@ class TopicInput:
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
         self._estimated = False              # whether rates of the last input were
-        self._is_relay = scene.joint_states.only_passive
+        self._is_relay = scene.leaves_driven_out
         # first messages, while the driven joint never came
         self._without_driven: list[Message] = []
         self._estimator = estimator_of(scene)
