@@ -47,6 +47,8 @@ KINK, DEEP = 2.0**-12, 2.0**-12
 BESIDE = 2.0**-6
 # Where values beside the end of a piece are taken, as a part of the input.
 BESIDE_GAP = 2.0**-46
+# The same where friction jumps: nearer to it the relative rate of a joint may be rounding.
+BESIDE_JUMP = 2.0**-34
 # Values that differ by less, as a part of them, are a constant at the end of a path.
 FLAT = 2.0**-40
 # Step in theta1 for the curvature, in distances of samples, at least.
@@ -175,7 +177,7 @@ class _AtGaps(NamedTuple):
     """What slopes and values do at the ends of pieces along a path, arrays."""
 
     brackets: tuple[Array, ...]     # of smooth roots between a gap and a sample next to it
-    kinks: tuple[Array, ...]        # where slopes change their sign at a gap: row, gap, sense
+    kinks: tuple[Array, ...]    # where slopes change their sign at a gap: row, gap, sense, value
     jumps: list[_Jump]
 
 
@@ -189,10 +191,14 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     assert gaps is not None
     after = (gaps.before + 1) % x.size
     tiny = BESIDE_GAP * np.maximum(np.abs(gaps.x), 2.0**-12)
+    if sampler.linkage.friction:
+        tiny = np.maximum(tiny, BESIDE_JUMP)
     x_after = turn_after(x[after], gaps.x, sampler.period) if samples.path.is_closed else x[after]
     values, slopes, _ = sampler.sample(np.concatenate((gaps.x - tiny, gaps.x + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
                                                 for part in (values, slopes))
+    if sampler.linkage.friction:
+        v_before, v_after = v_before + tiny * s_before, v_after - tiny * s_after
     noise = samples.noise[rows][:, gaps.before] + samples.noise[rows][:, after]
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
@@ -213,7 +219,7 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
                    (rises(row, gap, -1), rises(row, gap, 1)))
              for row, gap in zip(*np.nonzero(jumps))]
     row, gap = np.nonzero(((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps)
-    kinks = rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1)
+    kinks = (rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1), v_before[row, gap])
     brackets = []
     for index, near, there, begin in ((gaps.before, s_before, gaps.x - tiny, True),
                                       (after, s_after, gaps.x + tiny, False)):
@@ -278,12 +284,14 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
     if at_gaps and gaps:
-        of_kinks, gap, sense_of_kinks = at_gaps.kinks
+        of_kinks, gap, sense_of_kinks, beside_kinks = at_gaps.kinks
         i, row = np.append(i, gaps.before[gap]), np.append(row, of_kinks)
         root, sense = np.append(root, gaps.x[gap]), np.append(sense, sense_of_kinks)
         spacing = np.append(spacing, np.full(gap.size, nan))
     # of the input as it is reported, where ``step`` has the same value
     value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
+    if at_gaps and sampler.linkage.friction:        # at the end itself a joint is at rest
+        value[value.size - beside_kinks.size:] = beside_kinks
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
                        for errors in (samples.rounding, samples.noise))
     return Roots(row, i, sense, root, spacing, value, rounding, noise)

@@ -148,7 +148,10 @@ def _apart(mechanism: Mechanism, ends: Sequence[float], low: float, high: float
                       for end in ends):
         if not apart or end - apart[-1] > TOUCHING * width:
             apart.append(end)
-    return tuple(apart)
+    # the last one may be the first, a cycle later
+    is_first = mechanism.turns_fully and len(apart) > 1 and (
+        apart[-1] - apart[0] > width * (1.0 - TOUCHING))
+    return tuple(apart[:-1] if is_first else apart)
 
 
 def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:

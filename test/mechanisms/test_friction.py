@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Friction of joints and drive: beside Cartesian coordinates, by power, by textbooks."""
 from dataclasses import replace
+from itertools import islice
 from math import asin, atan, cos, inf, pi, radians, sin, sqrt, tan
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from fourbar_ros import (
     Body,
     DriveFriction,
     External,
+    find_extrema,
     FourBar,
     InvalidParameter,
     JointFriction,
@@ -20,6 +22,7 @@ from fourbar_ros import (
 )
 from fourbar_ros.machine import Dyad, Machine, Point
 from fourbar_ros.mechanisms.elements import Attachment, Spring
+from fourbar_ros.mechanisms.quantities import select
 import numpy as np
 import pytest
 from support.contract import CASES, every_mechanism, ordinary
@@ -176,6 +179,46 @@ def test_at_rest_there_is_none():
     assert PRESS.holding(1.0) == (PRESS.loads(1.0).driving_torque,) * 2
     many = RUBBING.holding(np.array([1.0, 2.0]))
     assert many[0][0] == pytest.approx(lower, rel=1e-12) and many[1][1] > many[0][1]
+
+
+def turning_with_friction(seed, strongest):
+    """Yield mechanisms with friction that turn fully and lock nowhere, kinds and machines."""
+    rng = np.random.default_rng(seed)
+    while True:
+        for mechanism, _ in (*(drawn for case in CASES for drawn in ordinary(
+                case, int(rng.integers(2**32)), 1)), *random_machines(
+                    int(rng.integers(2**32)), 4, dyads=(1, 4), least_sine=0.1)):
+            if mechanism.turns_fully and not mechanism.flat_inputs:
+                rubs = mechanism.with_friction(random_friction(rng, mechanism, strongest))
+                if not rubs.locked_ranges(2.0, 1.0):
+                    yield rubs
+
+
+@pytest.mark.parametrize('count', [4, pytest.param(120, marks=pytest.mark.slow)])
+def test_extrema_beside_scans(count):
+    """
+    No load of a scan is beyond the extrema, and these are no farther than its steps.
+
+    Loads jump where joints turn back: the scan keeps away from where they are at rest.
+    """
+    x, compared = np.linspace(-pi + 1e-7, pi + 1.3e-7, 20_001), 0
+    for rubs in islice(turning_with_friction(37, 0.15), count):
+        quantities = [quantity for quantity in select((), rubs, ()) if quantity.is_load]
+        extrema = find_extrema(rubs, quantities, 2.0, 1.0, conditions=False)
+        loads = rubs.loads(x, 2.0, 1.0)
+        for quantity in quantities:
+            values = getattr(loads, quantity.name)
+            found = [each.value for each in extrema if each.quantity == quantity.name]
+            size = np.abs(values).max()
+            if not found:
+                assert np.ptp(values) <= 1e-9 * size
+                continue
+            # between two samples, but for the jumps
+            step = 10.0 * np.sort(np.abs(np.diff(values)))[-60] + 1e-6 * size
+            for beyond in (max(found) - values.max(), values.min() - min(found)):
+                assert -1e-9 * size <= beyond <= step, (quantity.name, rubs)
+            compared += 1
+    assert compared >= 8 * count
 
 
 # --- without any ---------------------------------------------------------------------------------
