@@ -9,7 +9,7 @@ results are in doubt; these and all others are left to :class:`.Design`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import pi, tau
+from math import tau
 
 from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies import parametric
@@ -19,10 +19,13 @@ from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.full_turns import search_turns, Turns
 from fourbar_ros.extrema.over_input import settled
 from fourbar_ros.extrema.sampling import State
+from fourbar_ros.extrema.turns_by_pieces import search_pieces
 from fourbar_ros.mechanisms.batches import step_of_arrays
-from fourbar_ros.mechanisms.elements import Spring
+from fourbar_ros.mechanisms.curves import FIXED
+from fourbar_ros.mechanisms.elements import LinkMotions, refuses_turns, turns_of
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.parts import NoLoads, OPEN
+from fourbar_ros.mechanisms.parts import GROUND, NoLoads, OPEN
+from fourbar_ros.mechanisms.pieces import ends_of_turns
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
@@ -37,9 +40,6 @@ TOGETHER = 128
 SAMPLES = (96, 192, 512, 1536)
 # Nearer to a change point, relative to the sum of lengths, a type is left to exact sums.
 NEAR = 1e-9
-# The mean squares of all samples and of every second differ by less: the error of the former is
-# the square of that.
-AGREE = 1e-6
 
 
 def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, Array]) -> Array:
@@ -59,7 +59,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.friction
             or scene.kind not in KINDS):
         return none
-    if not all(isinstance(element, Spring) for element in scene.linkage.elements):
+    if not scene.linkage.turns_fully and any(map(refuses_turns, scene.linkage.elements)):
         return none
     measures, designs = Measures(scene), Designs(scene, drawn)
     is_done, margins = designs.are_allowed(), designs.margins()
@@ -94,16 +94,22 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         group = Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
-        turns = search(group, [quantity for name in needed
-                               if not isinstance(quantity := known[name], OfDrive)],
-                       study.acceleration, samples)
-        is_right = ~turns.is_doubtful
+        cut = group.ends() if any(known[name].is_load for name in needed) else None
+        is_right, found = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
+        for ends in (None,) if cut is None else (None, cut):
+            names = [name for name in needed
+                     if cut is None or known[name].is_load == (ends is not None)]
+            if names:
+                turns = search(group, [quantity for name in names if not isinstance(
+                    quantity := known[name], OfDrive)], study.acceleration, samples, ends)
+                is_right &= ~turns.is_doubtful
+                found |= {name: (turns, row) for row, name in enumerate(names)}
         for measure in study.measures:
             if measure.part == kinds.INPUT_RANGE:
                 columns[measure.name][rows[is_right]] = tau
             elif measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
-                values, are_right = _measured(measure, turns,
-                                              needed.index(measures.source(measure)))
+                values, are_right = _measured(measure, *found[measures.source(measure)],
+                                              group.cycle)
                 is_right &= are_right
                 columns[measure.name][rows[is_right]] = values[is_right]
         return is_right
@@ -112,18 +118,13 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     return is_done
 
 
-def _measured(measure: Measure, turns: Turns, row: int) -> tuple[Array, Array]:
+def _measured(measure: Measure, turns: Turns, row: int, cycle: float) -> tuple[Array, Array]:
     """Return a measure of the quantity in a row of turns, and for which designs it is right."""
-    samples, inputs, values = turns.samples[row], turns.places[row], turns.values[row]
+    inputs, values = turns.places[row], turns.values[row]
     if measure.part in kinds.MEANS:
-        squares = samples * samples
-        mean, of_half = squares.mean(axis=1), squares[:, ::2].mean(axis=1)
-        rms, is_right = np.sqrt(mean), np.abs(mean - of_half) <= AGREE * mean
-        if measure.part == 'rms':
-            return rms, is_right
-        mean, of_half = samples.mean(axis=1), samples[:, ::2].mean(axis=1)
-        return (mean if measure.part == 'mean' else np.asarray(tau * settled(mean, rms)),
-                is_right & (np.abs(mean - of_half) <= AGREE * rms))
+        mean, rms = turns.means[row], np.sqrt(turns.mean_squares[row])
+        of_part = {'rms': rms, 'mean': mean, kinds.WORK: np.asarray(cycle * settled(mean, rms))}
+        return of_part[measure.part], turns.have_settled[row]
     if not values.shape[-1]:
         inputs = values = np.full((len(values), 1), np.nan)
     designs, is_none = np.arange(len(values)), np.isnan(values)     # beyond the last extremum
@@ -133,8 +134,7 @@ def _measured(measure: Measure, turns: Turns, row: int) -> tuple[Array, Array]:
                     inputs[designs, least], turns.counts[row])
     if measure.part not in (kinds.SWING, kinds.STROKE):
         return np.asarray(extent.of(measure.part)), np.ones(len(values), bool)
-    is_turn = ((measure.part == kinds.SWING)    # samples of angles are continuous, less a step
-               & (np.abs(samples[:, -1] - samples[:, 0]) > pi))
+    is_turn = (measure.part == kinds.SWING) & turns.are_turning[row]
     return np.where(is_turn, tau, extent.max - extent.min), is_turn | (extent.extrema > 0)
 
 
@@ -155,9 +155,13 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
     return rows
 
 
-def search(designs: Designs, quantities: Sequence[Asked], acceleration: float,
-           count: int) -> Turns:
-    """Return the extrema of quantities of all designs, from ``count`` samples of a turn."""
+def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
+           ends: Array | None = None) -> Turns:
+    """
+    Return the extrema of quantities of all designs, from ``count`` samples of a turn.
+
+    ``ends``: between which loads alone are smooth, as :meth:`Designs.ends`.
+    """
     with_loads = any(quantity.is_load for quantity in quantities)
     names = (tuple([quantity.name for quantity in quantities])
              if all(map(is_published, quantities)) else None)
@@ -177,6 +181,8 @@ def search(designs: Designs, quantities: Sequence[Asked], acceleration: float,
             row[:] = quantity.of(*motion_and_loads)
         return values[:, which]
 
+    if ends is not None:
+        return search_pieces(evaluate, ends, count, designs.cycle)
     return search_turns(evaluate, designs.size, count, is_angle)
 
 
@@ -199,6 +205,25 @@ class Designs:
             lengths=self.lengths,
             sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
         self.many = with_any_lengths(scene.linkage, self.lengths)
+
+    @property
+    def cycle(self) -> float:
+        """Return after how much of the input all repeats, forces over the input too [rad]."""
+        return tau * turns_of(self.scene.linkage.elements)
+
+    def ends(self) -> Array | None:
+        """Return where the pieces of loads end, as :func:`.ends_of_turns`; None: nowhere."""
+        linkage, constants = self.scene.linkage, self._constants
+        if not constants.elements:
+            return None
+        move = step_of_arrays(linkage, False, data=constants)
+
+        def links_at(x: Array) -> LinkMotions:
+            motion = linkage.MOTION(*move(x, 0.0, 0.0))
+            return {**linkage.link_motions(motion, constants.lengths), GROUND: FIXED}
+        ends = ends_of_turns(constants.elements, links_at, self.size,
+                             turns_of(linkage.elements))
+        return ends if ends.size else None
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""

@@ -16,7 +16,14 @@ from typing import Any, TypeVar
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
 from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.elements import Attachment, Element, Spring, TorsionSpring, Way
+from fourbar_ros.mechanisms.elements import (
+    Attachment,
+    Distance,
+    Element,
+    Spring,
+    TorsionSpring,
+    Way,
+)
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
@@ -110,19 +117,24 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
                 has_damping=varies(name, 'damping')))
             continue
         over, coordinate = element.over, values[f'{name}.over']
-        if coordinate in ways:
-            origin, along = ways[coordinate]
-            over = _with(over, origin=origin, unit_vector=along)
+        point, origin = (record and made(record, prefix, 'along', 'across') for record, prefix in (
+            (element.point, name), (element.apart_from, f'{name}.from')))
+        if isinstance(over, Distance):
+            over = _with(over, point=point, origin=made(over.origin, f'{name}.from', 'along',
+                                                        'across'))
+        elif coordinate in ways:
+            over = _with(over, **dict(zip(('origin', 'unit_vector'), ways[coordinate])))
         elif isinstance(over, Way) and '.' in coordinate:
             over = _with(over, point=made(over.point, f'points.{coordinate[:-2]}',
                                           'along', 'across'))
         turned = None
         if element.direction is not None:
-            turned = ACTS[values[f'{name}.acts']][1] + values[f'{name}.direction']
+            turned = ACTS.get(values[f'{name}.acts'], (False, 0.0))[1] + values[
+                f'{name}.direction']
         elements.append(made(
             element, name, 'factor', over=over, direction=turned,
             unit_vector=None if turned is None else direction_in(n, turned),
-            point=made(element.point, name, 'along', 'across')))
+            point=point, apart_from=origin))
     return tuple(elements)
 
 

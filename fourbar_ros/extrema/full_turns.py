@@ -20,7 +20,7 @@ from collections.abc import Callable, Sequence
 from math import pi
 from typing import NamedTuple
 
-from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.arrays import Array, as_grid, EPS, rank_of, Values
 from fourbar_ros.numerics.roots import changes_and_doubts, first_guesses
 import numpy as np
 
@@ -37,6 +37,9 @@ PLAIN = (2.0 / 3.0, -1.0 / 12.0)
 BETWEEN = tuple([part / 2.0**19 for part in (320166, -76230, 22869, -5445, 847, -63)])
 # A function is resolved if interpolation gives every other sample to this part of its span.
 RESOLVED = 2.0**-9
+# Means of all samples and of every second, over the root mean square, and so mean squares, differ
+# by less: the error of the former is the square of that.
+AGREE = 1e-6
 # Samples around an interval through which a polynomial is laid; steps of Newton's method on it.
 AROUND, NEWTON_STEPS = 12, 2
 
@@ -55,7 +58,10 @@ class Turns(NamedTuple):
     places: Array           # (q, n, r)
     values: Array           # (q, n, r)
     counts: Array           # (q, n)
-    samples: Array          # (q, n, samples), at inputs(samples); angles without jumps
+    means: Array            # (q, n), over the input
+    mean_squares: Array     # (q, n)
+    have_settled: Array     # (q, n): whether both are right
+    are_turning: Array      # (q, n): angles that a turn of the input turns on
     is_doubtful: Array      # (n,): whose extrema must be found in another way
 
 
@@ -90,9 +96,9 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     slopes += spacing * turns
     slopes[:, (is_constant | is_doubtful).ravel()] = 1.0        # they get no brackets
     roots, has_hidden = _bracketed(slopes, spacing, mechanisms)
-    x, value, strays = _refined(evaluate, roots, is_positive, spacing)
+    x, value, strays = refined(evaluate, roots, is_positive, spacing)
     is_doubtful |= has_hidden | strays
-    places, values = (_by_quantity(roots, part, shape) for part in (x, value))
+    places, values = (by_quantity(roots, part, shape) for part in (np.mod(x, 2.0 * pi), value))
     if is_constant.any():       # as find_extrema lists a constant: once, where the range begins
         if not places.shape[-1]:
             places, values = (np.full((*shape, 1), np.nan) for _ in range(2))
@@ -101,7 +107,14 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
         near = np.clip(np.nan_to_num(places[i] / spacing).astype(int), 0, count - 1)
         reference = np.take_along_axis(samples[i], near, axis=-1)
         values[i] += 2.0 * pi * np.round((reference - values[i]) / (2.0 * pi))
-    return Turns(places, values, np.isfinite(places).sum(axis=-1), samples, is_doubtful)
+    with np.errstate(all='ignore'):
+        squares = samples * samples
+        mean, mean_square = samples.mean(axis=-1), squares.mean(axis=-1)
+        half, half_square = samples[..., ::2].mean(axis=-1), squares[..., ::2].mean(axis=-1)
+        have_settled = ((np.abs(mean_square - half_square) <= AGREE * mean_square)
+                        & (np.abs(mean - half) <= AGREE * np.sqrt(mean_square)))
+    return Turns(places, values, np.isfinite(places).sum(axis=-1), mean, mean_square,
+                 have_settled, turns.reshape(shape) != 0.0, is_doubtful)
 
 
 def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
@@ -128,7 +141,7 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     return flat, turns, is_positive
 
 
-class _Roots(NamedTuple):
+class Roots(NamedTuple):
     """
     Extrema of all quantities of all mechanisms in one list, sorted by mechanism, quantity, place.
 
@@ -142,7 +155,7 @@ class _Roots(NamedTuple):
     rank: Array         # its number among those of the quantity
 
 
-def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, Array]:
+def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[Roots, Array]:
     """
     Return the roots of slopes, and which mechanisms may have more, shape (n,).
 
@@ -167,37 +180,31 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[_Roots, 
     share, bend = np.where(is_near, share, guess), np.where(is_near, bend, fb - fa)
     has_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
     x = (i + share + 0.5) * spacing
-    return _Roots(x, bend / spacing**2, mechanism, quantity,
+    return Roots(x, bend / spacing**2, mechanism, quantity,
                   rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)), has_hidden
 
 
-def rank_of(key: Array) -> Array:
-    """Return how many equal keys stand before each of sorted keys: of 3 3 5 5 5, 0 1 0 1 2."""
-    counts = np.bincount(key)
-    first = np.cumsum(counts) - counts
-    return np.arange(key.size) - first[key]
-
-
-def _by_quantity(roots: _Roots, numbers: Array, shape: tuple[int, ...]) -> Array:
+def by_quantity(roots: Roots, numbers: Array, shape: tuple[int, ...]) -> Array:
     """Return a number of each root as a table (q, n, r), NaN where a quantity has fewer than r."""
     table = np.full((*shape, int(roots.rank.max(initial=-1)) + 1), np.nan)
     table[roots.quantity, roots.mechanism, roots.rank] = numbers
     return table
 
 
-def _refined(evaluate: ColumnFunction, roots: _Roots, is_positive: Array,
-             spacing: float) -> tuple[Array, Array, Array]:
+def refined(evaluate: ColumnFunction, roots: Roots, is_positive: Array,
+            spacing: Values) -> tuple[Array, Array, Array]:
     """
     Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).
 
     ``is_positive``, shape (q, n): of these quantities, roots of the slope of half the square are
-    sought. The first step divides the slope by the bend of the samples, the others by that of a
-    secant through the last two places. The error after a step is about its product with the step
-    before over the spacing, after the first the part by which bends of samples may be wrong: where
-    that is small, a root is found. One
-    that moves by more than the spacing, or is not found in :data:`STEPS`, strays.
+    sought; ``spacing``: of the samples, of all or at each root. The first step divides the slope
+    by the bend of the samples, the others by that of a secant through the last two places. The
+    error after a step is about its product with the step before over the spacing, after the first
+    the part by which bends of samples may be wrong: where that is small, a root is found. One that
+    moves by more than the spacing, or is not found in :data:`STEPS`, strays.
     """
     x, strays = roots.x.copy(), np.zeros(is_positive.shape[1], bool)
+    spacings = np.broadcast_to(spacing, x.shape)
     values, left = np.empty(x.shape), np.arange(x.size)         # left: roots that still move
     start, bend = roots.x, roots.bend
     last_step = last_slope = np.full(x.shape, np.nan)
@@ -214,25 +221,24 @@ def _refined(evaluate: ColumnFunction, roots: _Roots, is_positive: Array,
             values[left] = np.where(squared, np.sqrt(np.maximum(value * value + rise, 0.0)),
                                     value + 0.5 * rise)
             x[left] += step
-            is_far = ~(np.abs(x[left] - start[left]) <= spacing)
-            last_step = np.where(np.isnan(last_step), RESOLVED * spacing, last_step)
-            moves = ~(np.abs(step * last_step) <= CLOSE * spacing * spacing)
+            near = spacings[left]
+            is_far = ~(np.abs(x[left] - start[left]) <= near)
+            last_step = np.where(np.isnan(last_step), RESOLVED * near, last_step)
+            moves = ~(np.abs(step * last_step) <= CLOSE * near * near)
         strays[i[is_far]] = True
         moves &= ~strays[i]
         left, bend, last_step, last_slope = (v[moves] for v in (left, bend, step, slope))
         if not left.size:
             break
     strays[roots.mechanism[left]] = True
-    return np.mod(x, 2.0 * pi), values, strays
+    return x, values, strays
 
 
 def _at_roots(evaluate: ColumnFunction, x: Array, mechanism: Array, quantity: Array) -> Array:
     """Return quantities at inputs x, all of shape (roots,), with their complex steps."""
     # one row for each mechanism that has some, one column for each of its roots
     rows, row = np.unique(mechanism, return_inverse=True)
-    column = rank_of(mechanism)
-    grid = np.ones((rows.size, int(column.max(initial=0)) + 1))
-    grid[row, column] = x
+    row, column, grid = as_grid(x, row, rows.size)
     return evaluate(grid + 1j * STEP, rows)[quantity, row, column]
 
 

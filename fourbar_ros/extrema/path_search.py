@@ -190,9 +190,9 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     gaps, x = samples.path.gaps, samples.path.x
     assert gaps is not None
     after = (gaps.before + 1) % x.size
-    tiny = BESIDE_GAP * np.maximum(np.abs(gaps.x), 2.0**-12)
+    tiny = BESIDE_GAP * float(np.abs(x).max())      # ends are found at any turn
     if sampler.linkage.friction:
-        tiny = np.maximum(tiny, BESIDE_JUMP)
+        tiny = max(tiny, BESIDE_JUMP)
     x_after = turn_after(x[after], gaps.x, sampler.period) if samples.path.is_closed else x[after]
     values, slopes, _ = sampler.sample(np.concatenate((gaps.x - tiny, gaps.x + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)

@@ -499,6 +499,14 @@ def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> N
                                f'must be the first again, {table.values[0]!r}')
 
 
+def refuses_turns(element: Element) -> bool:
+    """Return whether it fits no crank that turns fully, but one that turns back: its table."""
+    if not isinstance(element, PositionForce) or element.over != INPUT:
+        return False
+    table = getattr(element.value, 'table', None)
+    return table is not None and not table.is_periodic and table.values[0] != table.values[-1]
+
+
 Element = Union[Spring, TorsionSpring, PositionForce]
 
 

@@ -21,6 +21,7 @@ from fourbar_ros.mechanisms.elements import (
     Element,
     INPUT,
     LinkAngle,
+    LinkMotions,
     PositionForce,
     Spring,
     TableForce,
@@ -28,7 +29,7 @@ from fourbar_ros.mechanisms.elements import (
 )
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, as_grid, rank_of
 from fourbar_ros.numerics.newton import newton_roots
 from fourbar_ros.numerics.number_types import ARRAY, numbers_of
 from fourbar_ros.numerics.tables import ARRAYS, run
@@ -67,7 +68,8 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
     for low, high in _ranges(mechanism) if coordinates else ():
         x = _samples(mechanism, low, high)
         for coordinate in coordinates:
-            def values(x: Array, coordinate: Coordinate = coordinate) -> tuple[Array, Array]:
+            def values(x: Array, _: Array, coordinate: Coordinate = coordinate
+                       ) -> tuple[Array, Array]:
                 """Return a coordinate and its slope at inputs."""
                 with np.errstate(all='ignore'):
                     z = x + 1j * STEP
@@ -75,15 +77,15 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
                     s = np.broadcast_to(coordinate.of(moving, z), x.shape)
                 return s.real, s.imag / STEP
 
-            turning, bend = _turning_points(values, x)
+            rows = np.zeros(x.size, int)
             if coordinate.is_square:
+                turning, bend, _ = _turning_points(values, x, rows, values(x, rows)[1])
                 least, bend = turning[bend > 0.0], bend[bend > 0.0]
-                away = np.sqrt(2.0 * values(least)[0] / bend)
+                away = np.sqrt(2.0 * values(least, rows)[0] / bend)
                 branch_points += [complex(*z) for z in zip(least.tolist(), away.tolist())
                                   if z[1] < FARTHEST * mechanism.input_unit]
             else:
-                ends += _crossings(values, np.union1d(x, turning), coordinate).tolist()
-                ends += turning.tolist() if coordinate.turns_back else []
+                ends += _ends(values, x, rows, coordinate)[0].tolist()
     return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
 
 
@@ -104,7 +106,7 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
         for index in sorted(results, key=lambda i: len(trace.needed([i]))):
             order = [i for i in trace.needed([index]) if not trace.steps[i].is_given]
 
-            def values(x: Array, index: int = index, order: list[int] = order
+            def values(x: Array, _: Array, index: int = index, order: list[int] = order
                        ) -> tuple[Array, Array]:
                 """Return an edge and its slope at inputs."""
                 with np.errstate(all='ignore'):
@@ -116,12 +118,9 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
             sides = np.array([end + side * BESIDE * (high - low)
                               for end in found for side in (-1.0, 1.0)])
             apart = np.union1d(x, sides[(sides > x[0]) & (sides < x[-1])])
-            apart = apart[np.isfinite(values(apart)[0])]
-            if apart.size < 2:
-                continue
-            turning, _ = _turning_points(values, apart)
-            found += _crossings(values, np.union1d(apart, turning), Coordinate(
-                lambda moving, x: x, np.zeros(1), inf)).tolist()
+            apart = apart[np.isfinite(values(apart, apart)[0])]
+            found += _ends(values, apart, np.zeros(apart.size, int), Coordinate(
+                lambda moving, x: x, np.zeros(1), inf))[0].tolist()
         found = list(_apart(mechanism, found, low, high))
     return Pieces(tuple(found), branch_points)
 
@@ -187,54 +186,107 @@ def _coordinates(element: Element) -> Iterator[Coordinate]:
                              turns_back=turns_back)
 
 
-def _turning_points(values: Callable[[Array], tuple[Array, Array]], x: Array
-                    ) -> tuple[Array, Array]:
-    """Return where a coordinate turns back between rising inputs, and its second derivative."""
-    slope = values(x)[1]
-    before = np.flatnonzero((slope[1:] >= 0.0) != (slope[:-1] >= 0.0))
-    low, high = x[before], x[before + 1]
+# At inputs (m,) of rows, as of mechanisms, their indices (m,), a coordinate and its slope.
+Curves = Callable[[Array, Array], tuple[Array, Array]]
 
-    def newton(x: Array, _: Array) -> tuple[Array, Array]:
+
+def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkMotions],
+                  count: int, turns: int) -> Array:
+    """
+    Return the ends of pieces of many mechanisms whose cranks turn fully, (mechanisms, most).
+
+    They lie in order from 0 to so many ``turns``, NaN beyond the last. ``elements``: on all of
+    them, with columns of numbers, shape (count, 1); ``links_at``: inputs, shape (count, any),
+    complex -> motions of the links.
+    """
+    cycle, found, of_found = tau * turns, list[Array](), list[Array]()
+    rows = np.repeat(np.arange(count), SAMPLES * turns)
+    x = np.tile(0.3 + np.linspace(0.0, cycle, SAMPLES * turns), count)
+    for coordinate in [each for element in elements for each in _coordinates(element)]:
+        def values(x: Array, row: Array, coordinate: Coordinate = coordinate
+                   ) -> tuple[Array, Array]:
+            """Return a coordinate and its slope at inputs of mechanisms."""
+            row, column, grid = as_grid(x, row, count)
+            with np.errstate(all='ignore'):
+                z = grid + 1j * STEP
+                s = np.broadcast_to(coordinate.of(links_at(z), z), z.shape)[row, column]
+            return s.real, s.imag / STEP
+
+        if not coordinate.is_square:
+            ends, of_ends = _ends(values, x, rows, coordinate)
+            found.append(np.mod(ends, cycle))
+            of_found.append(of_ends)
+    ends, row = (np.concatenate(parts) if parts else rows[:0] for parts in (found, of_found))
+    order = np.lexsort((ends, row))
+    ends, row = ends[order], row[order]
+    # nearer ends are one, the last of a cycle and the first of the next too
+    is_first = np.diff(row, prepend=-1) > 0
+    before = np.roll(ends, 1)
+    before[is_first] = ends[np.roll(is_first, -1)] - cycle
+    is_apart = ends - before > TOUCHING * cycle
+    ends, row = ends[is_apart], row[is_apart]
+    column = rank_of(row)
+    table = np.full((count, int(column.max(initial=-1)) + 1), np.nan)
+    table[row, column] = ends
+    return table
+
+
+def _turning_points(values: Curves, x: Array, row: Array, slope: Array
+                    ) -> tuple[Array, Array, Array]:
+    """
+    Return where a coordinate turns back between rising inputs of rows, with a slope at each.
+
+    And its second derivative there, and the row.
+    """
+    before = np.flatnonzero(((slope[1:] >= 0.0) != (slope[:-1] >= 0.0)) & (row[1:] == row[:-1]))
+    low, high, row = x[before], x[before + 1], row[before]
+
+    def newton(x: Array, row: Array) -> tuple[Array, Array]:
         turn = 2.0**-24 * (high - low)
-        here, there = values(x)[1], values(x + turn)[1]
+        here, there = values(x, row)[1], values(x + turn, row)[1]
         with np.errstate(all='ignore'):
             return here, here * turn / (there - here)
     if not before.size:
-        return before.astype(float), before.astype(float)
-    turning = newton_roots(newton, before, low, high, slope[before], 0.5 * (low + high))
+        return low, low, row
+    turning = newton_roots(newton, row, low, high, slope[before], 0.5 * (low + high))
     turn = 2.0**-12 * (high - low)
-    return turning, (values(turning + turn)[1] - values(turning - turn)[1]) / (2.0 * turn)
+    bend = (values(turning + turn, row)[1] - values(turning - turn, row)[1]) / (2.0 * turn)
+    return turning, bend, row
 
 
-def _crossings(values: Callable[[Array], tuple[Array, Array]], x: Array, coordinate: Coordinate
-               ) -> Array:
-    """Return where a coordinate, monotone between rising inputs, comes to one of its points."""
+def _ends(values: Curves, x: Array, row: Array, coordinate: Coordinate) -> tuple[Array, Array]:
+    """Return where pieces end that a coordinate brings, and the rows, from their rising inputs."""
     points, period = np.sort(coordinate.points), coordinate.period
-    if not points.size:
-        return points
-    s = values(x)[0]
-    known = np.isfinite(s)
-    x, s = x[known], s[known]
+    s, slope = values(x, row)
+    turning, _, of_turning = _turning_points(values, x, row, slope)
+    ends = (turning, of_turning) if coordinate.turns_back else (x[:0], row[:0])
+    x, row = np.concatenate((x, turning)), np.concatenate((row, of_turning))
+    s = np.concatenate((s, values(turning, of_turning)[0]))
+    order = np.lexsort((x, row))
+    order = order[np.isfinite(s[order])]
+    if order.size < 2 or not points.size:
+        return ends
+    x, row, s = x[order], row[order], s[order]      # between these it is monotone
     if period < inf:
         s = np.unwrap(s, period=period)
         first, last = (np.floor((end - points[0]) / period) for end in (s.min(), s.max()))
         points = np.unique(np.add.outer(np.arange(first - 1, last + 2) * period, points))
     low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
     first, last = np.searchsorted(points, low), np.searchsorted(points, high)
+    last = np.where(row[1:] == row[:-1], last, first)
     interval = np.repeat(np.arange(low.size), last - first)
-    rank = np.arange(interval.size) - np.repeat(np.cumsum(last - first) - (last - first),
-                                                last - first)
-    target, begin, end = points[first[interval] + rank], x[interval], x[interval + 1]
+    target, begin, end = points[first[interval] + rank_of(interval)], x[interval], x[interval + 1]
 
-    def newton(x: Array, _: Array) -> tuple[Array, Array]:
-        way, slope = values(x)
+    def newton(x: Array, row: Array) -> tuple[Array, Array]:
+        way, slope = values(x, row)
         way = way - target
         if period < inf:
             way = way - period * np.round(way / period)
         with np.errstate(all='ignore'):
             return way, way / slope
     if not interval.size:
-        return np.empty(0)
-    part = (target - s[interval]) / (s[interval + 1] - s[interval])
-    return newton_roots(newton, interval, begin, end, s[interval] - target,
-                        begin + part * (end - begin))
+        return ends
+    part, row = (target - s[interval]) / (s[interval + 1] - s[interval]), row[interval]
+    crossings = newton_roots(newton, row, begin, end, s[interval] - target,
+                             begin + part * (end - begin))
+    return np.concatenate((ends[0], crossings)), np.concatenate((ends[1], row))

@@ -51,6 +51,12 @@ SLIDER = {'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.35,
           'forces.press.values': [0.0, 0.0, -3000.0, -3500.0]}
 
 
+STRUT = {'forces.gas.link': 'output', 'forces.gas.along': 0.4, 'forces.gas.acts': 'apart',
+         'forces.gas.from.along': 0.4, 'forces.gas.from.across': -0.6,
+         'forces.gas.over': 'distance', 'forces.gas.places': [0.7, 1.05, 1.1, 1.3],
+         'forces.gas.values': [300.0, 250.0, 240.0, 200.0]}
+
+
 def engine():
     """Return the four-stroke engine of the scenes at a given speed."""
     values = {name: value for name, value in load_scene('engine').values.items()
@@ -77,6 +83,11 @@ CASES = {       # {name: (parameters, variations, quantities)}
         **LENGTHS, 'forces.brake.factor': {'range': [-1.0, 2.0]}}, ('f43', 'shaking_force')),
     'input': ({**BASE, **PUSH}, {
         **LENGTHS, 'forces.push.along': {'range': [0.1, 0.5]}}, ('f41', 'shaking_moment')),
+    'strut': ({**BASE, **STRUT}, {
+        **LENGTHS, 'forces.gas.from.along': {'range': [0.3, 0.5]},
+        'forces.gas.across': {'uniform': 0.1}}, ('f41', 'f32')),
+    'cut': ({**BASE, **WAY, 'forces.cut.when': 'forward'}, {
+        **LENGTHS, 'forces.cut.factor': {'range': [0.5, 2.0]}}, ('f21', 'shaking_moment')),
     'press': (SLIDER, {
         'linkage.a1': {'range': [0.06, 0.12]}, 'linkage.offset': {'uniform': 0.03},
         'forces.press.factor': {'range': [0.2, 1.5]}}, ('f32', 'f21')),
@@ -149,6 +160,7 @@ def sensitivity_of(values, measure, names):
 @pytest.mark.parametrize('case, measures', [
     ('springs', ['driving_torque.peak', 'f32.rms', 'work']),
     ('way', ['driving_torque.max', 'f32.rms', 'f21.mean']),
+    ('strut', ['driving_torque.max', 'f32.rms']),
     ('press', ['driving_torque.max', 'f32.rms', 'f21.peak']),
     ('engine', ['driving_torque.max', 'f32.rms', 'f21.peak', 'work'])])
 def test_measures_change_as_whole_scenes_do(case, measures):
