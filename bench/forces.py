@@ -1,12 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Springs, force tables and friction: run time over that of the same mechanism without them."""
+from pathlib import Path
 from statistics import median
+import tempfile
 from time import process_time
 
 from .pages import table
 
 ROUNDS, STEPS, BATCH = 7, 2000, 10_000
+ROWS = 2048         # of a study
 SPEED = 20.0        # of the input [rad/s]
 
 
@@ -50,8 +53,57 @@ def took(call, repeats):
     return (process_time() - begin) / repeats
 
 
+def studies(folder):
+    """Return {what acts: study of peak and root mean square of the torque of the paper's}."""
+    from fourbar_lab.studies.study import from_document
+    from fourbar_ros import load_scene
+    from fourbar_ros.scene.files import as_text
+    values = {name: value for name, value in load_scene('paper').values.items() if value == value}
+    springs = {}
+    for name, x, y in (('back', 1.5, 0.7), ('low', 0.0, -0.8)):
+        springs |= {f'springs.{name}.first.along': x, f'springs.{name}.first.across': y,
+                    f'springs.{name}.second.link': 'output', f'springs.{name}.second.along': 0.5,
+                    f'springs.{name}.stiffness': 900.0, f'springs.{name}.free_length': 0.3}
+    cut = {'points.tip.link': 'coupler', 'points.tip.along': 0.5, 'forces.cut.link': 'coupler',
+           'forces.cut.along': 0.5, 'forces.cut.acts': 'x', 'forces.cut.over': 'tip.x',
+           'forces.cut.places': [0.1, 0.3, 0.35, 0.5, 0.8],
+           'forces.cut.values': [0.0, -700.0, -900.0, 100.0, 0.0]}
+    vary = {'linkage.a1': {'range': [0.2, 0.3]}, 'linkage.a2': {'range': [1.1, 1.3]}}
+    found = {}
+    stiffness, factor = 'springs.back.stiffness', 'forces.cut.factor'
+    for what, acting, more in (
+            ('nothing', {}, ()), ('two springs', springs, (stiffness,)),
+            ('two springs, a table over a way', {**springs, **cut}, (stiffness, factor))):
+        file = folder / f'{len(found)}.yaml'
+        file.write_text(as_text({**values, **acting}))
+        found[what] = from_document({
+            'scene': file.name, 'rows': ROWS, 'keep': 'all',
+            'quantities': ['driving_torque.peak', 'driving_torque.rms'],
+            'vary': {**vary, **{name: {'range': [0.5, 2.0] if name == factor else [100.0, 2000.0]}
+                                for name in more}}}, folder)
+    return found
+
+
+def table_of_studies():
+    """Print how many designs of a study are computed in a second, and the ratios."""
+    from fourbar_lab.studies.chunks import compute
+    with tempfile.TemporaryDirectory() as folder:
+        every = studies(Path(folder))
+    times = {what: [] for what in every}
+    for study in every.values():
+        compute(study, 0)
+    for _ in range(ROUNDS):
+        for what, study in every.items():
+            times[what].append(took(lambda s=study: compute(s, 0), 1))
+    table(('study of peak and root mean square of the torque', 'rows a second',
+           'time over nothing'),
+          [(what, f'{ROWS / median(of_study):.3g}',
+            f'{median(a / b for a, b in zip(of_study, times["nothing"])):.3g}')
+           for what, of_study in times.items()])
+
+
 def main():
-    """Print the ratios of steps and batches, and the times of searches."""
+    """Print the ratios of steps and batches, and the times of searches and studies."""
     from fourbar_ros import find_extrema
     import numpy as np
     x, rows = np.linspace(0.0, 6.0, BATCH), []
@@ -86,3 +138,5 @@ def main():
             rows.append((name, what, len(quantities), len(extrema), f'{seconds:.3g}'))
     print()
     table(('linkage', 'acting', 'loads', 'extrema', 'CPU time of all [s]'), rows)
+    print()
+    table_of_studies()

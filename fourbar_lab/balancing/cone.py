@@ -246,7 +246,7 @@ def least_peak(sites: Places, name: str, mass: float) -> Balance:
     loads, mass = sites.loads, finite('mass', mass, 'must be zero or more', least=0.0)
     if loads.mechanism.flat_inputs:
         loads.root((name,))                 # a BalanceError if the load has no bound there
-    x, _ = nodes(loads.mechanism, INPUTS)
+    x, _ = nodes(loads.weightless, INPUTS)
     for _ in range(ROUNDS):
         blocks = np.stack([*loads.matrices(x, name)], axis=1)       # a block for each input
         weights, bound = _least(sites, blocks, mass)

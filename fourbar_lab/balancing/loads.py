@@ -82,7 +82,7 @@ class Loads:
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body
         self.given = np.concatenate([moments_of(body or Body(0.0)) for body in mechanism.bodies])
-        self._weightless = mechanism.weightless
+        self.weightless = mechanism.weightless
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -125,7 +125,7 @@ class Loads:
             for probe in probes:
                 bodies = [Body(0.0)] * len(self.links)
                 bodies[link] = probe
-                mechanism = replace(self._weightless, bodies=self.mechanism.BODIES(*bodies))
+                mechanism = replace(self.weightless, bodies=self.mechanism.BODIES(*bodies))
                 of_probes.append(np.array([
                     np.broadcast_to(load, x.shape)
                     for load in mechanism.step(x, self.rate, fields=fields)]))
@@ -150,7 +150,7 @@ class Loads:
             raise InvalidParameter('minimize', names, 'must name a load at least'
                                    f'{nearest("", self.groups)}')
         while True:
-            x, weights = nodes(self.mechanism, points)
+            x, weights = nodes(self.weightless, points)
             blocks = []             # B with |B p| the root mean square of a load
             for name in names:
                 block = np.concatenate(np.sqrt(weights)[:, None] * self.matrices(x, name))
@@ -183,7 +183,7 @@ class Loads:
             return np.asarray((load * load).sum(axis=0))[None]
 
         rounding = self._rounding(name, moments)
-        mean, = mean_over_input(self.mechanism, squares, least_size=rounding * rounding / AGREE)
+        mean, = mean_over_input(self.weightless, squares, least_size=rounding * rounding / AGREE)
         return float(np.sqrt(mean))
 
     def balanced(self, moments: Array) -> Mechanism:

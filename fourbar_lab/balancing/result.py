@@ -85,7 +85,7 @@ def scene_text(scene: Scene, balance: Balance, how: str) -> str:
 def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
     is_angle = loads.mechanism.input_coordinate.unit == 'rad'
-    x = np.sort(nodes(loads.mechanism, SAMPLES)[0])
+    x = np.sort(nodes(loads.weightless, SAMPLES)[0])
     panels = {}
     for name in DRAWN:
         matrices = loads.matrices(x, name)

@@ -87,6 +87,8 @@ def _run(arguments: argparse.Namespace) -> None:
     balance, how = (_best if arguments.minimize else _full)(arguments, sites)
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
+    if scene.linkage.elements:
+        console.print('springs and forces over a position act as before, and are left out here')
     for table in _tables(loads, balance):
         console.print()
         console.print(table)

@@ -137,9 +137,11 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     roots = Roots(first[order], bend[order], mechanism[order], quantity[order], order)
     root, value_of_root, strays = refined(evaluate, roots, is_positive,
                                           step * half_there[order])
-    inside = [(ends[roots.mechanism] <= x[:, None]).sum(axis=1) for x in (
-        np.mod(low[mechanism, interval][order] + half_there[order], cycle), np.mod(root, cycle))]
-    strays[roots.mechanism[inside[0] != inside[1]]] = True      # over an end, where others hold
+    of_ends = ends[roots.mechanism]
+    pieces = [(of_ends <= np.mod(x, cycle)[:, None]).sum(axis=1)
+              % np.maximum(np.isfinite(of_ends).sum(axis=1), 1)
+              for x in (low[mechanism, interval][order] + half_there[order], root)]
+    strays[roots.mechanism[pieces[0] != pieces[1]]] = True      # over an end, where others hold
 
     # all in one list
     of_kink, of_jump = np.nonzero(is_kink), np.nonzero(is_jump)

@@ -26,6 +26,7 @@ from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 from support.samples import record, some
+from support.scenes import file_of, PUSH
 
 optimize = pytest.importorskip('scipy.optimize')
 pytest.importorskip('clarabel')
@@ -298,3 +299,27 @@ def test_what_is_no_mechanism_load_or_mass_is_refused_by_name(make, name):
     with pytest.raises(InvalidParameter) as caught:
         make()
     assert caught.value.name == name
+
+
+def test_springs_and_forces_stay_as_they_are(tmp_path, capsys):
+    """Counterweights are those without them; the scene that is written has them, and says so."""
+    plain = {name: value for name, value in load('paper').values.items() if value == value}
+    acting = {'springs.back.first.along': 1.5, 'springs.back.second.link': 'output',
+              'springs.back.stiffness': 900.0, **PUSH}
+    files = [file_of(values, tmp_path, name) for name, values in (
+        ('without', plain), ('with', {**plain, **acting}))]
+    scenes, texts = [], []
+    for file in files:
+        out = tmp_path / f'balanced_{file.name}'
+        assert main(['balance', str(file), '--minimize', 'torque', '--mass', '2', '--out',
+                     str(out)]) == 0
+        scenes.append(load(out))
+        texts.append(capsys.readouterr().out)
+    without, loaded = [scene.linkage for scene in scenes]
+    assert without.bodies == loaded.bodies and len(loaded.elements) == 2
+    note = 'springs and forces over a position act as before, and are left out here\n'
+    assert texts[1].replace(note, '') == texts[0] and note in texts[1]
+    x, before = np.linspace(0.0, 6.0, 50), load(files[1]).linkage
+    by_elements = [each.loads(x, 5.0).driving_torque - each.with_elements().loads(
+        x, 5.0).driving_torque for each in (before, loaded)]
+    np.testing.assert_allclose(*by_elements, 0.0, 1e-9 * np.abs(by_elements[0]).max())

@@ -8,6 +8,7 @@ make, derivatives against differences of whole scenes.
 """
 from math import isnan, pi, tau
 
+from fourbar_lab.studies.block import compute_together
 from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.derivatives import Derivatives, sensitivities
 from fourbar_lab.studies.measures import Design
@@ -135,6 +136,13 @@ def test_rows_are_those_of_the_scenes_that_their_values_make(case, tmp_path):
                 assert np.nanmin(np.abs(there - value)) <= 1e-8 * size, (row, name, part)
         work = OverInput(linkage, 'driving_torque', speed).of_cycle
         assert abs(columns['work'][i] - work) <= 10.0 * CLOSE * size or isnan(work)
+
+
+@pytest.mark.parametrize('case', ['springs', 'torsion', 'way', 'input', 'cut', 'press', 'engine'])
+def test_nearly_all_designs_are_computed_together(case, tmp_path):
+    study = study_of(case, tmp_path, 64, quantities=['driving_torque.peak', 'driving_torque.rms'])
+    columns = {measure.name: np.empty(study.rows) for measure in study.measures}
+    assert compute_together(study, study.drawn(0, study.rows), columns).sum() > 0.8 * study.rows
 
 
 def test_a_table_that_does_not_fit_a_crank_that_turns_is_no_design(tmp_path):
