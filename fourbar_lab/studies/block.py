@@ -124,7 +124,8 @@ def _measured(measure: Measure, turns: Turns, row: int, cycle: float) -> tuple[A
     if measure.part in kinds.MEANS:
         mean, rms = turns.means[row], np.sqrt(turns.mean_squares[row])
         of_part = {'rms': rms, 'mean': mean, kinds.WORK: np.asarray(cycle * settled(mean, rms))}
-        return of_part[measure.part], turns.have_settled[row]
+        are_right = turns.are_squares if measure.part == 'rms' else turns.are_means
+        return of_part[measure.part], are_right[row]
     if not values.shape[-1]:
         inputs = values = np.full((len(values), 1), np.nan)
     designs, is_none = np.arange(len(values)), np.isnan(values)     # beyond the last extremum

@@ -37,9 +37,10 @@ PLAIN = (2.0 / 3.0, -1.0 / 12.0)
 BETWEEN = tuple([part / 2.0**19 for part in (320166, -76230, 22869, -5445, 847, -63)])
 # A function is resolved if interpolation gives every other sample to this part of its span.
 RESOLVED = 2.0**-9
-# Means of all samples and of every second, over the root mean square, and so mean squares, differ
-# by less: the error of the former is the square of that.
-AGREE = 1e-6
+# Mean squares of all samples and of every second differ by less, as a part of them: the error of
+# the former is the square of that. Means by less, as a part of the root mean square: that of a
+# magnitude, which changes suddenly near zero, settles slowly.
+AGREE, AGREE_MEAN = 1e-6, 1e-10
 # Samples around an interval through which a polynomial is laid; steps of Newton's method on it.
 AROUND, NEWTON_STEPS = 12, 2
 
@@ -60,7 +61,8 @@ class Turns(NamedTuple):
     counts: Array           # (q, n)
     means: Array            # (q, n), over the input
     mean_squares: Array     # (q, n)
-    have_settled: Array     # (q, n): whether both are right
+    are_means: Array        # (q, n): whether the means are right
+    are_squares: Array      # (q, n): whether the mean squares are
     are_turning: Array      # (q, n): angles that a turn of the input turns on
     is_doubtful: Array      # (n,): whose extrema must be found in another way
 
@@ -111,10 +113,10 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
         squares = samples * samples
         mean, mean_square = samples.mean(axis=-1), squares.mean(axis=-1)
         half, half_square = samples[..., ::2].mean(axis=-1), squares[..., ::2].mean(axis=-1)
-        have_settled = ((np.abs(mean_square - half_square) <= AGREE * mean_square)
-                        & (np.abs(mean - half) <= AGREE * np.sqrt(mean_square)))
+        are_squares = np.abs(mean_square - half_square) <= AGREE * mean_square
+        are_means = are_squares & (np.abs(mean - half) <= AGREE_MEAN * np.sqrt(mean_square))
     return Turns(places, values, np.isfinite(places).sum(axis=-1), mean, mean_square,
-                 have_settled, turns.reshape(shape) != 0.0, is_doubtful)
+                 are_means, are_squares, turns.reshape(shape) != 0.0, is_doubtful)
 
 
 def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:

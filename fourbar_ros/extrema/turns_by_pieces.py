@@ -33,6 +33,8 @@ RESOLVED = 2.0**-16
 # rounding by less than this factor are in doubt, and ends at which polynomials differ from the
 # load by more than this part of its span: they are elsewhere.
 BESIDE, DOUBT, APART = 2.0**-46, 2.0**10, 2.0**-8
+# Last coefficients of a load whose mean is right, as a part of the root mean square.
+SETTLED = 1e-8
 FLAT = 2.0**8 * EPS         # of the size of a load: smaller slopes all over an interval are noise
 NEWTON_STEPS = 2
 
@@ -161,8 +163,9 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     mean, mean_square = ((g * weights).sum(axis=(2, 3)) for g in (samples, samples * samples))
     tail = np.abs(samples @ _TO_MODES[:, -2:]).max(axis=3)
     error = np.sqrt((tail * tail * half).sum(axis=2) * (2.0 / cycle))
+    rms = np.sqrt(mean_square)
     return Turns(places, by_quantity(listed, values, shape), np.isfinite(places).sum(axis=-1),
-                 mean, mean_square, error <= AGREE * np.sqrt(mean_square),
+                 mean, mean_square, error <= SETTLED * rms, error <= AGREE * rms,
                  np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from math import pi
+from math import pi, sqrt
 
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Ranges
@@ -57,8 +57,8 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
         return (mechanism.cycle * (np.arange(points) + start) / points,
                 np.full(points, 1.0 / points))
     ranges = ranges or smooth_ranges(mechanism)
-    if mechanism.pieces:        # there may be hundreds
-        points = max(points // len(ranges), POINTS_OF_PART)
+    if mechanism.pieces:        # there may be hundreds, and more points are more in each
+        points = max(points // len(ranges), round(POINTS_OF_PART * sqrt(points / POINTS)))
     roots, weights = _gauss(min(points, MOST_OF_RANGE))
     phi = 0.5 * pi * roots
     whole = sum(high - low for low, high in ranges)

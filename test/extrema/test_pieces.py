@@ -239,3 +239,25 @@ def test_one_sided_extrema_of_a_press_have_the_kind_of_their_side(gravity, lengt
         assert near == pytest.approx(extremum.value, rel=1e-6, abs=1e-6)
         if abs(near - far) > 1e-9 * abs(near):
             assert bool(far < near) is (extremum.kind == 'maximum'), extremum
+
+
+def test_a_mean_over_many_pieces_settles():
+    """Of a magnitude near zero, between 60 points: 6e-5 off where each piece had 16 inputs."""
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=60) * 100.0
+    table = ForceTable([0.0, *np.sort(rng.uniform(0.1, 6.0, 58)), TURN],
+                       [*values[:-1], values[0]], True)
+    bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.3, 1.0, 0.9)))
+    mechanism = FourBar(0.3, 1.0, 0.9, 1.0, bodies=bodies).with_elements(
+        PositionForce(Attachment('output', 0.2), table))
+    ends = np.array([*mechanism.pieces.ends, mechanism.pieces.ends[0] + TURN])
+    edges = np.unique(np.concatenate((ends, np.linspace(ends[0], ends[-1], 2000))))
+    roots, weights = np.polynomial.legendre.leggauss(16)
+    half = 0.5 * np.diff(edges)[:, None]
+    x = edges[:-1, None] + half * (1.0 + roots)
+    for name in ('f32', 'driving_torque'):
+        load, over = getattr(mechanism.loads(x, 6.0), name), OverInput(mechanism, name, 6.0)
+        assert over.mean == pytest.approx(np.sum(load * half * weights) / TURN, rel=1e-9,
+                                          abs=1e-9 * over.rms)
+        assert over.rms == pytest.approx(np.sqrt(np.sum(load**2 * half * weights) / TURN),
+                                         rel=1e-10)
