@@ -10,11 +10,9 @@ from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.figure import CannotDraw, new_figure, writing
 from fourbar_lab.drawing.mechanism_panel import draw_part, POINT
 from fourbar_lab.drawing.sheet import Sheet
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros import FourBarError, Mechanism, point_motion
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, picture, Points
-from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 
 FRAMES, PER_SECOND = 90, 25
@@ -28,9 +26,17 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     first range. CannotDraw of another suffix, or if the file cannot be written.
     """
     from matplotlib.animation import FuncAnimation
-    path, points, poses = Path(path), usual_points(mechanism, points), _poses(mechanism, rate)
+    path, points = Path(path), usual_points(mechanism, points)
     if path.suffix != '.gif':
         raise CannotDraw(f'{path}: an animation is a .gif')
+    inputs, poses = cycles(mechanism, FRAMES)[0], list[NamedFields]()
+    if mechanism.turns_fully:           # the end of the cycle is its beginning
+        inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
+    else:                               # every second pose on the way up, the others down
+        inputs = np.concatenate([inputs[::2], inputs[-2:0:-2]])
+    for position in inputs:
+        with suppress(FourBarError):    # a singular pose has no rates
+            poses.append(mechanism.motion(float(position), rate))
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
     joints = [joint for motion in poses for joint in diagram_of(mechanism, motion).joints.values()]
@@ -51,17 +57,3 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
         with writing(path):
             moving.save(path, writer='pillow', fps=PER_SECOND, dpi=100)
     return path
-
-
-def _poses(mechanism: Mechanism, rate: float) -> list[NamedFields]:
-    """Return the motion of each frame; about FRAMES of them, so that a cycle closes."""
-    inputs = cycles(mechanism, FRAMES)[0]
-    if mechanism.turns_fully:           # the end of the cycle is its beginning
-        inputs = inputs[:-1] if rate >= 0.0 else inputs[:0:-1]
-    else:                               # every second pose on the way up, the others down
-        inputs = np.concatenate([inputs[::2], inputs[-2:0:-2]])
-    poses = []
-    for position in inputs:
-        with suppress(FourBarError):    # a singular pose has no rates
-            poses.append(mechanism.motion(float(position), rate))
-    return poses

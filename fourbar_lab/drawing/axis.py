@@ -16,10 +16,9 @@ from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
+from fourbar_ros import Mechanism
 from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.mechanisms import parts, picture
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -33,7 +32,7 @@ AXIS_STYLE: dict[str, Any] = {'color': AXIS, 'lw': 1.8}
 LINE_STYLE: dict[str, Any] = {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))}
 
 
-def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
+def axis_parts(linkage: Mechanism, motion: parts.NamedFields, low: Array, high: Array
                ) -> tuple[dict[str, Array], dict[str, Array]]:
     """
     Return the parts of the axis in one pose that are in a window with these corners [m].
@@ -56,7 +55,7 @@ def axis_parts(linkage: Mechanism, motion: NamedFields, low: Array, high: Array
                    if (low <= pole).all() and (pole <= high).all()}
 
 
-def axis_angle(linkage: Mechanism, motion: NamedFields) -> Array:
+def axis_angle(linkage: Mechanism, motion: parts.NamedFields) -> Array:
     """
     Return the angle from coupler to axis in one pose or n, 0 to 180 deg; NaN: there is no axis.
 
@@ -69,13 +68,13 @@ def axis_angle(linkage: Mechanism, motion: NamedFields) -> Array:
     return angles
 
 
-def draw_axis(axes: Axes, linkage: Mechanism, motion: NamedFields, title: str = '') -> None:
+def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: str = '') -> None:
     """
     Draw a linkage in a pose with its collineation axis, in blue, and the lines that make it.
 
     The axis passes through the poles P13 and P24, each where two of the four other lines cross.
     """
-    joints = np.array(list(diagram_of(linkage, motion).joints.values()))
+    joints = np.array(list(picture.diagram_of(linkage, motion).joints.values()))
     size, middle = max(np.ptp(joints, axis=0)), 0.5 * (joints.min(axis=0) + joints.max(axis=0))
     reach = NEAR * np.array([size, size])
     # twice: poles near enough make room on the sheet, whose window then clips the lines

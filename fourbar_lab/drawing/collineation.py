@@ -32,12 +32,9 @@ from __future__ import annotations
 from functools import partial, singledispatch
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, Mechanism, SliderCrank
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, vector
-from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

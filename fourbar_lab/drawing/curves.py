@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from math import degrees, inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
@@ -13,12 +14,10 @@ from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros import InvalidParameter, Mechanism
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.quantities import by_name, Named, of_drive, UnknownQuantity
+from fourbar_ros.mechanisms import parts, quantities
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import in_unit
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
@@ -62,12 +61,12 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     the nearest name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
-    of_loads, own = linkage.LOADS._fields, of_drive(linkage, linkage.input)
+    of_loads, own = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     for name in wanted:
         if name not in units:
-            raise UnknownQuantity(name, units)
+            raise quantities.UnknownQuantity(name, units)
     wanted = wanted or [name for name in units if name not in own
                         and (name not in of_loads or linkage.has_loads)]
     loads_wanted = [name for name in wanted
@@ -75,23 +74,22 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     if loads_wanted and not linkage.has_loads:
         raise InvalidParameter(loads_wanted[0], None, linkage.why_no_loads)
 
-    def values_of(name: str, inputs: Array, motion: NamedFields, loads: NamedFields | None
-                  ) -> Array:
-        """Return a quantity at inputs, whose motion and loads are known."""
+    def values_of(name: str, inputs: Array, motion: parts.NamedFields,
+                  loads: parts.NamedFields | None) -> Array:
         if name in of_points:
             return np.asarray(of_points[name].of(motion, loads))
         if name in own:
             return own[name].values(linkage, inputs, speed)
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
-    parts: list[Array] = []
+    blocks: list[Array] = []
     for inputs in cycles(linkage, samples, True, linkage.turns if loads_wanted else 1):
         motion = linkage.motion(inputs, speed, acceleration)
         loads = linkage.loads(inputs, speed, acceleration) if loads_wanted else None
         rows = [inputs, *(values_of(name, inputs, motion, loads) for name in wanted)]
-        gap = [np.full((len(rows), 1), np.nan)] if parts else []
-        parts += [*gap, np.array([np.broadcast_to(row, inputs.shape) for row in rows])]
-    values = np.concatenate(parts, axis=1)
+        gap = [np.full((len(rows), 1), np.nan)] if blocks else []
+        blocks += [*gap, np.array([np.broadcast_to(row, inputs.shape) for row in rows])]
+    values = np.concatenate(blocks, axis=1)
     columns = coordinate.position, *wanted
     for name, column in zip(columns, values):
         if not np.isfinite(column).any():
@@ -160,16 +158,10 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
 
     A component of a force is not searched.
     """
-    searched = by_name(linkage, scene.point_quantities)
-    wanted = [searched[name] for name in names if name in searched
-              and is_searched(linkage, searched[name])]
+    searched = quantities.by_name(linkage, scene.point_quantities)
+    wanted = [searched[name] for name in names if name in searched]
     return (find_extrema(linkage, wanted, speed, acceleration, conditions=False) if wanted
             else [])
-
-
-def is_searched(linkage: Mechanism, quantity: Named) -> bool:
-    """Return whether a quantity has extrema over the input: loads follow from motion alone."""
-    return not quantity.is_load or linkage.has_loads
 
 
 def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
@@ -185,7 +177,7 @@ def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     """Return {name: unit} of all quantities that a user may name, components of forces too."""
     units = {name: quantity.unit
-             for name, quantity in by_name(linkage, scene.point_quantities).items()}
+             for name, quantity in quantities.by_name(linkage, scene.point_quantities).items()}
     for part in linkage.PARTS:
         if part != linkage.input_coordinate:
             units |= {name: unit for name, unit in zip(part, part.units)
@@ -202,12 +194,9 @@ def write_table(curves: Curves, path: Path, style: CsvStyle) -> None:
 
     CannotDraw for another suffix, or if it cannot be written.
     """
-    if path == STDOUT:
-        style.save(path, *rows_of(curves))
-        return
-    if path.suffix != '.csv':
+    if path != STDOUT and path.suffix != '.csv':
         raise CannotDraw(f'{path}: must end in .csv, or be - for standard output')
-    with writing(path):
+    with nullcontext() if path == STDOUT else writing(path):
         style.save(path, *rows_of(curves))
 
 

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import CannotDraw, new_figure
 from fourbar_lab.drawing.labels import labels_of
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.mechanisms.picture import diagram_of, Points
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

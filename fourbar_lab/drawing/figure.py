@@ -17,8 +17,7 @@ from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
 from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
 from fourbar_lab.drawing.sheet import Sheet
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros import FourBarError, Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, ORIGIN, Points
 from fourbar_ros.numerics.arrays import Array

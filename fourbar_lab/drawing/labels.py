@@ -3,16 +3,15 @@
 """Letters of joints, symbols of forces and rates, and numbers, for pictures; in mathtext."""
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import count
 from math import degrees, hypot, pi, remainder
 import re
 from string import ascii_uppercase
 from typing import NamedTuple
 
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import Diagram, diagram_of
+from fourbar_ros import Mechanism
+from fourbar_ros.mechanisms import parts, picture
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -30,7 +29,7 @@ class Labels(NamedTuple):
     letters: Mapping[str, str]          # {joint: letter}
 
 
-def labels_of(diagram: Diagram) -> Labels:
+def labels_of(diagram: picture.Diagram) -> Labels:
     """
     Return the labels of a diagram.
 
@@ -49,7 +48,9 @@ def labels_of(diagram: Diagram) -> Labels:
             here[0].append(name)
         else:
             groups.append([name])
-    free_letters = _letters()
+    # A, B, ..., A_1, B_1, ... without O, for pivots on the ground, and F, for forces
+    free_letters = (f'{letter}_{index}' if index else letter for index in count()
+                    for letter in ascii_uppercase.replace('O', '').replace('F', ''))
     joints: dict[str, Array] = {}
     symbols: dict[str, str] = {}             # of the force at each joint
     letters: dict[str, str] = {}
@@ -63,13 +64,6 @@ def labels_of(diagram: Diagram) -> Labels:
             symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
     return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces}, letters)
-
-
-def _letters() -> Iterator[str]:
-    """Yield A, B, ..., A_1, B_1, ... without O, for pivots on the ground, and F, for forces."""
-    for round_ in count():
-        for letter in ascii_uppercase.replace('O', '').replace('F', ''):
-            yield f'{letter}_{round_}' if round_ else letter
 
 
 # --- numbers -------------------------------------------------------------------------------------
@@ -101,18 +95,22 @@ def symbol_of(name: str) -> str:
 def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     """Return what a legend calls fields and quantities: symbols as in pictures, or words."""
     low, high = mechanism.input_ranges[0]        # any pose will do: the names are the same
-    labels = labels_of(diagram_of(mechanism, mechanism.motion(0.5 * (low + high), 1.0)))
+    labels = labels_of(picture.diagram_of(mechanism, mechanism.motion(0.5 * (low + high), 1.0)))
     known = {'driving_torque': f'${mechanism.TORQUE}$', 'driving_force': '$P$'}
     for name, symbol in labels.forces.items():
         words = f' {labels.words[name]}' if labels.words else ''
         known |= {name: f'${symbol}${words}',
                   **{f'{name}_{axis}': f'${symbol[:-1]},{axis}}}${words}' for axis in 'xy'}}
     for coordinate in mechanism.PARTS:
-        symbol = symbol_of(coordinate.position)
-        symbols = (map(symbol_of, coordinate) if coordinate.unit == 'rad' else
-                   (symbol, rf'\dot {symbol}', rf'\ddot {symbol}'))
-        known |= {name: f'${symbol}$' for name, symbol in zip(coordinate, symbols)}
+        known |= {name: f'${symbol}$' for name, symbol in zip(coordinate, _symbols(coordinate))}
     return tuple([known.get(name, name.replace('_', ' ')) for name in names])
+
+
+def _symbols(coordinate: parts.Coordinate) -> Sequence[str]:
+    if coordinate.unit == 'rad':
+        return [symbol_of(name) for name in coordinate]
+    symbol = symbol_of(coordinate.position)
+    return symbol, rf'\dot {symbol}', rf'\ddot {symbol}'
 
 
 def _upright(name: str) -> str:
@@ -120,32 +118,27 @@ def _upright(name: str) -> str:
     return rf'\mathrm{{{words}}}'
 
 
-def motion_lines(mechanism: Mechanism, motion: NamedFields, unit: tuple[str, float]) -> list[str]:
+def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[str, float]
+                 ) -> list[str]:
     """
     Return a line for each absolute angle and slide: position, rate, acceleration.
 
     ``unit`` of lengths: (text, size in [m]).
     """
-    lines, (text, size) = [], unit
+    lines = []
     for coordinate in mechanism.DRAWN:
-        position, rate, acceleration = (getattr(motion, name) for name in coordinate)
-        if coordinate.unit == 'rad':
-            symbol, omega, alpha = map(symbol_of, coordinate)
-            lines.append(rf'${symbol}$ = {degrees(remainder(position, 2.0 * pi)):.2f}°,  '
-                         rf'${omega}$ = {significant(rate)} rad/s,  '
-                         rf'${alpha}$ = {significant(acceleration)} rad/s$^2$')
-        else:
-            symbol = symbol_of(coordinate.position)
-            name = f'{coordinate.position} ' if symbol == 's' else ''
-            slide, rate, acceleration = (significant(value / size)
-                                         for value in (position, rate, acceleration))
-            lines.append(rf'{name}${symbol}$ = {slide} {text},  $\dot {symbol}$ = {rate} '
-                         rf'{text}/s,  '
-                         rf'$\ddot {symbol}$ = {acceleration} {text}/s$^2$')
+        symbol, of_rate, of_acceleration = _symbols(coordinate)
+        text, size = ('rad', 1.0) if coordinate.unit == 'rad' else unit
+        position, rate, acceleration = (getattr(motion, name) / size for name in coordinate)
+        value = (f'{degrees(remainder(position, 2.0 * pi)):.2f}°' if coordinate.unit == 'rad'
+                 else f'{significant(position)} {text}')
+        name = f'{coordinate.position} ' if symbol == 's' else ''
+        lines.append(f'{name}${symbol}$ = {value},  ${of_rate}$ = {significant(rate)} {text}/s,  '
+                     f'${of_acceleration}$ = {significant(acceleration)} {text}/s$^2$')
     return lines
 
 
-def load_lines(loads: NamedFields, labels: Labels, torque: str) -> list[str]:
+def load_lines(loads: parts.NamedFields, labels: Labels, torque: str) -> list[str]:
     """
     Return lines of text: a force at each joint, the drive, guide and shaking loads.
 

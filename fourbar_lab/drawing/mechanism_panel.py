@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
 from fourbar_lab.drawing.polygons import renamed
 from fourbar_lab.drawing.sheet import Sheet
+from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.mechanisms import picture
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -83,7 +82,17 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
             axes.add_patch(Wedge(centre, 0.06 * sheet.inch, start, end, fc=colour, ec='k', lw=0.8,
                                  zorder=6.5))
         sheet.taken.append(centre)
-    _draw_angles(sheet, motion, diagram)
+    radius = 0.3 * sheet.inch
+    for name, joint in diagram.angles.items():          # arcs of the absolute angles from x
+        centre, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
+        arc = centre + radius * _directions(np.linspace(0.0, angle, 40))
+        axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
+        sheet.line(centre, centre + (1.5 * radius, 0.0), color=ANGLE, lw=0.7, zorder=1.2)
+        sheet.taken.extend(arc[::4])
+        directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
+        sheet.label(symbol_of(name), [centre + distance * radius * direction for distance in
+                                      (1.5, 1.8, 2.1) for direction in directions]
+                    + sheet.around(centre, directions[0]), ANGLE)
     torque = getattr(loads, 'driving_torque', 0.0)
     if torque != 0.0:
         _draw_torque(sheet, torque, mechanism, motion, diagram)
@@ -124,21 +133,6 @@ def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
             sheet.occupy(start, end)
         if ground is not None:
             sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
-
-
-def _draw_angles(sheet: Sheet, motion: NamedFields, diagram: picture.Diagram) -> None:
-    """Draw the arcs of the absolute angles from x."""
-    radius = 0.3 * sheet.inch
-    for name, joint in diagram.angles.items():
-        centre, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
-        arc = centre + radius * _directions(np.linspace(0.0, angle, 40))
-        sheet.axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
-        sheet.line(centre, centre + (1.5 * radius, 0.0), color=ANGLE, lw=0.7, zorder=1.2)
-        sheet.taken.extend(arc[::4])
-        directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        sheet.label(symbol_of(name), [centre + distance * radius * direction for distance in
-                                      (1.5, 1.8, 2.1) for direction in directions]
-                    + sheet.around(centre, directions[0]), ANGLE)
 
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,

@@ -9,14 +9,12 @@ from math import hypot
 import re
 from typing import Any, cast, NamedTuple
 
+from fourbar_ros import InvertedSlider, Mechanism, point_motion, ScotchYoke, SliderCrank
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, SLIDE
 from fourbar_ros.mechanisms.picture import ORIGIN, X, Y
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

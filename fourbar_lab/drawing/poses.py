@@ -8,26 +8,15 @@ from math import degrees, hypot, radians
 import re
 from typing import NamedTuple
 
-from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanisms.load_table import LOADS
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate, NamedFields, reaction
-from fourbar_ros.mechanisms.picture import Points
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import known_quantities
-from fourbar_ros.pipeline.stepper import (
-    evaluate,
-    INVALID_INPUT,
-    OUT_OF_RANGE,
-    STATUS_NAMES,
-    TOGGLE,
-)
+from fourbar_ros import FourBarError, Mechanism, point_motion
+from fourbar_ros.mechanisms import load_table, parts, picture, quantities
+from fourbar_ros.pipeline import stepper
 from fourbar_ros.scene.units import require
 from fourbar_ros.terminal import make_table
 from rich.table import Table
 
-FORCES = (reaction('shaking force', 'linkage on ground', 'shaking_force'),)
-MOMENTS = sorted((row for row in LOADS.values() if row.label),
+FORCES = (parts.reaction('shaking force', 'linkage on ground', 'shaking_force'),)
+MOMENTS = sorted((row for row in load_table.LOADS.values() if row.label),
                  key=lambda row: row.name.startswith('shaking'))     # as of forces: at the end
 
 
@@ -39,8 +28,8 @@ class DrawnPose(NamedTuple):
     """Motion and loads (None without masses) at one input; status as in pipeline.stepper."""
 
     status: int
-    motion: NamedFields
-    loads: NamedFields | None
+    motion: parts.NamedFields
+    loads: parts.NamedFields | None
 
 
 def position_of(linkage: Mechanism, user_input: float) -> float:
@@ -66,11 +55,11 @@ def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleratio
     NoPose if the input is out of range; InvalidParameter if it is no finite number.
     """
     sample = position_of(linkage, user_input), speed, acceleration
-    status, motion, loads = evaluate(linkage, *sample, linkage.has_loads)
-    if status == OUT_OF_RANGE:
+    status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
+    if status == stepper.OUT_OF_RANGE:
         ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
         raise no_pose(linkage, user_input, f'is outside the input range {ranges}')
-    if status == INVALID_INPUT:
+    if status == stepper.INVALID_INPUT:
         linkage.motion(*sample)       # raises where the input is not finite
     return DrawnPose(status, motion, loads if linkage.has_loads else None)
 
@@ -79,7 +68,7 @@ def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: f
             ) -> DrawnPose:
     """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
     pose = evaluate_at(linkage, user_input, speed, acceleration)
-    if pose.status == TOGGLE:
+    if pose.status == stepper.TOGGLE:
         raise no_pose(linkage, user_input, 'is a toggle position: rates and loads are unbounded')
     return pose
 
@@ -90,7 +79,7 @@ def no_pose(linkage: Mechanism, user_input: float, why: str) -> NoPose:
     return NoPose(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
 
 
-def shown(coordinate: Coordinate, value: float) -> str:
+def shown(coordinate: parts.Coordinate, value: float) -> str:
     """Return a position as text: angles in degrees."""
     return f'{value:.6g} m' if coordinate.unit == 'm' else in_degrees(value)
 
@@ -100,7 +89,7 @@ def in_degrees(angle: float) -> str:
     return f'{degrees(angle):.4f} deg'
 
 
-def ranges_in_words(coordinate: Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
+def ranges_in_words(coordinate: parts.Coordinate, ranges: Sequence[tuple[float, float]]) -> str:
     """Return ranges [rad or m] as text: '30.0000 to 60.0000, 90.0000 to 95.0000 deg'."""
     ends = [[shown(coordinate, end).split()[0] for end in bounds] for bounds in ranges]
     return f'{", ".join(map(" to ".join, ends))} {"m" if coordinate.unit == "m" else "deg"}'
@@ -119,7 +108,7 @@ def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
     title = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
              f'{getattr(pose.motion, driven.acceleration):g} {driven.unit}/s^2: '
-             f'{STATUS_NAMES[pose.status]}')
+             f'{stepper.STATUS_NAMES[pose.status]}')
     table = make_table(title, ('', 'position>', 'unit', 'rate>', 'acceleration>', 'unit', 'of'))
     for coordinate, part in linkage.PARTS.items():
         value, unit = shown(coordinate, getattr(pose.motion, coordinate.position)).split()
@@ -133,7 +122,7 @@ def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
     return table
 
 
-def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
+def loads_table(linkage: Mechanism, loads: parts.NamedFields) -> Table:
     """Return the table of all forces with their components, then of torques and the rest."""
     table = make_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
@@ -148,15 +137,15 @@ def loads_table(linkage: Mechanism, loads: NamedFields) -> Table:
         if row.name in values:
             table.add_row(row.label.replace('T41', torque), '', '', ten_digits(values[row.name]),
                           row.unit)
-    quantities = known_quantities(linkage, linkage.input)
+    known = quantities.known_quantities(linkage, linkage.input)
     for name, value in values.items():               # loads that only one kind of mechanism has
-        if name in quantities and name not in in_forces and not (
-                name in LOADS and LOADS[name].label):
-            table.add_row(name.replace('_', ' '), '', '', ten_digits(value), quantities[name].unit)
+        if name in known and name not in in_forces and not (
+                name in load_table.LOADS and load_table.LOADS[name].label):
+            table.add_row(name.replace('_', ' '), '', '', ten_digits(value), known[name].unit)
     return table
 
 
-def points_table(linkage: Mechanism, motion: NamedFields, points: Points) -> Table:
+def points_table(linkage: Mechanism, motion: parts.NamedFields, points: picture.Points) -> Table:
     """Return the table of the points of a scene: place, velocity, acceleration."""
     rows = []
     for name, point in points.items():

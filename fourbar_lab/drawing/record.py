@@ -9,14 +9,11 @@ from math import inf, nan, pi, tau
 from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
+from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import efficiency, output_ranges, OverInput
+from fourbar_ros.mechanisms import parts, picture, quantities
 from fourbar_ros.mechanisms.inertia import mean_rigid
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Coordinate
-from fourbar_ros.mechanisms.picture import Points
-from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import of_drive, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 
 ANGLE = 'transmission_angle'
@@ -25,19 +22,31 @@ LinkageRecord = dict[str, Any]             # text, numbers, lists and records
 Intervals = Sequence[tuple[float, float]]
 
 
-def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: Points,
+def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: picture.Points,
               pose: DrawnPose | None = None) -> LinkageRecord:
     """Return the properties of a linkage, its extrema and, with a pose, its state there."""
     record = properties_of(linkage) | {
         'extrema': [extremum._asdict() | {'theta1': counted(linkage, extremum.theta1)}
                     for extremum in extrema]}
     if pose:
-        record['pose'] = _pose(linkage, pose, points)
+        motion = pose.motion._asdict()
+        joints = {field: motion.get(field, nan) for names in linkage.PARTS for field in names}
+        of_points = {name: point_motion(linkage, pose.motion, *point)
+                     for name, point in points.items()}
+        record['pose'] = {
+            'status': STATUS_NAMES[pose.status], 'motion': joints | {ANGLE: motion[ANGLE]},
+            'loads': pose.loads and pose.loads._asdict(),
+            'points': {name: {field: list(getattr(point, field))
+                              for field in ('place', 'velocity', 'acceleration')}
+                       for name, point in of_points.items()}}
     return record
 
 
 def properties_of(linkage: Mechanism) -> LinkageRecord:
     """Return a linkage's own properties; an unknown value is NaN, ``bodies`` None if massless."""
+    ends = {end for bounds in linkage.closing_ranges for end in bounds}
+    toggles = [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
+                                              for end in bounds if end in ends]
     return {
         'lengths': dict(zip(linkage.length_names, linkage.lengths)),
         'class': linkage.description, 'mode': linkage.mode,
@@ -46,7 +55,8 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
         'outputs': [_output(linkage, coordinate) for coordinate, _ in linkage.outputs],
         'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
-        'toggles': toggles_of(linkage), 'transmission_angles': transmission_angles(linkage),
+        'toggles': toggles,         # where the links of a dyad come in line
+        'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
         'bodies': linkage.bodies and {name: asdict(body)
                                       for name, body in linkage.bodies._asdict().items()},
@@ -64,13 +74,12 @@ def counted(linkage: Mechanism, theta1: float) -> float:
         max(low - angle, angle - high) for low, high in linkage.input_ranges))
 
 
-def _with_ranges(coordinate: Coordinate, ranges: Intervals) -> LinkageRecord:
+def _with_ranges(coordinate: parts.Coordinate, ranges: Intervals) -> LinkageRecord:
     return {'name': coordinate.position, 'unit': coordinate.unit,
             'ranges': [list(map(float, bounds)) for bounds in ranges]}
 
 
-def _output(linkage: Mechanism, coordinate: Coordinate) -> LinkageRecord:
-    """Return the record of an output, with the time ratio of its strokes, NaN without."""
+def _output(linkage: Mechanism, coordinate: parts.Coordinate) -> LinkageRecord:
     every = output_ranges(linkage, coordinate)
     ratio = every[0].time_ratio(linkage.period) if linkage.turns_fully else nan
     return _with_ranges(coordinate, sorted([(swept.low, swept.high) for swept in every])) | {
@@ -88,20 +97,14 @@ def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
     return record
 
 
-def toggles_of(linkage: Mechanism) -> list[float]:
-    """Return the ends of the input [rad or m] at which the links of a dyad come in line."""
-    ends = {end for bounds in linkage.closing_ranges for end in bounds}
-    return [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
-                                           for end in bounds if end in ends]
-
-
 def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     """
     Return the extrema of the transmission angle; of a machine, of those of all of its dyads.
 
     The worst is farther from 90 degrees.
     """
-    names = [name for name in positions(linkage, linkage.input) if name.startswith(ANGLE)]
+    names = [name for name in quantities.positions(linkage, linkage.input)
+             if name.startswith(ANGLE)]
     asked = [name for name in names if name != ANGLE] or names
     every = find_extrema(linkage, asked, conditions=False)
     record = {}
@@ -137,7 +140,7 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
     ``work`` [J], ``mean_power`` [W] and efficiency of a cycle are NaN where the input does not
     turn fully; without loads there is the advantage alone.
     """
-    names = [name for name, quantity in of_drive(linkage, linkage.input).items()
+    names = [name for name, quantity in quantities.of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
              and (linkage.has_loads or not quantity.is_load)]
     record: LinkageRecord = {}
@@ -158,17 +161,3 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
                            'efficiency': nan if within else
                            efficiency(linkage, speed, acceleration)}
     return record
-
-
-def _pose(linkage: Mechanism, pose: DrawnPose, points: Points) -> LinkageRecord:
-    """Return the record of one pose: status, motion of the joints, loads, motion of points."""
-    motion = pose.motion._asdict()
-    joints = {field: motion.get(field, nan) for coordinate in linkage.PARTS
-              for field in (coordinate.position, coordinate.rate, coordinate.acceleration)}
-    motions = {name: point_motion(linkage, pose.motion, *point) for name, point in points.items()}
-    return {'status': STATUS_NAMES[pose.status],
-            'motion': joints | {ANGLE: motion[ANGLE]},
-            'loads': pose.loads and pose.loads._asdict(),
-            'points': {name: {'place': list(point.place), 'velocity': list(point.velocity),
-                              'acceleration': list(point.acceleration)}
-                       for name, point in motions.items()}}

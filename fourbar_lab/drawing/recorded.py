@@ -28,7 +28,29 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
     more than a turn is taken modulo 2 pi. ``progress`` is called with the number of bytes read.
     """
     bag = Bag(path, progress)
-    curves = _read(bag, dict.fromkeys([*names, *([x] if x else [])]))
+    topics = {name: _topic(name.partition('.')[0], bag) for name in (*names, *([x] if x else []))}
+    pieces: dict[str, list[tuple[Array, Array]]] = {name: [] for name in topics}
+    fields: set[str] = set()
+    for columns in bag.columns(sorted(set(topics.values()))):
+        table, stamps = table_of(columns), columns.stamps
+        short = columns.topic.rsplit('/', 1)[-1]
+        fields |= {f'{short}.{field}' for field, values in table.items()
+                   if values.dtype.kind in 'iufb'}
+        for name in (name for name in topics if topics[name] == columns.topic):
+            values = table.get(name.partition('.')[2])
+            if values is not None and values.dtype.kind in 'iufb':
+                # those that nobody stamped are where they were recorded
+                pieces[name].append((columns.times if stamps is None else
+                                     np.where(stamps == 0, columns.times, stamps), values))
+    bag.refuse_damage()
+    curves: dict[str, RecordedCurve] = {}
+    for name, of_name in pieces.items():
+        if not of_name:
+            raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
+        stamps, values = map(np.concatenate, zip(*of_name))
+        order = np.argsort(stamps, kind='stable')
+        curves[name] = (stamps[order], values[order],
+                        unit_of(name, units_in(bag, topics[name])))
     start = min(stamps[0] for stamps, _, _ in curves.values())
     label = 'time since the first message [s]' if x is None else f'{x} [{curves[x][2]}]'
     panels: dict[str, list[tuple[str, Array, Array]]] = {}
@@ -47,34 +69,6 @@ def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Prog
 
 
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit
-
-
-def _read(bag: Bag, names: Sequence[str] | dict[str, None]) -> dict[str, RecordedCurve]:
-    """Return the Curve of each TOPIC.FIELD; raises BagError for one that is not there."""
-    topics = {name: _topic(name.partition('.')[0], bag) for name in names}
-    parts: dict[str, list[tuple[Array, Array]]] = {name: [] for name in names}
-    fields: set[str] = set()
-    for columns in bag.columns(sorted(set(topics.values()))):
-        table, stamps = table_of(columns), columns.stamps
-        short = columns.topic.rsplit('/', 1)[-1]
-        fields |= {f'{short}.{field}' for field, values in table.items()
-                   if values.dtype.kind in 'iufb'}
-        for name in (name for name in names if topics[name] == columns.topic):
-            values = table.get(name.partition('.')[2])
-            if values is not None and values.dtype.kind in 'iufb':
-                # those that nobody stamped are where they were recorded
-                parts[name].append((columns.times if stamps is None else
-                                    np.where(stamps == 0, columns.times, stamps), values))
-    bag.refuse_damage()
-    curves = {}
-    for name, pieces in parts.items():
-        if not pieces:
-            raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
-        stamps, values = map(np.concatenate, zip(*pieces))
-        order = np.argsort(stamps, kind='stable')
-        curves[name] = (stamps[order], values[order],
-                        unit_of(name, units_in(bag, topics[name])))
-    return curves
 
 
 def _topic(name: str, bag: Bag) -> str:

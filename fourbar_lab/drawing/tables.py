@@ -8,10 +8,10 @@ from math import degrees, isfinite, pi, tau
 
 from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
 from fourbar_lab.drawing.record import ANGLE, counted, Intervals, LinkageRecord, properties_of
+from fourbar_ros import Base, Mechanism
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.proof import INTERVALS
-from fourbar_ros.mechanics.bodies import Base, field_of
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanics.bodies import field_of
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.terminal import make_table
 from rich.table import Table

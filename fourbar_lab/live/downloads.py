@@ -101,7 +101,7 @@ td{{padding:0 .8em 0 0;font-variant-numeric:tabular-nums}}</style>
 <p><button id="play">play or pause</button> <input id="at" type="range" min="0"
 max="{len(frames) - 1}" value="0" aria-label="input" style="width:30rem"></p>
 <h2>Extrema</h2><table>{rows}</table>
-<p>{escape(shown.why_not_searched(page.names))}</p><h2>Scene</h2><pre>{escape(shown.scene.as_text)}</pre>
+<h2>Scene</h2><pre>{escape(shown.scene.as_text)}</pre>
 <script>const frames={json.dumps(frames)};let i=0,on=true;
 const at=document.getElementById('at'),show=()=>{{document.getElementById('mechanism').innerHTML=
 frames[i];at.value=i}};at.oninput=()=>{{on=false;i=+at.value;show()}};

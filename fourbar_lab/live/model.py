@@ -9,7 +9,7 @@ from functools import cached_property
 from math import degrees, remainder, tau
 
 from fourbar_lab.drawing.collineation import has_axis
-from fourbar_lab.drawing.curves import Curves, curves_of, extrema_of, is_searched
+from fourbar_lab.drawing.curves import Curves, curves_of, extrema_of
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_lab.drawing.poses import DrawnPose
@@ -100,12 +100,6 @@ class Shown:
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
         """Return the extrema of quantities by name, over the input."""
         return extrema_of(self.scene, self.linkage, names, self.rate, self.acceleration)
-
-    def why_not_searched(self, names: Sequence[str]) -> str:
-        """Return which of these quantities have no extrema here, and why; empty: all have."""
-        left_out = [name for name in names if not is_searched(self.linkage, self.quantities[name])]
-        return (f'no extrema of {", ".join(left_out)}: {self.linkage.why_no_loads}' if left_out
-                else '')
 
     def pose(self, position: float) -> DrawnPose:
         """Return the status, motion and loads at an input; loads None without masses."""

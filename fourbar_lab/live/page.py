@@ -177,7 +177,6 @@ class Page:
                 self.extrema.add_slot('body-cell-at', GO_THERE)
                 self.extrema.on('go', lambda event: self.go(event.args))
                 self.extrema.on('rowClick', lambda event: self.go(event.args[1]['input']))
-                self.no_extrema = ui.label()
             with _panel('Facts'):
                 columns = [tables.column('name'), tables.column('text')]
                 self.facts = _table(columns, 'name', 'wrap-cells hide-header').classes('fb-words')
@@ -208,7 +207,6 @@ class Page:
                 show(element, **BLANK)
             self.set_curves({})
             self.extrema.rows, self.facts.rows = [], []
-            self.no_extrema.set_text('')
             return
         self.shown, self.refusal = shown, ''
         self.names = [name for name in self.names if name in shown.quantities]
@@ -362,7 +360,6 @@ class Page:
             self.curves.style(f'height:{charts.height(len(self.names))}px')
         elif name == 'Extrema':
             self.extrema.rows = tables.extrema_rows(shown, shown.extrema(self.names))
-            self.no_extrema.set_text(shown.why_not_searched(self.names))
         elif name == 'Facts':
             rows = [*facts(shown.linkage), *tables.joint_rows(shown)]
             self.facts.rows = [{'name': name, 'text': text} for name, text in rows]
