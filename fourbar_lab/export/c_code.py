@@ -21,57 +21,6 @@ STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    #
 OF_FRICTION = {7: 'locked'}      # and of mechanisms that have it
 
 
-class Formulas:
-    """Names of the values in a model's statements, and the statements of its parameters alone."""
-
-    def __init__(self, model: GeneratedModel, writer: Statements) -> None:
-        """Find the steps that depend on tunable parameters; a step is named by its index."""
-        trace = model.trace
-        self.writer = writer
-        self._model, self._steps = model, trace.steps
-        self.varies = trace.varies                       # steps that depend on the inputs
-        self._values = trace.constants(model.data)       # of all other steps, in this scene
-        first = trace.count                              # index of the first number of the data
-        data = {entry.slot: entry for entry in model.tunable}
-        # steps that depend on tunable parameters and not on the inputs
-        self._tuned = {first + i for i in data}
-        for index, step in enumerate(trace.steps):
-            if not (step.is_given or index in trace.varies) and self._tuned & set(step.arguments):
-                self._tuned.add(index)
-        # step of a tunable parameter -> its C expression
-        self._data = {first + i: f'from->{entry.field}' for i, entry in data.items()}
-        self.kept: dict[int, int] = {}       # steps of prepared values -> indices in k of C
-
-    def of_line(self, index: int) -> str:
-        """Return the C name of the result of a step in statements that vary with the inputs."""
-        if index in self.varies:
-            return f'{"x" if self._steps[index].operation == "input" else "v"}{index}'
-        if index not in self._tuned:
-            return self._literal(index)
-        return f'k[{self.kept.setdefault(index, len(self.kept))}]'
-
-    def preparation(self) -> list[str]:
-        """Return the statements of parameters alone, once all other statements are written."""
-        statements = list[str]()
-        for index in self._model.trace.needed(self.kept):
-            if index in self._tuned and index not in self._data:
-                step = self._steps[index]
-                operands = [self._datum(i) for i in step.arguments]
-                statements += self.writer.define(f'd{index}', step, operands)
-        return statements + [f'made->k[{i}] = {self._datum(index)};'
-                             for index, i in self.kept.items()]
-
-    def _datum(self, index: int) -> str:
-        if index in self._tuned:
-            return self._data.get(index, f'd{index}')
-        return self._literal(index)
-
-    def _literal(self, index: int) -> str:
-        value = self._values[index]
-        assert value is not None, 'it depends on an input'
-        return literal(value)
-
-
 # The end of judged() in judge.c: loads are NaN, and the motion is not, where joints lock.
 OVERFLOWS = '  return is_finite(load) && is_infinite(condition) ? 3 : 2;'
 LOCKS = f'  if (load != load && is_finite(motion)) return {min(OF_FRICTION)};\n{OVERFLOWS}'
@@ -83,20 +32,48 @@ def statuses_of(mechanism: Mechanism) -> dict[int, str]:
 
 
 class Code:
-    """Header and source of a model."""
+    """Header and source of a model, whose values are named by the indices of their steps."""
 
     def __init__(self, model: GeneratedModel) -> None:
         """Write the formulas, once of motion alone (key False), once with loads (key True)."""
+        trace = model.trace
         self.model, self.name, self.writer = model, model.name, Statements()
-        self.formulas = Formulas(model, self.writer)
+        self.kept: dict[int, int] = {}       # steps of prepared values -> indices in k of C
+        # the C expression of each step that no input changes: a number of this scene, ...
+        self._texts = {index: literal(value) for index, value
+                       in enumerate(trace.constants(model.data)) if value is not None}
+        # ... or what depends on tunable parameters: a field, or a result of such fields
+        tuned = {trace.count + entry.slot: f'from->{entry.field}' for entry in model.tunable}
+        computed = set[int]()
+        for index, step in enumerate(trace.steps):
+            if not (step.is_given or index in trace.varies) and tuned.keys() & step.arguments:
+                computed.add(index)
+                tuned[index] = f'd{index}'
+        self._texts |= tuned
+        self._tuned = tuned.keys()
         self.lines = {with_loads: self.writer.lines(
-            model.trace, model.needed(with_loads), model.refusing(with_loads),
-            self.formulas.of_line) for with_loads in ((False, True) if model.loads else (False,))}
+            trace, model.needed(with_loads), model.refusing(with_loads), self._name_of)
+            for with_loads in ((False, True) if model.loads else (False,))}
         self.operations = {with_loads: sum(text.startswith('const') for text in lines)
                            for with_loads, lines in self.lines.items()}
-        self._statements = {with_loads: self._body(with_loads) for with_loads in self.lines}
-        self.preparation = self.formulas.preparation()
+        self._functions = [self._function(with_loads) for with_loads in self.lines]
+        self.preparation = list[str]()       # what all statements above need of parameters alone
+        for index in trace.needed(self.kept):
+            if index in computed:
+                step = trace.steps[index]
+                self.preparation += self.writer.define(f'd{index}', step,
+                                                       [self._texts[i] for i in step.arguments])
+        self.preparation += [f'made->k[{i}] = {self._texts[index]};'
+                             for index, i in self.kept.items()]
         self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
+
+    def _name_of(self, index: int) -> str:
+        """Return the C name of the result of a step in statements that vary with the inputs."""
+        if index in self.model.trace.varies:
+            return f'{"x" if index < self.model.trace.count else "v"}{index}'
+        if index not in self._tuned:
+            return self._texts[index]
+        return f'k[{self.kept.setdefault(index, len(self.kept))}]'
 
     # --- header ---------------------------------------------------------------------------------
 
@@ -117,7 +94,7 @@ class Code:
                                  for i, text in statuses_of(model.mechanism).items()),
             'RECORDS': '\n'.join(text for which, named, about in records
                                  for text in struct_of(f'{name}_{which}', named, about)),
-            'KEPT': max(1, len(self.formulas.kept)), 'MOTION_AT': self._signature(False),
+            'KEPT': max(1, len(self.kept)), 'MOTION_AT': self._signature(False),
             'OF_BOTH': loads if model.loads else '',
             'SET_MODE': modes if model.signs else '',
             'DRIVE': self.drive.declarations() if self.drive else '',
@@ -165,56 +142,30 @@ class Code:
         unused = ['(void)from;'] if not (model.tunable and self.preparation) else []
         bounds = [f'from->{entry.field} {bound} 0.0' for entry in model.tunable
                   if (bound := model.bound_of(entry.name))]
-        count = max(1, len(self.formulas.kept))
+        count = max(1, len(self.kept))
         preparation = [*unused, *(self.preparation or ['made->k[0] = 0.0;'])]
         if bounds:
             are_good = '\n        && '.join(bounds)
             preparation = ['int i;', *preparation, f'if (!({are_good}))\n    '
                            f'for (i = 0; i < {count}; ++i) made->k[i] = NAN;']
-        functions = [*self._set_mode(), *self._guards(), *self._functions(),
+        fields = {entry.slot: entry.field for entry in model.tunable}
+        signs = [f'to->{fields[index]} = mode == {literal(second)} ? '
+                 f'{literal(sign_of[second])} : {literal(sign_of[first])};'
+                 for index, sign_of in model.signs.items() for first, second, *_ in [sign_of]]
+        set_mode = filled(snippet('model.c', 'set_mode'), {'NAME': name, 'SIGNS': lines_of(signs)})
+        functions = [*([set_mode] if signs else []), *self._guards(), *self._functions,
                      *(self.drive.source() if self.drive else ()), self._self_check()]
+        used = sorted(self.writer.used)
+        runtime = [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
+                     if 'exact_sum' in used else []),
+                   *(snippet('functions.c', function) for function in used),
+                   *tables(self.writer.called, name)]
         # pragmas of model.c: gcc's vectorizer contracts a * b + c beside a * b - c all the same
         return filled(snippet('model.c', 'source'), {
             'ABOUT': '\n'.join(self._about()), 'NAME': name,
-            'RUNTIME': ''.join(f'{text}\n' for text in self._runtime()),
+            'RUNTIME': ''.join(f'{text}\n' for text in runtime),
             'DEFAULTS': lines_of(defaults or ['to->none = 0.0;']),
             'PREPARATION': lines_of(preparation), 'FUNCTIONS\n': '\n'.join(functions)})
-
-    def _set_mode(self) -> list[str]:
-        """
-        Return the C text of the function that sets the signs of an assembly mode.
-
-        Without signs that change with the mode: none.
-        """
-        fields = {entry.slot: entry.field for entry in self.model.tunable}
-        lines = []
-        for index, sign_of in self.model.signs.items():
-            first, second, *_ = sign_of
-            lines.append(f'to->{fields[index]} = mode == {literal(second)} ? '
-                         f'{literal(sign_of[second])} : {literal(sign_of[first])};')
-        words = {'NAME': self.name, 'SIGNS': lines_of(lines)}
-        return [filled(snippet('model.c', 'set_mode'), words)] if lines else []
-
-    def _runtime(self) -> list[str]:
-        used = sorted(self.writer.used)
-        return [*([f'enum {{ MOST_TERMS = {self.writer.most_terms} }};', '']
-                  if 'exact_sum' in used else []),
-                *[snippet('functions.c', name) for name in used],
-                *tables(self.writer.called, self.name)]
-
-    def _body(self, with_loads: bool) -> list[str]:
-        """
-        Return the statements that compute and store all results.
-
-        ``*closes`` gets the transmission angle: NaN out of range; ``*condition`` is infinite at a
-        flat position.
-        """
-        model, of = self.model, self.formulas.of_line
-        results = [*model.motion, *(model.loads if with_loads else ())]
-        return [*self.lines[with_loads],
-                *(f'values[{i}] = {of(entry.slot)};' for i, entry in enumerate(results)),
-                f'*closes = {of(model.transmission)};', f'*condition = {of(model.condition)};',
-                *(f'if ({of(index)} < 0.0) *closes = NAN;' for index in model.roots_left_out)]
 
     def _guards(self) -> list[str]:
         """Return the functions that judge inputs and results; the same for all models."""
@@ -222,12 +173,15 @@ class Code:
         low, high = mechanism.stroke or (-inf, inf)
         reach = [f'x >= {literal(low)} && x <= {literal(high)}'] if mechanism.stroke else []
         near = 2.0**-17 * mechanism.input_unit
-        reach += [f'!(fabs({self._apart(literal(flat))}) <= {literal(near)})'
+        # of x from a limit: of angles the short way round
+        distance = ('fabs(x - {})' if mechanism.is_driven_by_slide
+                    else 'fabs(remainder(x - {}, 6.283185307179586))')
+        reach += [f'!({distance.format(literal(flat))} <= {literal(near)})'
                   for flat in sorted(set(mechanism.flat_limits))]
         toggles = (mechanism.input_ranges if mechanism.stroke is None
                    else mechanism.closing_ranges)
         ends = sorted({end for bounds in toggles for end in bounds})
-        limits = [f'fabs({self._apart(literal(end))}) <= near' for end in ends]
+        limits = [f'{distance.format(literal(end))} <= near' for end in ends]
         summed = sum(entry.name in mechanism.MOTION._fields for entry in model.motion)
         depends = ', '.join(map(str, model.depends))
         return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
@@ -239,36 +193,36 @@ class Code:
                 f'  return {" || ".join(limits) or "0"};', '}', '',
                 snippet('judge.c').replace(OVERFLOWS, LOCKS if mechanism.friction else OVERFLOWS)]
 
-    def _apart(self, end: str) -> str:
-        """Return the distance of x from a limit, the short way round of angles."""
-        return (f'x - {end}' if self.model.mechanism.is_driven_by_slide else
-                f'remainder(x - {end}, 6.283185307179586)')
-
-    def _functions(self) -> list[str]:
+    def _function(self, with_loads: bool) -> str:
         """
-        Return the C text of NAME_motion_at and NAME_step, each around its formula.
+        Return the C text of NAME_step or NAME_motion_at around its formula, a static function.
 
-        The formula, a static function, is called for finite inputs alone. Without an answer the
-        inputs are copied and all other results are NaN.
+        It is called for finite inputs alone. Without an answer the inputs are copied and all
+        other results are NaN. ``*closes`` gets the transmission angle: NaN out of range;
+        ``*condition`` is infinite at a flat position.
         """
-        name, model, functions = self.name, self.model, list[str]()
+        model, of = self.model, self._name_of
+        loads = model.loads if with_loads else ()
+        results = *model.motion, *loads
+        statements = [
+            *self.lines[with_loads],
+            *(f'values[{i}] = {of(entry.slot)};' for i, entry in enumerate(results)),
+            f'*closes = {of(model.index_of("transmission_angle"))};',
+            f'*condition = {of(model.index_of("condition"))};',
+            *(f'if ({of(index)} < 0.0) *closes = NAN;' for index in model.roots_left_out)]
         x0, x1, x2 = (entry.field for entry in model.inputs)
         field_of = {entry.name: entry.field for entry in model.inputs}
         inputs = [f'  values[{i}] = input->{field_of[entry.name]};'
                   for i, entry in enumerate(model.motion) if entry.name in field_of]
-        for with_loads in self.lines:
-            which = 'step' if with_loads else 'motion'
-            loads = len(model.loads) if with_loads else 0
-            copy = ['memcpy(loads, values + MOTIONS, sizeof *loads);'] if loads else []
-            functions.append(filled(snippet('model.c', 'function'), {
-                'WHICH': which, 'SIGNATURE': self._signature(with_loads),
-                'RESULTS': len(model.motion) + loads, 'LOADS': loads, 'NAME': name,
-                'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
-                'OVERFLOWING': ('' if model.mechanism.is_driven_by_slide
-                                else f' * {model.mechanism.overflowing!r}'),
-                'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
-                'STATEMENTS': lines_of(self._statements[with_loads])}))
-        return functions
+        copy = ['memcpy(loads, values + MOTIONS, sizeof *loads);'] if loads else []
+        return filled(snippet('model.c', 'function'), {
+            'WHICH': 'step' if with_loads else 'motion', 'SIGNATURE': self._signature(with_loads),
+            'RESULTS': len(results), 'LOADS': len(loads), 'NAME': self.name,
+            'X0': x0, 'X1': x1, 'X2': x2, 'INVALID_INPUT': STATUS.index('invalid_input'),
+            'OVERFLOWING': ('' if model.mechanism.is_driven_by_slide
+                            else f' * {model.mechanism.overflowing!r}'),
+            'INPUTS': lines_of(inputs), 'COPY': lines_of(copy),
+            'STATEMENTS': lines_of(statements)})
 
     def _self_check(self) -> str:
         """

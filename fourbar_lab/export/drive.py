@@ -15,11 +15,7 @@ from typing import Any
 
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct_of
 from fourbar_lab.export.statements import filled, literal, snippet, Statements
-from fourbar_ros.dynamics import node_step, rosenbrock
-from fourbar_ros.dynamics.coordinate import MotionCoordinate
-from fourbar_ros.dynamics.equation import REACH
-from fourbar_ros.dynamics.rosenbrock import StepFormulas
-from fourbar_ros.dynamics.sources import Law
+from fourbar_ros.dynamics import equation, node_step, rosenbrock, sources
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.numerics.number_fields import quantities_of
 from fourbar_ros.numerics.number_types import Function
@@ -63,9 +59,9 @@ class DriveCode:
         self.takes_torque = scene.drive.source == TORQUE.name
         self._mover = scene.mover
         self._system, self._drive = self._mover.system, scene.dynamics.drive
-        self._source: Law = self._drive.source
+        self._source: sources.Law = self._drive.source
         # coordinate and mode of a phase of the motion -> its formulas; at the start: the first
-        self._phases: dict[MotionCoordinate, StepFormulas] = self._mover.formulas
+        self._phases = self._mover.formulas
         if self._mover.passes and not all(self._mover.taking_over.values()):
             raise NotGenerated(f'{model.name}: motion by torque of a change point with toggles')
         if scene.acting:
@@ -74,6 +70,7 @@ class DriveCode:
         self._argument, self._passed = ((', double torque', ', torque') if self.takes_torque
                                         else ('', ''))
         writer.used |= {'power'}
+        self._tables: list[PositionForce] = self._system.equation.tables
         self._functions = [
             *self._of_phases('place', lambda formulas: formulas.make_linearization,
                              rosenbrock.AT_STATE),
@@ -84,7 +81,7 @@ class DriveCode:
             self._functions += self._of_phases(
                 'places_of', lambda formulas: formulas.make_table_positions)
 
-    def _of_phases(self, name: str, make: Callable[[StepFormulas], Function],
+    def _of_phases(self, name: str, make: Callable[[rosenbrock.StepFormulas], Function],
                    count: int = 1) -> list[str]:
         """Return the C functions of all phases, and the function that calls that of a phase."""
         functions, cases = [], []
@@ -213,13 +210,10 @@ class DriveCode:
                  'OF_EULER': node_step.EULER}
         is_turned = self.modes and not self._system.mechanism.is_driven_by_slide
         return [*(f'enum {{ {name} = {value} }};' for name, value in flags.items()),
-                f'static const int IS_INPUT[] = '
-                f'{{{", ".join(str(int(phase.is_input)) for phase in self._phases)}}};',
+                _array('int IS_INPUT[]', (int(phase.is_input) for phase in self._phases)),
                 '/* The mode of each phase; the phase that takes over where it falls or grows. */',
-                f'static const double MODES[] = '
-                f'{{{_list(float(phase.mode) for phase in self._phases)}}};',
-                'static const int NEXT[][2] = '
-                f'{{{", ".join(f"{{{pair}}}" for pair in successors)}}};',
+                _array('double MODES[]', (float(phase.mode) for phase in self._phases)),
+                _array('int NEXT[][2]', (f'{{{pair}}}' for pair in successors)),
                 *_definitions({name: getattr(node_step, name) for name in (
                     'SMALLEST', 'DEEPEST', 'SHORTER', 'LATE', 'LEAST')}
                     | {'LOW': low, 'HIGH': high}), '',
@@ -228,25 +222,19 @@ class DriveCode:
                 '  return value;' if not is_turned else
                 f'  return {middle} + remainder(value - {middle}, {literal(tau)});', '}', '']
 
-    @property
-    def _tables(self) -> list[PositionForce]:
-        return self._system.equation.tables
-
     def _of_tables(self) -> list[str]:
         """Return the C text that ends steps where pieces of force tables end."""
         tables = self._tables
         if not tables:
             return [snippet('tables.c', 'no_tables')]
-        reaches = (REACH * phase.equation.coordinate.input_unit for phase in self._phases)
-        counts = ', '.join(str(len(force.value.ends)) for force in tables)
-        is_angle = ', '.join(str(int(isinstance(force.over, LinkAngle))) for force in tables)
-        return [*(f'static const double ENDS_{i}[] = {{{_list(force.value.ends)}}};'
+        reaches = (equation.REACH * phase.equation.coordinate.input_unit for phase in self._phases)
+        return [*(_array(f'double ENDS_{i}[]', force.value.ends)
                   for i, force in enumerate(tables)),
-                'static const double *const ENDS[] = '
-                f'{{{", ".join(f"ENDS_{i}" for i in range(len(tables)))}}};',
-                f'static const int COUNTS[] = {{{counts}}};',
-                f'static const int IS_ANGLE[] = {{{is_angle}}};',
-                f'static const double REACHES[] = {{{_list(reaches)}}};',
+                _array('double *const ENDS[]', (f'ENDS_{i}' for i in range(len(tables)))),
+                _array('int COUNTS[]', (len(force.value.ends) for force in tables)),
+                _array('int IS_ANGLE[]', (int(isinstance(force.over, LinkAngle))
+                                          for force in tables)),
+                _array('double REACHES[]', reaches),
                 *_definitions({'AT_PLACE': node_step.NEAREST,
                                'LEAST_PART': node_step.SHORTEST, 'WHOLE_TURN': tau}), '',
                 '/* A place within a table, turns and periods taken off. */',
@@ -271,7 +259,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
                   if force.middle is not None else [])
         functions += [
             f'static double called_{i}(double place)\n{{',
-            f'  static const double inner[] = {{{_list(inner or (0.0,))}}};',
+            '  ' + _array('double inner[]', inner or (0.0,)),
             '  static const double pieces[][5] = {',
             ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
             f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
@@ -297,3 +285,8 @@ def _definitions(constants: dict[str, float]) -> list[str]:
 
 def _list(values: Iterable[float]) -> str:
     return ', '.join(map(literal, values))
+
+
+def _array(name: str, values: Iterable[float | str]) -> str:
+    texts = (literal(value) if isinstance(value, float) else str(value) for value in values)
+    return f'static const {name} = {{{", ".join(texts)}}};'

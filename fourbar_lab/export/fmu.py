@@ -76,8 +76,16 @@ def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]
     inside = {'modelDescription.xml': as_text(description).encode(),
               f'sources/{model.name}.c': source.encode()}
     notes = []
+    machine = {'AMD64': 'x86_64'}.get(platform.machine(), platform.machine())
     try:
-        inside.update(_binary(model.name, source))
+        if sys.platform not in PLATFORMS or machine != 'x86_64':
+            raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine} on {sys.platform}')
+        folder_name, ending = PLATFORMS[sys.platform]
+        with TemporaryDirectory() as folder:
+            path, library = (Path(folder) / f'{model.name}.{suffix}' for suffix in ('c', ending))
+            path.write_text(source, encoding='utf-8')
+            build(path, library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
+            inside[f'binaries/{folder_name}/{library.name}'] = library.read_bytes()
     except NotGenerated as error:
         notes.append(f'{error}: the FMU has sources alone')
     path = directory / f'{model.name}.fmu'
@@ -160,19 +168,6 @@ def build(source: Path, library: Path, command: str = '',
     if done.returncode:
         raise NotGenerated(f'{source.name}: the C compiler refuses it: '
                            f'{(done.stderr.splitlines() or ["no message"])[0]}')
-
-
-def _binary(name: str, source: str) -> dict[str, bytes]:
-    """Return {path in the archive: bytes} of the library for this platform."""
-    machine = {'AMD64': 'x86_64'}.get(platform.machine(), platform.machine())
-    if sys.platform not in PLATFORMS or machine != 'x86_64':
-        raise NotGenerated(f'FMI 2.0 has no name for a binary of {machine} on {sys.platform}')
-    folder_name, ending = PLATFORMS[sys.platform]
-    with TemporaryDirectory() as folder:
-        path, library = Path(folder) / f'{name}.c', Path(folder) / f'{name}.{ending}'
-        path.write_text(source, encoding='utf-8')
-        build(path, library, flags=[*FLAGS.split(), '-fvisibility=hidden', '-s'])
-        return {f'binaries/{folder_name}/{library.name}': library.read_bytes()}
 
 
 # --- descriptions --------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from fourbar_ros.description.model import inertia_of, ModelLink, NoDescription, RobotModel
+from fourbar_ros.description.model import inertia_of, NoDescription, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 from fourbar_ros.scene.base import rotation_of
@@ -42,7 +42,17 @@ def mjcf(model: RobotModel) -> str:
         geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
     for index, link in enumerate(model.links):
-        bodies[link.frame] = _body(bodies[link.parent], link, index, model.size)
+        x, y, angle = link.joint.at_zero
+        body = bodies[link.frame] = add(bodies[link.parent], 'body', name=link.frame,
+                                        pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
+        joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
+                    'hinge', axis=link.joint.axis)
+        if link.joint.limits and link.joint.is_driven:      # the loops limit the others
+            joint.set('range', ' '.join(map(repr, link.joint.limits)))
+        if link.body:
+            mass, centre, moments = inertia_of(link.body, model.size)
+            add(body, 'inertial', pos=centre, mass=mass, diaginertia=moments)
+        _geoms(body, link.shapes, index)
     for name, (frame, x, y) in model.points.items():
         add(bodies[frame], 'site', name=name, pos=(x, y, 0.0), size=0.005 * model.size)
     # each cut joint: two sites that coincide where the loop is closed
@@ -69,26 +79,6 @@ def _base(world: Element, model: RobotModel) -> Element:
               else add(world, 'body', name=model.frame.parent))
     return add(parent, 'body', name=model.root, pos=tuple(model.frame.xyz),
                euler=tuple(model.frame.rpy))
-
-
-def _body(parent: Element, link: ModelLink, index: int, size: float) -> Element:
-    """
-    Add a link with joint, mass and shapes to the body that carries it; return its element.
-
-    The index of the link sets its colour; ``size`` of the mechanism [m] sets the least
-    inertia. Only the driven joint has limits: the loops limit the others.
-    """
-    x, y, angle = link.joint.at_zero
-    body = add(parent, 'body', name=link.frame, pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
-    joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
-                'hinge', axis=link.joint.axis)
-    if link.joint.limits and link.joint.is_driven:
-        joint.set('range', ' '.join(map(repr, link.joint.limits)))
-    if link.body:
-        mass, centre, moments = inertia_of(link.body, size)
-        add(body, 'inertial', pos=centre, mass=mass, diaginertia=moments)
-    _geoms(body, link.shapes, index)
-    return body
 
 
 def _geoms(body: Element, shapes: Sequence[Shape], index: int) -> list[Element]:

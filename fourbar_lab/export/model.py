@@ -10,13 +10,12 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_lab.export.statements import JUDGED
-from fourbar_ros.errors import FourBarError, InvalidParameter, one_of
-from fourbar_ros.mechanics.bodies import Base
+from fourbar_ros import Base, FourBarError, InvalidParameter, Mechanism
+from fourbar_ros.errors import one_of
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.points import make_point, with_any_lengths
+from fourbar_ros.mechanisms.points import make_point, point_motion, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
-from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, REAL
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.elements import element_names
 from fourbar_ros.scene.parameters import of_name
@@ -95,8 +94,10 @@ class GeneratedModel:
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
         whole, _, end_of_loads = self._recorded
-        if self._has_fixed_lengths and not whole.is_switched(self.data):
-            whole = whole.unswitched
+        lengths = range(len(self.mechanism.numbers_of_lengths))
+        if not self._can_change_all and self._asked.isdisjoint(lengths) and not (
+                whole.is_switched(self.data)):
+            whole = whole.unswitched        # no length can change, to make or leave a change point
         if not self.mechanism.LEAVES_OUT_ZEROS:
             return whole
         # the node keeps the zero coordinates of points, which follow those of the mechanism
@@ -111,7 +112,6 @@ class GeneratedModel:
         mechanism, ends = self.mechanism, list[int]()
 
         def make_formula(n: NumberType, data: Any) -> Function:
-            """Return the formula (position, rate, acceleration) -> (motion, loads, points)."""
             constants, coordinates = data
             parametric = with_any_lengths(mechanism, constants.lengths)
             points = [make_point(n, parametric, point.link, *along_across) for point, along_across
@@ -180,12 +180,6 @@ class GeneratedModel:
     def _can_change_all(self) -> bool:
         return (self.parameters is None
                 and not (self.mechanism.flat_limits or self.moves_by_torque))
-
-    @property
-    def _has_fixed_lengths(self) -> bool:
-        """Return whether no length can be changed, which would make or leave a change point."""
-        lengths = range(len(self.mechanism.numbers_of_lengths))
-        return not self._can_change_all and self._asked.isdisjoint(lengths)
 
     @cached_property
     def names(self) -> list[tuple[str, str]]:
@@ -333,16 +327,15 @@ class GeneratedModel:
         motion, loads = mechanism.motion_and_loads(x, rate, acceleration)
         results = {**motion._asdict(), **(loads._asdict() if loads else {})}
         for name, point in points.items():
-            values = make_point(REAL, mechanism, *point)(motion)
-            results.update((f'{name}.{field}', value)
-                           for field, value in zip(PointMotion._fields, values))
+            moved = point_motion(mechanism, motion, *point)
+            results |= {f'{name}.{field}': value for field, value in moved._asdict().items()}
         return (x, rate, acceleration), results
 
     def needed(self, with_loads: bool) -> list[int]:
         """Return the indices of the steps that the wanted results and the status need."""
         steps = self.trace.steps
-        wanted = [self.transmission, self.condition, *(entry.slot for entry in (
-            *self.motion, *(self.loads if with_loads else ())))]
+        wanted = [self.index_of('transmission_angle'), self.index_of('condition'),
+                  *(entry.slot for entry in (*self.motion, *(self.loads if with_loads else ())))]
         for index in self.refusing(with_loads):
             wanted.append(steps[index].arguments[-1] if steps[index].operation in JUDGED
                           else index)
@@ -359,23 +352,14 @@ class GeneratedModel:
     @property
     def roots_left_out(self) -> list[int]:
         """Return the arguments of roots that zeros take out of the transmission angle."""
-        whole, trace = self._recorded[0], self.trace
-        angle = _indices_of(whole)[0][self.mechanism.MOTION._fields.index('transmission_angle')]
-        lost = set(whole.needed([angle])) - set(trace.needed([self.transmission]))
+        whole, trace, name = self._recorded[0], self.trace, 'transmission_angle'
+        angle = _indices_of(whole)[0][self.mechanism.MOTION._fields.index(name)]
+        lost = set(whole.needed([angle])) - set(trace.needed([self.index_of(name)]))
         return [trace.steps[i].arguments[0] for i in sorted(lost)
                 if trace.steps[i].operation == 'sqrt' and i in trace.varies]
 
-    @property
-    def transmission(self) -> int:
-        """Return the index of the transmission angle, which is a number where the links close."""
-        return self._of_motion('transmission_angle')
-
-    @property
-    def condition(self) -> int:
-        """Return the index of the condition, which is infinite at a flat position."""
-        return self._of_motion('condition')
-
-    def _of_motion(self, name: str) -> int:
+    def index_of(self, name: str) -> int:
+        """Return the index of the step that gives a field of the mechanism's motion."""
         names: Sequence[str] = self.mechanism.MOTION._fields
         return _indices_of(self.trace)[0][names.index(name)]
 

@@ -24,16 +24,11 @@ _SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
 
 
 @cache
-def _texts(file: str) -> dict[str, str]:
-    """Return {name: text} of a C file of this package; the text above all names has none."""
-    text = (files(__package__) / 'c' / file).read_text(encoding='utf-8')
-    first, *named = re.split(r'(?m)^// --- (\w+)\n', text)
-    return {'': first, **dict(zip(named[::2], named[1::2]))}
-
-
 def snippet(file: str, name: str = '') -> str:
     """Return a named text of a C file of this package, or the text above all names."""
-    return _texts(file)[name]
+    text = (files(__package__) / 'c' / file).read_text(encoding='utf-8')
+    first, *named = re.split(r'(?m)^// --- (\w+)\n', text)
+    return {'': first, **dict(zip(named[::2], named[1::2]))}[name]
 
 
 def filled(text: str, words: Mapping[str, object]) -> str:
@@ -124,20 +119,14 @@ class Statements:
         It returns whether it refuses its inputs, as Python's floats do: a root of a negative
         number, the sine of an infinite one, a division by zero.
         """
-        values, steps = trace.constants([]), trace.steps
-
-        def name_of(index: int) -> str:
-            if index not in trace.varies:
-                value = values[index]
-                assert value is not None
-                return literal(value)
-            return f'x[{index}]' if steps[index].is_given else f'v{index}'
-
-        results = flat(trace.results)
+        steps, results = trace.steps, flat(trace.results)
+        names = {index: literal(value) for index, value in enumerate(trace.constants([]))
+                 if value is not None}
+        names |= {i: f'x[{i}]' if steps[i].is_given else f'v{i}' for i in trace.varies}
         refusing = [index for index in trace.varies if steps[index].operation in JUDGED]
         needed = trace.needed([*results, *(steps[i].arguments[-1] for i in refusing)])
-        lines = self.lines(trace, needed, refusing, name_of, ALL_JUDGED)
-        lines += [f'to[{i}] = {name_of(index)};' for i, index in enumerate(results)]
+        lines = self.lines(trace, needed, refusing, names.__getitem__, ALL_JUDGED)
+        lines += [f'to[{i}] = {names[index]};' for i, index in enumerate(results)]
         unused = [] if any('x[' in line for line in lines) else ['(void)x;']
         return '\n'.join([f'static int {name}(const double *x, double *to)\n{{',
                           '  int refused = 0;', *(f'  {line}' for line in (*unused, *lines)),
