@@ -35,9 +35,8 @@ def finite(name: str, value: Any, allowed: str = 'must be a finite number', leas
     is_masked: Any = np.ma.is_masked       # numpy gives it no types
     if isinstance(value, np.ndarray) and value.shape == () and not is_masked(value):
         value = value.item()
-    if not isinstance(value, Real) or isinstance(value, bool):
-        kind = 'None' if value is None else f'of type {type(value).__name__}'
-        raise InvalidParameter(name, value, f'{allowed}, not {kind}')
+    if not _is_number(value):
+        raise InvalidParameter(name, value, f'{allowed}, not {_kind_of(value)}')
     try:
         result = float(value)
     except OverflowError:
@@ -73,22 +72,22 @@ def array(name: str, value: Any, with_complex: bool = False) -> Array:
     if values.dtype.kind == 'c' and with_complex:
         return values.astype(np.complex128, copy=False)
     if values.dtype.kind not in 'iuf' and values.size:
-        wrong = (f'of type {values.dtype}' if values.dtype.kind != 'O'
-                 else _first_that_is_no_number(values))
+        wrong = ([f'of type {values.dtype}'] if values.dtype.kind != 'O' else
+                 [_kind_of(item) for item in values.flat if not _is_number(item)])
         if wrong:
-            raise InvalidParameter(name, value, f'must be real numbers, not {wrong}')
+            raise InvalidParameter(name, value, f'must be real numbers, not {wrong[0]}')
     try:
         return values.astype(np.float64, copy=False)
     except OverflowError:
         raise InvalidParameter(name, value, 'must be numbers that a float can hold') from None
 
 
-def _first_that_is_no_number(values: Array) -> str:
-    """Return 'of type ...' of the first object that is no number, for an error; '' for none."""
-    for item in values.flat:
-        if not isinstance(item, Real) or isinstance(item, bool):
-            return 'None' if item is None else f'of type {type(item).__name__}'
-    return ''
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _kind_of(value: Any) -> str:
+    return 'None' if value is None else f'of type {type(value).__name__}'
 
 
 def records(name: str, value: Any, kind: type, whole: Any) -> Any:

@@ -43,12 +43,10 @@ def taylor_pairs() -> dict[str, Function]:
 
     nan = arb.nan()
 
-    def first(v: Any) -> Any:
-        """Return the value: the first coefficient of a series."""
+    def first(v: Any) -> Any:           # the value
         return v[0] if isinstance(v, arb_series) else v
 
     def of_one(function: Function) -> Function:
-        """Return a function of a pair, from that of its numbers."""
         return lambda a: (function(a[0]), function(a[1]))
 
     def of_two(function: Function) -> Function:
@@ -73,7 +71,6 @@ def taylor_pairs() -> dict[str, Function]:
         return first(a[0]).mid() > first(b[0]).mid(), bool(low > high or low <= high)
 
     def size(v: Any) -> Any:
-        """Return v or -v, by its sign in the middle."""
         return v if first(v[0]).mid() >= 0 else (-v[0], -v[1])
 
     def exact(terms: Any) -> Any:

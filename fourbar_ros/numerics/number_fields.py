@@ -35,22 +35,17 @@ class NumberField(NamedTuple):
         if self.instead is not MISSING and (value is None or isinstance(value, Real)) and (
                 value == self.instead):
             return value
-        result = finite(name, value, self._allowed, self.least, self.above)
+        allowed = 'must be a finite number'
+        if self.above == 0.0:
+            allowed = 'must be a positive number'
+        elif self.least > -inf:
+            allowed += f', {"zero" if self.least == 0.0 else f"{self.least:g}"} or more'
+        result = finite(name, value, allowed, self.least, self.above)
         if self.is_not_zero and result == 0.0:
             raise InvalidParameter(name, result, 'must not be zero')
         if self.is_whole and result != int(result):
             raise InvalidParameter(name, value, 'must be a whole number')
         return int(result) if self.is_whole else result
-
-    @property
-    def _allowed(self) -> str:
-        """Return the allowed values, in words, for the message of an error."""
-        if self.above == 0.0:
-            return 'must be a positive number'
-        if self.least > -inf:
-            least = 'zero' if self.least == 0.0 else f'{self.least:g}'
-            return f'must be a finite number, {least} or more'
-        return 'must be a finite number'
 
 
 def quantity(default: Any = MISSING, **properties: Any) -> Any:

@@ -189,7 +189,6 @@ def numbers_of(record: Any) -> list[float]:
     values: list[float] = []
 
     def collect(part: Any) -> None:
-        """Append the numbers of a part of the record."""
         kind: Any = type(part)
         names = _names_of(kind)
         if isinstance(part, tuple) or names:

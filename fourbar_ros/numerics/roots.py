@@ -147,7 +147,6 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
 
 
 def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
-    """Return the samples at both ends of some parts of some columns."""
     return samples[part, column], samples[part + 1, column]
 
 

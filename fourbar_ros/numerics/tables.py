@@ -12,15 +12,10 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
+from fourbar_ros.numerics import number_types
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.exact_sums import exact_sum_of_four
-from fourbar_ros.numerics.number_types import (
-    angle_of_complex,
-    Function,
-    hypot_of_complex,
-    power_of_two_of_arrays,
-    size_of_complex,
-)
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import OPERATIONS, Trace
 import numpy as np
 
@@ -50,10 +45,12 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
 # --- arrays: real ones, complex ones for derivatives by a complex step, columns of data ----------
 
 ARRAYS: Table = {
-    **OPERATIONS, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'atan2': angle_of_complex,
-    'hypot': hypot_of_complex, 'fabs': size_of_complex, 'where': np.where,
+    **OPERATIONS, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'where': np.where,
+    'atan2': number_types.angle_of_complex, 'hypot': number_types.hypot_of_complex,
+    'fabs': number_types.size_of_complex,
     'gt': lambda a, b: np.real(a) > np.real(b), 'lt': lambda a, b: np.real(a) < np.real(b),
-    'exact_sum': lambda *terms: exact_sum_of_four(terms), 'power_of_two': power_of_two_of_arrays}
+    'exact_sum': lambda *terms: exact_sum_of_four(terms),
+    'power_of_two': number_types.power_of_two_of_arrays}
 
 
 # --- derivatives and rounding errors -------------------------------------------------------------
@@ -97,15 +94,11 @@ def rounding_bound(trace: Trace, place: int, x: Array) -> Array:
     have its size as ``largest``. So a result that is smaller may be zero. The input counts as
     exact.
     """
-    order, steps, values = trace.needed([place]), trace.steps, dict[int, Any]()
+    order, steps = trace.needed([place]), trace.steps
+    values = [x if step.operation == 'input' else
+              np.float64(step.value) if step.operation == 'constant' else None for step in steps]
     with np.errstate(all='ignore'):
-        for i in order:
-            operation, arguments, value = steps[i]
-            if operation in ('input', 'constant'):
-                values[i] = x if operation == 'input' else np.float64(value)
-                continue
-            apply = value if operation == 'call' else ARRAYS[operation]
-            values[i] = apply(*[values[k] for k in arguments])
+        run(trace, [i for i in order if not steps[i].is_given], ARRAYS, values)
         by, bound = {place: np.ones_like(x)}, np.zeros_like(x)
         for i in reversed(order):
             change, (operation, arguments, function) = by.pop(i, None), steps[i]
@@ -120,6 +113,3 @@ def rounding_bound(trace: Trace, place: int, x: Array) -> Array:
                 slope = rule(values[i], *known) if callable(rule) else rule
                 by[k] = by.get(k, 0.0) + np.where(change == 0.0, 0.0, change * slope)
     return EPS * bound
-
-
-# --- balls, by python-flint (Arb) ----------------------------------------------------------------

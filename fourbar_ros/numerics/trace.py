@@ -25,23 +25,18 @@ import math
 import operator
 from typing import Any, NamedTuple, Union
 
-from fourbar_ros.numerics.number_types import (
-    choose,
-    converted,
-    exact_sum,
-    Function,
-    numbers_of,
-    NumberType,
-    power_of_two,
-)
+from fourbar_ros.numerics import number_types
+from fourbar_ros.numerics.number_types import converted, Function, numbers_of, NumberType
 
 OPERATIONS: dict[str, Function] = {
     'add': operator.add, 'sub': operator.sub, 'mul': operator.mul, 'truediv': operator.truediv,
     'neg': operator.neg, 'pow': operator.pow, 'gt': operator.gt, 'lt': operator.lt,
     'sin': math.sin, 'cos': math.cos, 'sqrt': math.sqrt, 'atan2': math.atan2, 'fabs': math.fabs,
-    'hypot': math.hypot, 'where': choose, 'exact_sum': lambda *terms: exact_sum(terms),
-    'power_of_two': power_of_two}
+    'hypot': math.hypot, 'where': number_types.choose,
+    'exact_sum': lambda *terms: number_types.exact_sum(terms),
+    'power_of_two': number_types.power_of_two}
 COMMUTES = ('add', 'mul')
+NEUTRAL = {'add': 0.0, 'sub': 0.0, 'mul': 1.0, 'truediv': 1.0}     # x + 0, x - 0, 1 x, x / 1
 # operations that raise for some floats: a root of a negative number, a division by zero
 REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
@@ -132,17 +127,15 @@ def _choice(condition: Any, if_true: Any, if_false: Any) -> Any:
     return condition.trace.add('where', condition, if_true, if_false)
 
 
-def _call(function: Function, x: Recordable) -> Any:
-    return x.trace.add('call', x, value=function) if isinstance(x, Number) else function(x)
-
-
 # The table that writes a trace while another one is run.
 RECORDING: dict[str, Function] = {**{name: _function(name) for name in OPERATIONS},
                                   'where': _choice}
-_exact_sum = RECORDING['exact_sum']
-RECORDED = NumberType(_function('sin'), _function('cos'), _function('sqrt'),
-                      _function('atan2'), _function('hypot'), _function('fabs'), _choice,
-                      lambda terms: _exact_sum(*terms), _function('power_of_two'), call=_call)
+RECORDED = NumberType(
+    **{name: RECORDING[name] for name in ('sin', 'cos', 'sqrt', 'atan2', 'hypot', 'fabs', 'where',
+                                          'power_of_two')},
+    exact_sum=lambda terms: RECORDING['exact_sum'](*terms),
+    call=lambda function, x: (x.trace.add('call', x, value=function) if isinstance(x, Number)
+                              else function(x)))
 
 
 class Trace:
@@ -185,9 +178,15 @@ class Trace:
         Nothing is written for factors and terms 0.0 and 1.0 that stand in the formula; what must
         be NaN where a number is not real adds the difference of that number and itself.
         """
-        known = _without(operation, values)
-        if known is not None:
-            return known
+        if len(values) == 2:
+            i = int(isinstance(values[0], Number))
+            literal = values[i]
+            if not isinstance(literal, Number) and literal in (0.0, 1.0):
+                index = _passed(operation, (0, 1), {i: literal})
+                if index is not None:
+                    return 0.0 if index == i else values[index]
+                if operation == 'sub' and i == 0 and literal == 0.0:
+                    operation, values = 'neg', values[1:]
         return Number(self, self._add(operation, tuple([self._index(v) for v in values]), value))
 
     def _add(self, operation: str, indices: tuple[int, ...], value: Any = None) -> int:
@@ -197,7 +196,8 @@ class Trace:
         Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y becomes
         -(x y). No bit changes.
         """
-        without = [self._without_minus(index) for index in indices]
+        without = [step.arguments[0] if (step := self.steps[index]).operation == 'neg' else None
+                   for index in indices]
         if operation == 'neg' and without[0] is not None:
             return without[0]
         if operation == 'add' and without[1] is not None:
@@ -212,11 +212,6 @@ class Trace:
                     positive = self._add(operation, (*indices[:i], index, *indices[i + 1:]))
                     return self._add('neg', (positive,))
         return self._append(Step(operation, indices, value))
-
-    def _without_minus(self, index: int) -> int | None:
-        """Return the index of x if -x is at this index, else None."""
-        step = self.steps[index]
-        return step.arguments[0] if step.operation == 'neg' else None
 
     def _index(self, value: Recordable) -> int:
         return (value.index if isinstance(value, Number)
@@ -233,7 +228,6 @@ class Trace:
         return index
 
     def _indices_of(self, results: Any) -> NestedIndices:
-        """Return the indices of results, nested as the formula returns them."""
         if isinstance(results, (tuple, list)):
             return tuple([self._indices_of(value) for value in results])
         return self._index(results)
@@ -369,7 +363,7 @@ class Trace:
             if end is not None and index >= end:
                 simple.steps[index] = step
                 continue
-            same_as = _passed(step, values)
+            same_as = _passed(step.operation, step.arguments, values)
             if step.operation == 'sub' and len({*step.arguments}) == 1 and not keeps_nan:
                 values[index], step = 0.0, Step('constant', (), 0.0)
                 same_as = simple._index_of.setdefault(_key(step), index)
@@ -398,30 +392,7 @@ def _key(step: Step) -> Hashable:
     return step.operation, tuple(arguments), step.value
 
 
-def _without(operation: str, values: Sequence[Recordable]) -> Recordable | None:
-    """
-    Return the result of a sum or product with a float 0.0 or 1.0; None: it must be computed.
-
-    While a trace is written, of floats that stand in the formula; :func:`_passed` does the same in
-    a finished trace, for numbers that turn out to be known.
-    """
-    if len(values) != 2 or isinstance(values[0], Number) and isinstance(values[1], Number):
-        return None
-    left, right = values
-    if operation in COMMUTES:
-        known, symbol = (right, left) if isinstance(left, Number) else (left, right)
-        if operation == 'mul' and known == 0.0:
-            return 0.0
-        return symbol if known == (1.0 if operation == 'mul' else 0.0) else None
-    if operation == 'sub' and left == 0.0 and isinstance(right, Number):
-        negative: Number = -right       # type: ignore[operator]  # as is set above
-        return negative
-    if isinstance(left, Number) and right == {'sub': 0.0, 'truediv': 1.0}.get(operation):
-        return left
-    return None
-
-
-def _passed(step: Step, values: Mapping[int, float]) -> int | None:
+def _passed(operation: str, arguments: Sequence[int], values: Mapping[int, float]) -> int | None:
     """
     Return the index of the argument that is the result of an operation which does nothing.
 
@@ -429,21 +400,22 @@ def _passed(step: Step, values: Mapping[int, float]) -> int | None:
     and a choice is what its known condition takes, or what it gives either way. None if it is
     none of these, and where all is known: then it is computed.
     """
-    operation, arguments = step.operation, step.arguments
-    known = [values.get(i) for i in arguments]
-    if operation == 'where' and arguments[1] == arguments[2]:
-        return arguments[1]
-    if operation == 'where' and known[0] is not None:
-        return arguments[1] if known[0] else arguments[2]
-    if all(value is not None for value in known):
+    if operation == 'where':
+        condition, if_true, if_false = arguments
+        if if_true == if_false or values.get(condition):
+            return if_true
+        return if_false if condition in values else None
+    if operation not in NEUTRAL:
         return None
-    for value, argument, second in zip(known, arguments, reversed(arguments)):
-        if operation == 'mul' and value == 0.0:
-            return argument
-        if operation == 'mul' and value == 1.0 or operation == 'add' and value == 0.0:
-            return second
-    does_nothing = {'sub': 0.0, 'truediv': 1.0}.get(operation)
-    return arguments[0] if does_nothing is not None and known[1] == does_nothing else None
+    left, right = arguments
+    if (left in values) == (right in values):
+        return None
+    known, unknown = (left, right) if left in values else (right, left)
+    if operation == 'mul' and values[known] == 0.0:
+        return known
+    if known == left and operation not in COMMUTES:         # 0 - x, 1 / x
+        return None
+    return unknown if values[known] == NEUTRAL[operation] else None
 
 
 def _renamed(indices: NestedIndices, same: Sequence[int]) -> NestedIndices:

@@ -52,7 +52,7 @@ def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1
 
     """
     trace = Trace(lambda n, _: make_formula(n), count)
-    return _lines(trace.simplified(trace.literals()), name)(())
+    return lines_of(trace.simplified(trace.literals()), (), name)(())
 
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str
@@ -74,11 +74,6 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
     """
     if zeros:
         trace = trace.simplified({**trace.literals(), **dict.fromkeys(zeros, 0.0)})
-    return _lines(trace, name)
-
-
-def _lines(trace: Trace, name: str) -> Callable[[Sequence[float]], Function]:
-    """Return data -> compiled function of the inputs of a trace."""
     text, functions = _text_of(trace)
     make = compiled(text, name)
     return lambda data: make(*data, inf, nan, *[OPERATIONS[name] for name in _CALLED], *functions)
@@ -95,8 +90,13 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
     made, lines = list[str](), list[str]()
     texts = dict[int, tuple[str, int]]()          # of each index its expression, its depth
     functions = list[Function]()                  # that are no formulas, as a table of forces
-    needed = trace.needed(flat(trace.results), with_refusals=True)
-    uses, kept = _uses_of(trace, needed)
+    results = flat(trace.results)
+    needed = trace.needed(results, with_refusals=True)
+    uses, kept = Counter(results), set(results)     # how often; by what inputs change, or at last
+    for index in needed:
+        uses.update(trace.steps[index].arguments)
+        if index in trace.varies:
+            kept.update(trace.steps[index].arguments)
     for index in needed:
         operation, arguments, value = trace.steps[index]
         if trace.steps[index].is_given:
@@ -135,17 +135,6 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
     text = [f'def make({", ".join(names)}):', *made, f'    def line({", ".join(inputs)}):', *lines,
             f'        return {answer}', '    return line', '']
     return '\n'.join(text), functions
-
-
-def _uses_of(trace: Trace, needed: Sequence[int]) -> tuple[Counter[int], set[int]]:
-    """Return how often the result of each step is used, and which of data alone inputs meet."""
-    results = flat(trace.results)
-    uses, kept = Counter(results), set(results)
-    for index in needed:
-        uses.update(trace.steps[index].arguments)
-        if index in trace.varies:
-            kept.update(trace.steps[index].arguments)
-    return uses, kept
 
 
 @lru_cache(maxsize=KEPT)

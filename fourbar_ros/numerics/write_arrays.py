@@ -46,7 +46,11 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
     their own. ``constants``: by index, from :meth:`.Trace.constants`. ``zeros``: indices of what
     does not depend on the inputs and is zero.
     """
-    simple, indices = _without_zeros(trace, wanted, zeros)
+    simple = trace.simplified(dict.fromkeys(zeros, 0.0))
+    full, indices = ([flat(each.results)[i] for i in wanted] for each in (trace, simple))
+    # without what only adds zero, unless a result would then no longer be NaN where it should
+    if _carriers(simple, indices) != _carriers(trace, full):
+        simple, indices = trace, full
     steps = [index for index in simple.needed(indices)
              if index in trace.varies and index >= trace.count]
     # differences of equal numbers, which do not depend on the inputs any more
@@ -77,20 +81,6 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
                  *[row[part] for row in rows])
         return rows
     return run_on
-
-
-def _without_zeros(trace: Trace, wanted: Sequence[int],
-                   zeros: frozenset[int]) -> tuple[Trace, list[int]]:
-    """
-    Return the trace without what only adds zero, and the indices of the results ``wanted`` in it.
-
-    The whole trace if a result would then no longer be NaN where it should.
-    """
-    simple = trace.simplified(dict.fromkeys(zeros, 0.0))
-    full, indices = ([flat(each.results)[i] for i in wanted] for each in (trace, simple))
-    if _carriers(simple, indices) != _carriers(trace, full):
-        return trace, full
-    return simple, indices
 
 
 def array_statements(trace: Trace, results: Sequence[int],
