@@ -12,8 +12,7 @@ from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_lab.balancing import Balance, Loads, Places
-    from rich.table import Table
+    from fourbar_lab.balancing import Balance, Places
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -33,11 +32,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """
-    Add the verb: with --minimize ``_best`` does the work, else ``_full``.
-
-    Both check which options go together.
-    """
     verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
                     DESCRIPTION, EPILOG)
     add_scene(verb)
@@ -72,10 +66,10 @@ def _radius(text: str) -> tuple[str, float]:
 
 def _run(arguments: argparse.Namespace) -> None:
     """Balance a scene; print counterweights and loads, write the files that options name."""
-    from fourbar_lab.balancing import Loads, Places
+    from fourbar_lab.balancing import BalanceError, changes, full_force_balance, Loads, Places
     from fourbar_lab.balancing.result import draw_changes, scene_text
     from fourbar_ros.scene.scene import load
-    from fourbar_ros.terminal import make_console
+    from fourbar_ros.terminal import make_console, make_table
     scene = load(arguments.scene)
     loads = Loads(scene.linkage, scene.drive.speed)
     radii = {link: radius for link, radius in arguments.radius if link}
@@ -84,26 +78,34 @@ def _run(arguments: argparse.Namespace) -> None:
         for_all = next((radius for _, radius in arguments.radius), 0.5 * longest)
         radii = {link.name: for_all for link in scene.linkage.LINKS if link.turns}
     sites = Places(loads, radii)
-    balance, how = (_best if arguments.minimize else _full)(arguments, sites)
+    if arguments.minimize:
+        balance, how = _best(arguments, sites)
+    elif arguments.peak or arguments.front or arguments.mass is not None:
+        raise BalanceError('--mass, --peak and --front go with --minimize')
+    else:
+        balance = full_force_balance(sites)
+        how = f'full force balance, at least {balance.bound:.6g} kg are needed'
+    # a workshop's digits; those behind them are the solver's, and the scene file's
+    weights = [(weight.link, *(f'{value:.7g}' for value in weight[1:]))
+               for weight in balance.counterweights]
+    of_loads = [(change.name, change.unit,
+                 *('not certain' if isnan(value) else f'{value:.6g}'
+                   for value in (*change.rms, *change.peak)))
+                for change in changes(loads, balance.numbers)]
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
     if scene.linkage.elements:
         console.print('springs and forces over a position act as before, and are left out here')
-    for table in _tables(loads, balance):
-        console.print()
-        console.print(table)
+    console.print()
+    console.print(make_table('counterweights, from the first joint of their link',
+                             ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'), weights))
+    console.print()
+    console.print(make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
+                                                  'peak before>', 'after>'), of_loads))
     if arguments.out:
         arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:
         draw_changes(loads, balance.numbers, arguments.plot)
-
-
-def _full(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
-    from fourbar_lab.balancing import BalanceError, full_force_balance
-    if arguments.peak or arguments.front or arguments.mass is not None:
-        raise BalanceError('--mass, --peak and --front go with --minimize')
-    balance = full_force_balance(sites)
-    return balance, f'full force balance, at least {balance.bound:.6g} kg are needed'
 
 
 def _best(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
@@ -124,20 +126,3 @@ def _best(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
     how = f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}'
     return balance, (f'{how}: {balance.value:.9g} {unit}, and none below '
                      f'{balance.bound:.9g} is possible')
-
-
-def _tables(loads: Loads, balance: Balance) -> tuple[Table, Table]:
-    """Return the tables of the counterweights and of the loads before and after."""
-    from fourbar_lab.balancing import changes
-    from fourbar_ros.terminal import make_table
-    # a workshop's digits; those behind them are the solver's, and the scene file's
-    weights = [(weight.link, *(f'{value:.7g}' for value in weight[1:]))
-               for weight in balance.counterweights]
-    of_loads = [(change.name, change.unit,
-                 *('not certain' if isnan(value) else f'{value:.6g}'
-                   for value in (*change.rms, *change.peak)))
-                for change in changes(loads, balance.numbers)]
-    return (make_table('counterweights, from the first joint of their link',
-                       ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'), weights),
-            make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>', 'peak before>',
-                                            'after>'), of_loads))

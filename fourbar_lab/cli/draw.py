@@ -41,30 +41,24 @@ def add(verbs: Verbs) -> None:
 
 def _draw(arguments: Namespace) -> None:
     """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
-    from fourbar_lab.drawing.figure import save
-    from fourbar_lab.drawing.poses import position_of
+    from fourbar_lab.drawing import animation, axis, cycles, figure, poses, tables
     scene, linkage, speed = asked(arguments)
-    position = None if arguments.at is None else position_of(linkage, arguments.at)
+    position = None if arguments.at is None else poses.position_of(linkage, arguments.at)
     if arguments.animate:
-        from fourbar_lab.drawing.animation import animate
-        print(animate(linkage, speed, scene.points, arguments.out))
+        print(animation.animate(linkage, speed, scene.points, arguments.out))
     elif arguments.over == 'axis':
-        from fourbar_lab.drawing.axis import make_axis_figure
-        print(save(make_axis_figure(linkage, speed, position), arguments.out))
+        print(figure.save(axis.make_axis_figure(linkage, speed, position), arguments.out))
     elif arguments.over:
-        from fourbar_lab.drawing.cycles import make_forces_figure, make_paths_figure
-        print(save(make_paths_figure(linkage, scene.points) if arguments.over == 'paths' else
-                   make_forces_figure(scene, linkage, speed, arguments.acceleration),
-                   arguments.out))
+        drawn = (cycles.make_paths_figure(linkage, scene.points) if arguments.over == 'paths' else
+                 cycles.make_forces_figure(scene, linkage, speed, arguments.acceleration))
+        print(figure.save(drawn, arguments.out))
     elif position is None:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        from fourbar_lab.drawing.figure import make_figure
-        from fourbar_lab.drawing.poses import step_at
-        from fourbar_lab.drawing.tables import mode_name, rates_in_words
-        _, motion, loads = step_at(linkage, arguments.at, speed, arguments.acceleration)
+        _, motion, loads = poses.step_at(linkage, arguments.at, speed, arguments.acceleration)
         unit = 'm' if linkage.is_driven_by_slide else 'deg'
-        rates = rates_in_words(linkage, speed, arguments.acceleration, ', ')
+        rates = tables.rates_in_words(linkage, speed, arguments.acceleration, ', ')
         title = (f'{linkage.description}\n{linkage.input_coordinate.position} {arguments.at:.8g} '
-                 f'{unit}, {rates}, assembly mode {mode_name(linkage)}')
-        print(save(make_figure(linkage, motion, loads, title, scene.points), arguments.out))
+                 f'{unit}, {rates}, assembly mode {tables.mode_name(linkage)}')
+        print(figure.save(figure.make_figure(linkage, motion, loads, title, scene.points),
+                          arguments.out))

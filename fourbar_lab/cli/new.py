@@ -71,7 +71,8 @@ def add(verbs: Verbs) -> None:
     section = new.add_mutually_exclusive_group()
     section.add_argument('--bar', type=_bar, metavar='WIDTHxTHICKNESS',
                          help='flat bars of this section, e.g. 20x5mm')
-    section.add_argument('--rod', type=_rod, metavar='DIAMETER', help='round rods, e.g. 8mm')
+    section.add_argument('--rod', type=lambda text: f'radius: {0.5 * of("m")(text)!r}',
+                         metavar='DIAMETER', help='round rods, e.g. 8mm')
     new.add_argument('--material', type=_density, default='steel', metavar='MATERIAL',
                      help=f'{", ".join(MATERIALS)}, or a density [kg/m^3] (default steel)')
     new.set_defaults(run=_new)
@@ -84,10 +85,6 @@ def _bar(text: str) -> str:
         raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
     width, thickness = (of('m')(size + match[3]) for size in match.groups()[:2])
     return f'width: {width!r}, thickness: {thickness!r}'
-
-
-def _rod(text: str) -> str:
-    return f'radius: {0.5 * of("m")(text)!r}'
 
 
 def _density(text: str) -> float:

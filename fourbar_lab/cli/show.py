@@ -12,7 +12,6 @@ from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.scene.units import of, require
 
 if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.mechanisms.mechanism import Mechanism
     from rich.table import Table
 
 SECONDS = 5.0
@@ -55,19 +54,24 @@ def add(verbs: Verbs) -> None:
 
 def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
-    from fourbar_lab.drawing.curves import effort_of
-    from fourbar_lab.drawing.poses import evaluate_at, position_of
-    from fourbar_lab.drawing.record import drive_of, record_of
-    from fourbar_ros.extrema.find import find_extrema
+    from fourbar_lab.drawing import curves, poses, record, tables
+    from fourbar_ros import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.scene.files import find
     path, acceleration = find(arguments.scene), arguments.acceleration
     scene, linkage, speed = asked(arguments)
-    within = _within(linkage, arguments.low, arguments.high)
-    pose = (None if arguments.at is None else evaluate_at(
+    within: tuple[float, float] | None = None
+    if arguments.low is not None and arguments.high is not None:
+        require('--from', arguments.low, linkage.input_coordinate.unit)
+        require('--to', arguments.high, linkage.input_coordinate.unit)
+        within = (poses.position_of(linkage, arguments.low),
+                  poses.position_of(linkage, arguments.high))
+    elif arguments.low is not arguments.high:
+        raise InvalidParameter('--from, --to', None, 'one needs the other')
+    pose = (None if arguments.at is None else poses.evaluate_at(
         linkage, arguments.at, speed, acceleration))
     holding = None if arguments.hold is None else linkage.holding(
-        position_of(linkage, arguments.hold))
+        poses.position_of(linkage, arguments.hold))
     quantities = select((), linkage, scene.point_quantities)
     locked = linkage.locked_ranges(speed, acceleration, within)
     if locked:          # there are no loads in them
@@ -76,9 +80,9 @@ def _show(arguments: Namespace) -> None:
         extrema = find_extrema(
             linkage, quantities, speed, acceleration, arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)
-    effort = (effort_of(scene, linkage, speed, acceleration, within, extrema)
+    effort = (curves.effort_of(scene, linkage, speed, acceleration, within, extrema)
               if linkage.has_loads and not locked else None)
-    drive = drive_of(linkage, speed, acceleration, within) if not locked else {}
+    drive = record.drive_of(linkage, speed, acceleration, within) if not locked else {}
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
@@ -86,10 +90,8 @@ def _show(arguments: Namespace) -> None:
             **({'drive_effort': effort._asdict()} if effort else {}),
             **({'locked': locked} if linkage.friction else {}),
             **({'holding': holding} if holding else {}),
-            'drive': drive, **record_of(linkage, extrema, scene.points, pose)}))
+            'drive': drive, **record.record_of(linkage, extrema, scene.points, pose)}))
     else:
-        from fourbar_lab.drawing import tables
-        from fourbar_lab.drawing.poses import loads_table, motion_table, points_table
         from fourbar_ros.terminal import make_console
         rates = tables.rates_in_words(linkage, speed, acceleration)
         if within:
@@ -112,24 +114,11 @@ def _show(arguments: Namespace) -> None:
         if holding:
             blocks.append(tables.holding_in_words(linkage, arguments.hold, *holding))
         if pose:
-            blocks += [motion_table(linkage, pose),
-                       loads_table(linkage, pose.loads) if pose.loads else None,
-                       points_table(linkage, pose.motion, scene.points) if scene.points else None]
+            blocks += [poses.motion_table(linkage, pose),
+                       poses.loads_table(linkage, pose.loads) if pose.loads else None,
+                       poses.points_table(linkage, pose.motion, scene.points)
+                       if scene.points else None]
         for index, block in enumerate(filter(None, blocks)):
             if index and not isinstance(block, str):
                 console.print()             # between tables; lines of text follow their table
             console.print(block)
-
-
-def _within(linkage: Mechanism, low: float | None,
-            high: float | None) -> tuple[float, float] | None:
-    """Return --from and --to [rad or m], None if neither is given."""
-    from fourbar_lab.drawing.poses import position_of
-    if low is None or high is None:
-        if low is not high:
-            raise InvalidParameter('--from, --to', None, 'one needs the other')
-        return None
-    unit = linkage.input_coordinate.unit
-    require('--from', low, unit)
-    require('--to', high, unit)
-    return position_of(linkage, low), position_of(linkage, high)

@@ -10,15 +10,7 @@ import sys
 import time
 
 from fourbar_lab.cli import tolerances
-from fourbar_ros.cli.common import (
-    add_output,
-    add_verb,
-    BAD,
-    bar,
-    HelpFormatter,
-    Verbs,
-    write_or_print,
-)
+from fourbar_ros.cli import common
 from fourbar_ros.scene.arguments import positive_integer
 
 ACTIONS = ('run', 'show', 'pick', 'tolerances')
@@ -50,9 +42,9 @@ examples:
 """
 
 
-def add(verbs: Verbs) -> None:
-    verb = add_verb(verbs, 'study', 'compute many designs of a scene; show and pick the best',
-                    DESCRIPTION, EPILOG)
+def add(verbs: common.Verbs) -> None:
+    verb = common.add_verb(verbs, 'study', 'compute many designs of a scene; show and pick the '
+                                           'best', DESCRIPTION, EPILOG)
     parse = verb.parse_known_args
 
     def with_run_implied(args: Sequence[str], namespace: argparse.Namespace | None
@@ -66,7 +58,7 @@ def add(verbs: Verbs) -> None:
     actions = verb.add_subparsers(dest='action', required=True, metavar='ACTION')
     run = actions.add_parser('run', help='compute the designs of a study; "run" may be left out',
                              description=DESCRIPTION, epilog=EPILOG,
-                             formatter_class=HelpFormatter)
+                             formatter_class=common.HelpFormatter)
     run.add_argument('study', metavar='STUDY', help='study to run (YAML, see docs/studies.md)')
     run.add_argument('-o', '--out', metavar='DIR', required=True,
                      help='folder for the results; must not exist, or hold this study (--resume)')
@@ -89,8 +81,8 @@ def add(verbs: Verbs) -> None:
         parser.add_argument('study', metavar='DIR', help='folder of a study, also while it runs')
     pick.add_argument('which', metavar='WHICH', help='best, worst, or the number of a row')
     pick.add_argument('--by', metavar='OBJECTIVE', help='objective to rank by; default: the first')
-    add_output(pick, '-o', '--out', metavar='SCENE', suffix='.yaml',
-               help='file to write; default: print it')
+    common.add_output(pick, '-o', '--out', metavar='SCENE', suffix='.yaml',
+                      help='file to write; default: print it')
     show.set_defaults(run=_show)
     pick.set_defaults(run=_pick)
     tolerances.add(actions)
@@ -151,8 +143,7 @@ def _pick(arguments: argparse.Namespace) -> None:
         row = int(which)
     else:
         raise StudyError(f'{which}: must be best, worst or the number of a row')
-    text = results.scene_text(row)
-    write_or_print(text, arguments.out)
+    common.write_or_print(results.scene_text(row), arguments.out)
     if arguments.out:
         print(f'row {row}')
 
@@ -167,7 +158,7 @@ def _run(arguments: argparse.Namespace) -> int:
     pool = (partial(cluster, arguments.cluster) if arguments.cluster
             else partial(processes, arguments.workers))
     try:
-        with bar('designs', study.rows) as report:
+        with common.bar('designs', study.rows) as report:
             done = run(study, arguments.out, pool, resume=arguments.resume, report=report)
     except KeyboardInterrupt:
         print(f'interrupted: {KEPT}', file=sys.stderr)
@@ -181,4 +172,4 @@ def _run(arguments: argparse.Namespace) -> int:
     if FEASIBLE not in results.counts:
         print('fourbar: no design fulfils the constraints, so there is none to show: most fail '
               f'{next(iter(results.counts))}', file=sys.stderr)
-    return BAD if results.failures else 0
+    return common.BAD if results.failures else 0

@@ -9,16 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import (
-    add_csv,
-    add_output,
-    add_rates,
-    add_scene,
-    add_verb,
-    csv_style,
-    PICTURE_HELP,
-    Verbs,
-)
+from fourbar_ros.cli import common
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
 from fourbar_ros.scene.units import of, require
@@ -42,35 +33,37 @@ examples:
 """
 
 
-def add(verbs: Verbs) -> None:
-    table = add_verb(verbs, 'table', 'quantities over the input as CSV',
-                     'Write quantities over all of the input, a row for each sample. Angles are '
-                     'in degrees,\nall else is in SI, or in --units.', TABLE)
+def add(verbs: common.Verbs) -> None:
+    table = common.add_verb(
+        verbs, 'table', 'quantities over the input as CSV',
+        'Write quantities over all of the input, a row for each sample. Angles are in degrees,\n'
+        'all else is in SI, or in --units.', TABLE)
     _add_arguments(table, 'table to write: .csv, or - for standard output', '.csv', 'default all')
     table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
                             'mean square and peak of its torque, peak of its power')
-    add_csv(table, 'units of the columns that measure the same: mm,deg,rpm,N mm,kW; default: deg '
-                   'for angles, SI')
+    common.add_csv(table, 'units of the columns that measure the same: mm,deg,rpm,N mm,kW; '
+                          'default: deg for angles, SI')
     table.set_defaults(run=_table)
-    plot = add_verb(verbs, 'plot', 'quantities over the input as a picture',
-                    'Draw quantities over all of the input, one pair of axes for each unit.\n'
-                    'Requires matplotlib.', PLOT)
-    _add_arguments(plot, PICTURE_HELP, '.png', 'default: rates, accelerations and loads')
+    plot = common.add_verb(
+        verbs, 'plot', 'quantities over the input as a picture',
+        'Draw quantities over all of the input, one pair of axes for each unit.\n'
+        'Requires matplotlib.', PLOT)
+    _add_arguments(plot, common.PICTURE_HELP, '.png', 'default: rates, accelerations and loads')
     plot.set_defaults(run=_plot)
 
 
 def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) -> None:
     """Add the arguments of both verbs; ``default``: the text of no QUANTITY."""
-    add_scene(verb)
+    common.add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
                            f'middle.speed of a point; {default}')
-    add_rates(verb)
+    common.add_rates(verb)
     verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')
-    add_output(verb, '-o', '--out', metavar='FILE', required=True, suffix=suffix, help=out)
+    common.add_output(verb, '-o', '--out', metavar='FILE', required=True, suffix=suffix, help=out)
 
 
 def _table(arguments: Namespace) -> None:
@@ -88,7 +81,7 @@ def _table(arguments: Namespace) -> None:
     else:
         curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
                            arguments.samples, units)
-    write_table(curves, arguments.out, csv_style(arguments))
+    write_table(curves, arguments.out, common.csv_style(arguments))
     if arguments.out != STDOUT:
         print(arguments.out)
     _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
@@ -110,7 +103,6 @@ def _plot(arguments: Namespace) -> None:
 
 
 def _tell_weight(scene: Scene, names: Sequence[str]) -> None:
-    """Say on stderr that loads among the quantities lack the weight of the links."""
     from fourbar_lab.drawing.tables import NO_WEIGHT
     linkage = scene.linkage
     if not any(linkage.gravity) and any(name in linkage.LOADS._fields for name in names):

@@ -47,6 +47,15 @@ def _run(arguments: argparse.Namespace) -> None:
     box, units = box_of(study), {parameter.name: parameter.unit for parameter in study.vary}
     results, corners = tolerances(study)
     drawn, draws = _drawn(study)
+    bounds, derivatives = list[tuple[str, ...]](), list[tuple[str, ...]]()
+    for result in results:
+        measure, value, of_draws = (result.sensitivity.measure, result.sensitivity.value,
+                                    drawn[result.sensitivity.measure.name])
+        assert not isinstance(value, str)           # tolerances() leaves the class out
+        bounds.append((measure.name, measure.unit, *map(_text, (
+            value, value - result.first_order, value + result.first_order, result.corners.least,
+            result.corners.greatest, of_draws.least, of_draws.greatest, *of_draws.percentiles))))
+        derivatives += _derivative_rows(result, box, units)
     console = make_console()
     for title, heads, rows in (
             ('box', ('parameter', 'unit', 'middle>', '+->'),
@@ -56,10 +65,9 @@ def _run(arguments: argparse.Namespace) -> None:
              ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
                                               ('first order', 'of corners', 'drawn')
                                               for end in ('least', 'greatest')),
-              '5 %>', '50 %>', '95 %>'), [_bounds_row(result, drawn) for result in results]),
+              '5 %>', '50 %>', '95 %>'), bounds),
             ('derivatives, and what each tolerance contributes',
-             ('measure', 'parameter', 'derivative>', 'unit', '+->'),
-             [row for result in results for row in _derivative_rows(result, box, units)])):
+             ('measure', 'parameter', 'derivative>', 'unit', '+->'), derivatives)):
         console.print(make_table(title, heads, rows))
         console.print()
     for line in _left_out(results, corners, drawn, draws):
@@ -115,32 +123,21 @@ def _left_out(results: list[Toleranced], corners: dict[str, int], drawn: dict[st
             yield f'{measure.name} has no first order: {result.sensitivity.why_unknown}'
 
 
-def _bounds_row(result: Toleranced, drawn: dict[str, Summary]) -> tuple[str, ...]:
-    """Return a row: a measure in the middle, (least, greatest) by each way, drawn percentiles."""
-    measure, value = result.sensitivity.measure, result.sensitivity.value
-    of_drawn = drawn[measure.name]
-    assert not isinstance(value, str)           # tolerances() leaves the class out
-    values = (value, value - result.first_order, value + result.first_order, result.corners.least,
-              result.corners.greatest, of_drawn.least, of_drawn.greatest, *of_drawn.percentiles)
-    return (measure.name, measure.unit, *map(_text, values))
-
-
 def _derivative_rows(result: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
                      ) -> list[tuple[str, ...]]:
     """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
     measure, by = result.sensitivity.measure, result.sensitivity.by
     if not any(isfinite(value) for value in by.values()):
         return []
+    rows = list[tuple[str, ...]]()
     shares = {name: abs(by[name]) * size for name, (_, size) in box.items()}
-    return [(measure.name, name, _text(by[name]), _unit(measure.unit, units[name]),
-             _text(shares[name])) for name in sorted(
-                 shares, key=lambda name: (isnan(shares[name]), -shares[name]))]
-
-
-def _unit(of: str, by: str) -> str:
-    """Return the unit of a derivative: of N m by kg/m it is (N m)/(kg/m)."""
-    of, by = (f'({unit})' if set(unit) & set(' /') else unit or '1' for unit in (of, by))
-    return of if by == '1' else f'{of}/{by}'
+    for name in sorted(shares, key=lambda name: (isnan(shares[name]), -shares[name])):
+        # the derivative of N m by kg/m has the unit (N m)/(kg/m)
+        above, below = (f'({unit})' if set(unit) & set(' /') else unit or '1'
+                        for unit in (measure.unit, units[name]))
+        rows.append((measure.name, name, _text(by[name]),
+                     above if below == '1' else f'{above}/{below}', _text(shares[name])))
+    return rows
 
 
 def _text(value: float) -> str:

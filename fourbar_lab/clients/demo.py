@@ -140,14 +140,6 @@ def show_extrema(client: Driver, console: Console) -> None:
     console.print()
 
 
-def check_bag(path: str | Path, console: Console) -> bool:
-    """Recompute every output in a bag from its input; return whether it is without fault."""
-    recomputation = recompute(path)
-    console.print(f'bag recomputed: {recomputation.compared} outputs from their recorded input, '
-                  f'largest difference {recomputation.largest:g}', soft_wrap=True)
-    return not recomputation.problems()
-
-
 def run(path: str | Path, seconds: float, directory: str | Path, console: Console) -> bool:
     """
     Start a node with a scene, show its stream and its extrema, check its bag.
@@ -172,10 +164,12 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
         code = node.wait()
     console.print(f'the node was stopped by SIGTERM: exit code {code}')
     bag = Path(directory) / name
-    good = check_bag(bag, console)
+    recomputation = recompute(bag)
+    console.print(f'bag recomputed: {recomputation.compared} outputs from their recorded input, '
+                  f'largest difference {recomputation.largest:g}', soft_wrap=True)
     console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
                   soft_wrap=True)
-    return good and code == 0
+    return not recomputation.problems() and code == 0
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -14,9 +14,7 @@ from typing import Any, TYPE_CHECKING
 from fourbar_lab.drawing.figure import make_figure, make_panels, STYLE, Units, writing
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
-from fourbar_ros import __version__
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros import __version__, CROSSED, find_extrema, OPEN
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 

@@ -10,34 +10,20 @@ from __future__ import annotations
 from math import degrees, pi, tau
 from typing import Any
 
-from fourbar_lab.reproduction import published, slides
-from fourbar_lab.reproduction.documents import (
-    ANSWERED,
-    DEFINED,
-    equal,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    printed,
-    remark,
-    ROUNDED,
-    Row,
-    Section,
-    WRONG,
-    zero,
-)
+from fourbar_lab.reproduction import documents, published, slides
+from fourbar_lab.reproduction.documents import equal, printed, remark, Row, Section, WRONG, zero
 from fourbar_lab.reproduction.equations import equations_of_paper, half_angle
 from fourbar_lab.reproduction.published import PAPER_SPEED, THIN
-from fourbar_ros import plain
-from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
+from fourbar_ros import CROSSED, find_extrema, FourBar, OPEN, plain
+from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
 UNKNOWNS = ('f41_x', 'f41_y', 'f21_x', 'f21_y', 'f32_x', 'f32_y', 'f43_x', 'f43_y',
             'driving_torque')                   # of Eq. (9)
-LOST: dict[str, Any] = {'verdict': ROUNDED, 'why': 'digits lost in the search', 'within': 1e-9}
+LOST: dict[str, Any] = {'verdict': documents.ROUNDED, 'why': 'digits lost in the search',
+                        'within': 1e-9}
 WRONG_MOMENT = ('m v again, and an arm of 0.01 m; the moment on the ground about O1 needs O4 - O1 '
                 '= 1 m, the formula as it is printed r34 from CG3')
 
@@ -63,7 +49,7 @@ def io_equations() -> Section:
         zero('Eq. (7)', *first.velocity(a, b)),
         equal('first derivative of v', '', b.omega * (1 + b.v**2) / 2, b.dv),
         equal('second derivative of v', '', (b.alpha + b.omega**2) * (1 + b.v**2) / 2, b.ddv,
-              MISPRINT, 'the square of the rate needs a factor v',
+              documents.MISPRINT, 'the square of the rate needs a factor v',
               correct=(b.alpha + b.omega**2 * b.v) * (1 + b.v**2) / 2),
         zero('Eq. (8)', *first.acceleration(a, b)),
     ])
@@ -83,8 +69,8 @@ def algorithms() -> Section:
               why='the derivative at the extrema, at 1 rad/s'),
         acceleration,
         equal('acceleration, step 5', '', published.largest(by_acceleration.omega4) / speed, 0.0,
-              MISPRINT, 'd(theta_j)/d(theta_i) for the derivative of its acceleration: theta_j '
-              'does not stall there',
+              documents.MISPRINT, 'd(theta_j)/d(theta_i) for the derivative of its acceleration: '
+              'theta_j does not stall there',
               correct=published.slope(linkage, 'alpha4', by_acceleration.theta1)),
     ])
 
@@ -129,7 +115,7 @@ def _extremum(mode: int, quantity: str, kind: str, value: str, in_radians: str,
     theta1 = extremum.theta1 - tau if in_radians.startswith('-') else extremum.theta1
     how: dict[str, Any] = LOST if 'value' in lost else {}
     if copies:
-        how = {'verdict': GARBLED, 'why': f'the copy has {copies}', 'within': 2e-9}
+        how = {'verdict': documents.GARBLED, 'why': f'the copy has {copies}', 'within': 2e-9}
     return [printed(f'mode {mode}, {quantity}', 'rad/s' if quantity == 'omega4' else 'rad/s^2',
                     value, extremum.value, **how),
             printed('  its theta1', 'rad', in_radians, theta1, **(LOST if 'rad' in lost else {})),
@@ -207,7 +193,7 @@ def last_question() -> Section:
              'imply extreme shaking?')
     return Section(title, [
         equal('force at the largest alpha4 over its peak, with a counterweight on the crank', '',
-              published.force_share(published.counterweighted(THIN)), 0.0, ANSWERED,
+              published.force_share(published.counterweighted(THIN)), 0.0, documents.ANSWERED,
               'no: 5 kg on the crank of any linkage can cancel the force in one pose '
               '(docs/extrema.md)'),
     ])
@@ -215,7 +201,7 @@ def last_question() -> Section:
 
 def definitions() -> Section:
     return Section('Definitions, and what is not compared', [
-        remark('Slides, Eqs. (4), (5), (8)', MISSING, 'our copy lacks them'),
-        remark('Slides, Example 7.1', MISSING, 'named, not printed'),
-        remark('Paper, Figures 1, 2', DEFINED, 'they define symbols'),
+        remark('Slides, Eqs. (4), (5), (8)', documents.MISSING, 'our copy lacks them'),
+        remark('Slides, Example 7.1', documents.MISSING, 'named, not printed'),
+        remark('Paper, Figures 1, 2', documents.DEFINED, 'they define symbols'),
     ])

@@ -11,14 +11,10 @@ from dataclasses import replace
 from math import pi, radians
 
 from fourbar_lab.reproduction.documents import equal, Row
-from fourbar_ros import plain
-from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.mechanics.bodies import Bodies, Body
-from fourbar_ros.mechanics.rods import round_rod
-from fourbar_ros.mechanisms.four_bars import FourBar
+from fourbar_ros import Bodies, Body, find_extrema, FourBar, plain, point_motion, round_rod
+from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np

@@ -12,31 +12,13 @@ from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt
 
 from fourbar_lab.drawing.polygons import acceleration_terms
-from fourbar_lab.reproduction import published
-from fourbar_lab.reproduction.documents import (
-    ANSWERED,
-    ASSUMED,
-    DEFINED,
-    drawn,
-    equal,
-    GARBLED,
-    MISPRINT,
-    MISSING,
-    printed,
-    remark,
-    ROUNDED,
-    Row,
-    Section,
-    zero,
-)
+from fourbar_lab.reproduction import documents, published
+from fourbar_lab.reproduction.documents import drawn, equal, printed, remark, Row, Section, zero
 from fourbar_lab.reproduction.equations import equations_of_slides, half_angle
 from fourbar_lab.reproduction.published import FOOT, INCH, largest, TURN
-from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.four_bars import FourBar
-from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import CROSSED, NamedFields, OPEN
+from fourbar_ros import CROSSED, find_extrema, FourBar, Mechanism, OPEN, point_motion
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import ORIGIN
-from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 
 FOUR_EXTREMA = (1.0, 2.0, 2.0, 2.0)    # a crank-rocker whose alpha4 has four in each mode
@@ -54,18 +36,18 @@ def example_7_2() -> Section:
     title = ('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
              'in, 1800 rpm clockwise')
     return Section(title, [
-        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+        printed('crank angle', 'deg', '', degrees(m.theta1), documents.ASSUMED,
                 'it is in the drawing only; the readings fit it to 2 %'),
         printed('crank speed', 'rad/s', '188.5', -m.omega1),
         printed('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
         printed('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT,
-                ROUNDED, 'from 188.5 rad/s', within=1e-3),
+                documents.ROUNDED, 'from 188.5 rad/s', within=1e-3),
         drawn('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, 0.02),
         drawn('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, 0.04,
               'from 68.8 rad/s, which is squared'),
         drawn('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, 0.02),
         drawn('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, 0.02),
-        printed('acceleration of D', 'ft/s^2', '8260', nan, MISSING,
+        printed('acceleration of D', 'ft/s^2', '8260', nan, documents.MISSING,
                 'where D is on the coupler is in the drawing only'),
     ], figure='example_7_2')
 
@@ -76,18 +58,19 @@ def example_7_3() -> Section:
                 for point in published.POINTS_7_3.values())
     title = 'Slides, Example 7.3 - 4R of Uicker, 4, 18, 11, 10 in, crank at 120 deg, 900 rpm'
     return Section(title, [
-        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+        printed('crank angle', 'deg', '', degrees(m.theta1), documents.ASSUMED,
                 'it is in the drawing only; the readings fit it to 1 % of the longest arrow'),
-        printed('ground AD', 'in', '', linkage.a4 / INCH, ASSUMED,
+        printed('ground AD', 'in', '', linkage.a4 / INCH, documents.ASSUMED,
                 "in the drawing only: Uicker's"),
-        *(printed(f'{name}, {where}', 'in', '', value / INCH, ASSUMED, 'in the drawing only')
+        *(printed(f'{name}, {where}', 'in', '', value / INCH, documents.ASSUMED,
+                  'in the drawing only')
           for name, first, link in (('E', 'B', 'BC'), ('F', 'D', 'DC'))
           for where, value in ((f'from {first} along {link}', published.POINTS_7_3[name][1]),
                                (f'to the right of {link}', -published.POINTS_7_3[name][2]))),
         printed('crank speed (900 rpm, in the drawing only)', 'rad/s', '94.2', m.omega1),
-        printed('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT, ROUNDED,
-                'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, in the slides or in '
-                'our copy only', within=0.002),
+        printed('acceleration of B', 'ft/s^2', '2958', m.omega1**2 * linkage.a1 / FOOT,
+                documents.ROUNDED, 'from 94.2 rad/s; "(94.2 rad/s^2)" stands for (94.2 rad/s)^2, '
+                'in the slides or in our copy only', within=0.002),
         drawn('angular velocity of the coupler', 'rad/s', '25.6', m.omega_beta, 0.01),
         drawn('angular velocity of the output link', 'rad/s', '49.6', m.omega4, 0.01),
         drawn('normal part of A_C/B', 'ft/s^2', '983', m.omega_beta**2 * linkage.a2 / FOOT, 0.02,
@@ -125,11 +108,11 @@ def example_7_5() -> Section:
     title = ('Slides, Example 7.5 - inverted slider-crank, crank 3 in at 30 deg, '
              'ground 14 in, no offset, 36 rad/s clockwise')
     return Section(title, [
-        printed('crank angle', 'deg', '', degrees(m.theta1), ASSUMED,
+        printed('crank angle', 'deg', '', degrees(m.theta1), documents.ASSUMED,
                 'it is in the drawing only; the readings fit it to 3 %'),
-        printed('distance of D from the line of A', 'in', '', linkage.offset / INCH, ASSUMED,
-                'in the drawing only: omega4 is 1.3 % off without, 12 or 15 % off with the 2 in '
-                'of AB'),
+        printed('distance of D from the line of A', 'in', '', linkage.offset / INCH,
+                documents.ASSUMED, 'in the drawing only: omega4 is 1.3 % off without, 12 or 15 % '
+                'off with the 2 in of AB'),
         printed('speed of A', 'ft/s', '9', -m.omega1 * linkage.a1 / FOOT),
         drawn('speed of Q', 'ft/s', '7.24', m.omega4 * m.slide / FOOT, 0.03),
         drawn('relative velocity', 'ft/s', '5.52', -m.slide_velocity / FOOT, 0.03),
@@ -229,7 +212,7 @@ def contact() -> Section:
              -cycloid, why='against the second derivative of the cycloid'),
         zero('Eq. (15), along the ground', centre, al * radius,
              why='on the ground both points have none'),
-        zero('Eq. (15), square to it', -w**2 * radius, verdict=MISPRINT,
+        zero('Eq. (15), square to it', -w**2 * radius, verdict=documents.MISPRINT,
              why="P1 for P2: the disc's point has the right side, P1 of the ground rests",
              correct=[cycloid, w**2 * p2]),
     ])
@@ -253,17 +236,17 @@ def io_equations() -> Section:
         if name == 19:
             ratio[-1] = equal(
                 'Eq. (25)', '', equation._replace(mixed=-8 * a2 * a4).ratio(a, b),
-                b.omega / a.omega, MISPRINT, '4 a2 a4 for 4 a1 a3, twice',
+                b.omega / a.omega, documents.MISPRINT, '4 a2 a4 for 4 a1 a3, twice',
                 correct=equation.ratio(a, b))
             right = equation.acceleration(a, b)
             acceleration[-1] = zero(
                 'Eq. (31)', *right[:2], (equation.both * b.v**2 + equation.second) * a.dv**2,
-                *right[3:], verdict=MISPRINT,
+                *right[3:], verdict=documents.MISPRINT,
                 why='A2 D1 for A1 D2 in the factor of the square of dv2/dt', correct=right)
         if name == 21:
             acceleration[-1] = zero(
                 'Eq. (33)', *equation._replace(mixed=8 * a2 * a4).acceleration(a, b),
-                verdict=MISPRINT, why='three times + for - before a2 a4',
+                verdict=documents.MISPRINT, why='three times + for - before a2 a4',
                 correct=equation.acceleration(a, b))
     b = angles[4]
     return Section(title, [
@@ -302,7 +285,7 @@ def example_7_6() -> Section:
         printed('d2v4/dt2', '1/s^2', '157.4654', v4.ddv),
         printed('alpha4', 'rad/s^2', '125.5109', m.alpha4),
         printed('alpha2 (of the coupler)', 'rad/s^2', '-3.5916', m.alpha_beta),
-        printed('dv2/dt on the last page', '1/s', '-110.2051', v2.dv, GARBLED,
+        printed('dv2/dt on the last page', '1/s', '-110.2051', v2.dv, documents.GARBLED,
                 'it is d2v2/dt2, as its sentence says; our copy drops dots there'),
         printed('d2v2/dt2', '1/s^2', '-110.2051', v2.ddv),
         printed('d2theta2/dt2', 'rad/s^2', '-103.5916', m.alpha2),
@@ -333,11 +316,11 @@ def example_7_7() -> Section:
         printed('least omega4, both modes', 'rad/s', '-6.6959', low),
         printed('its theta1, mode 2', 'deg', '2.6810', theta1_low),
         printed('its theta1, mode 1', 'deg', '2.6810',
-                extreme(CROSSED, 'omega4', 'minimum')[1] - 360.0, MISPRINT, mirrored),
+                extreme(CROSSED, 'omega4', 'minimum')[1] - 360.0, documents.MISPRINT, mirrored),
         printed('largest omega4, both modes', 'rad/s', '3.2493', high),
         printed('its theta1, mode 2', 'deg', '138.9638', theta1_high),
         printed('its theta1, mode 1', 'deg', '138.9638',
-                extreme(CROSSED, 'omega4', 'maximum')[1] - 360.0, MISPRINT, mirrored),
+                extreme(CROSSED, 'omega4', 'maximum')[1] - 360.0, documents.MISPRINT, mirrored),
         printed('mode 1, largest alpha4', 'rad/s^2', '68.7731', most_1),
         printed('  its theta1', 'deg', '24.6475', theta1_most_1),
         printed('  listed again as', 'deg', '-335.3525', theta1_most_1 - 360.0,
@@ -347,7 +330,7 @@ def example_7_7() -> Section:
         printed('  listed again as', 'deg', '-33.8618', theta1_least_1 - 360.0,
                 why='the same angle'),
         printed('mode 2, largest alpha4', 'rad/s^2', '87.9671', most_2),
-        printed('  its theta1', 'deg', '33.8616', theta1_most_2, MISPRINT,
+        printed('  its theta1', 'deg', '33.8616', theta1_most_2, documents.MISPRINT,
                 '33.8618, as two pages earlier'),
         printed('mode 2, least alpha4', 'rad/s^2', '-68.7731', least_2),
         printed('  its theta1', 'deg', '335.3525', theta1_least_2),
@@ -397,36 +380,38 @@ def method() -> Section:
         equal('step 8, item 11: real values', '', 4, 2 * in_a_mode, why='two in each mode'),
         equal('step 8: complex values', '', 18, degree - 2 * in_a_mode),
         equal('step 9, items 5, 12, 13: two critical values in a mode', '', 2, in_a_mode),
-        equal('the same as a general statement: links 1, 2, 2, 2 have', '', most, 4.0, ANSWERED,
-              'omega4 of a crank-rocker always has two in a mode in 100,000 random ones; alpha4 '
-              'two or four'),
+        equal('the same as a general statement: links 1, 2, 2, 2 have', '', most, 4.0,
+              documents.ANSWERED, 'omega4 of a crank-rocker always has two in a mode in 100,000 '
+              'random ones; alpha4 two or four'),
         equal('item 1: a crank that turns fully', '', 1, linkage.turns_fully),
-        remark('item 2: Eq. (38)', DEFINED, 'compared under Example 7.7'),
-        remark('items 3, 6: both profiles', DEFINED,
+        remark('item 2: Eq. (38)', documents.DEFINED, 'compared under Example 7.7'),
+        remark('items 3, 6: both profiles', documents.DEFINED,
                'figures; the curves are drawn from steps 2 and 4'),
         equal('item 4: the velocity of mode 2 is that of mode 1 mirrored', '',
               largest(motion.omega4 - mirrored.omega4) / largest(motion.omega4), 0.0,
               why='over the largest value'),
-        remark('items 7, 8, 9, 10: the method again', DEFINED, 'steps 3 to 7'),
-        remark('item 14: velocity over acceleration', DEFINED, 'the figure of Example 7.7'),
+        remark('items 7, 8, 9, 10: the method again', documents.DEFINED, 'steps 3 to 7'),
+        remark('item 14: velocity over acceleration', documents.DEFINED,
+               'the figure of Example 7.7'),
         equal('item 15: alpha4 = 0 at the extrema of omega4', '',
               largest(by_rate.alpha4) / largest(motion.alpha4), 0.0,
               why='over the largest alpha4'),
         equal('items 13, 16: alpha4 of mode 2 mirrored is that of mode 1 with the other sign', '',
-              largest(motion.alpha4 + mirrored.alpha4) / largest(motion.alpha4), 0.0, ANSWERED,
-              'the linkage of mode 2 is the mirror image: theta4 is odd in theta1 between the '
-              'modes, its rate even, alpha4 odd'),
+              largest(motion.alpha4 + mirrored.alpha4) / largest(motion.alpha4), 0.0,
+              documents.ANSWERED, 'the linkage of mode 2 is the mirror image: theta4 is odd in '
+              'theta1 between the modes, its rate even, alpha4 odd'),
     ])
 
 
 def axis() -> Section:
     proof = '; docs/extrema.md derives it, test_collineation.py finds no exception'
     return Section('Slides, items 16 and 17 - why the extremes lie where they lie', [
-        remark('item 16: at the extrema of omega4', ANSWERED,
+        remark('item 16: at the extrema of omega4', documents.ANSWERED,
                'the collineation axis, through the poles P13 and P24, is square to the coupler'
                + proof),
-        remark('item 16: at the extrema of alpha4', ANSWERED,
+        remark('item 16: at the extrema of alpha4', documents.ANSWERED,
                'd(tan l)/d(theta1) = 1 - 2 R, but for R = 0 and 1, l the angle from coupler to '
                'axis, R = omega4/omega1' + proof),
-        remark('item 17: the research asked for', ANSWERED, 'both statements of item 16'),
+        remark('item 17: the research asked for', documents.ANSWERED,
+               'both statements of item 16'),
     ])
