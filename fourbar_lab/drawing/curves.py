@@ -156,10 +156,12 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
     """
     Return the extrema of quantities over the input; arguments as of :func:`curves_of`.
 
-    A component of a force is not searched.
+    A component of a force is not searched, nor are loads of a mechanism that locks itself.
     """
     searched = quantities.by_name(linkage, scene.point_quantities)
-    wanted = [searched[name] for name in names if name in searched]
+    locks = linkage.locked_ranges(speed, acceleration)
+    wanted = [searched[name] for name in names if name in searched
+              and not (locks and searched[name].is_load)]
     return (find_extrema(linkage, wanted, speed, acceleration, conditions=False) if wanted
             else [])
 

@@ -14,6 +14,7 @@ from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.labels import Labels, labels_of
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_lab.drawing.record import counted
+from fourbar_ros.errors import in_words
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.picture import diagram_of
@@ -100,6 +101,15 @@ class Shown:
     def extrema(self, names: Sequence[str]) -> list[Extremum]:
         """Return the extrema of quantities by name, over the input."""
         return extrema_of(self.scene, self.linkage, names, self.rate, self.acceleration)
+
+    @property
+    def what_lacks(self) -> str:
+        """Return why there are no forces, or no extrema of them; empty: there are."""
+        if why := self.linkage.why_no_loads:
+            return f'no forces: {why}'
+        locked = self.linkage.locked_ranges(self.rate, self.acceleration)
+        return ('no extrema of forces: it locks itself by friction in '
+                + in_words(locked, self.linkage.input_coordinate.unit) if locked else '')
 
     def pose(self, position: float) -> DrawnPose:
         """Return the status, motion and loads at an input; loads None without masses."""

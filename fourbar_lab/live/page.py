@@ -213,8 +213,7 @@ class Page:
         self.position = shown.nearest_input(self.position)
         self.words.set_text(shown.linkage.description)
         self.warnings.set_text('\n'.join(warnings_of(shown.scene)))
-        why = shown.linkage.why_no_loads
-        self.no_loads.set_text(why and f'no forces: {why}')
+        self.no_loads.set_text(shown.what_lacks)
         self._refill()
 
     def _refill(self) -> None:

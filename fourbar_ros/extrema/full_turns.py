@@ -182,8 +182,8 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[Roots, A
     share, bend = np.where(is_near, share, guess), np.where(is_near, bend, fb - fa)
     has_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
     x = (i + share + 0.5) * spacing
-    return Roots(x, bend / spacing**2, mechanism, quantity,
-                  rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)), has_hidden
+    rank = rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)
+    return Roots(x, bend / spacing**2, mechanism, quantity, rank), has_hidden
 
 
 def by_quantity(roots: Roots, numbers: Array, shape: tuple[int, ...]) -> Array:

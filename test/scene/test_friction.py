@@ -113,6 +113,11 @@ def test_what_it_locks_is_said(tmp_path, capsys):
     with pytest.raises(InvalidParameter, match='locks the mechanism in'):
         find_extrema(linkage, ['f41'], 0.1)
     assert find_extrema(linkage, ['f41'], 0.1, within=(0.2, 0.3))
+    # pictures have no marks of loads, and the page says why
+    main(['plot', str(path), 'f41', 'theta1', '-o', str(tmp_path / 'it.svg')])
+    page = shown(LOCKS.values)
+    assert 'locks itself by friction' in page.what_lacks
+    assert not page.extrema(['f41']) and page.extrema(['theta1'])
 
 
 @pytest.mark.skipif(not COMPILERS, reason='no C compiler')

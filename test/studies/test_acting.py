@@ -234,9 +234,8 @@ def test_tolerances_of_springs_and_forces(tmp_path):
     study = from_document({
         'scene': file_of({**BASE, **SPRINGS, **WAY}, tmp_path).name, 'rows': 8,
         'vary': {'springs.back.stiffness': {'uniform': 0.5},
-                 'forces.cut.factor': {'uniform': 0.001}}, 'quantities': ['f21.max', 'work',
-                                                                       'driving_torque.mean',
-                                                                       'driving_torque.rms']},
+                 'forces.cut.factor': {'uniform': 0.001}},
+        'quantities': ['f21.max', 'work', 'driving_torque.mean', 'driving_torque.rms']},
         tmp_path)
     results, reasons = tolerances(study)
     assert reasons == {'feasible': 4}
