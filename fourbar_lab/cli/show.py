@@ -54,7 +54,7 @@ def add(verbs: Verbs) -> None:
 
 def _show(arguments: Namespace) -> None:
     """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
-    from fourbar_lab.drawing import curves, poses, record, tables
+    from fourbar_lab.drawing import poses, record, tables
     from fourbar_ros import find_extrema
     from fourbar_ros.mechanisms.quantities import select
     from fourbar_ros.scene.files import find
@@ -70,49 +70,40 @@ def _show(arguments: Namespace) -> None:
         raise InvalidParameter('--from, --to', None, 'one needs the other')
     pose = (None if arguments.at is None else poses.evaluate_at(
         linkage, arguments.at, speed, acceleration))
-    holding = None if arguments.hold is None else linkage.holding(
-        poses.position_of(linkage, arguments.hold))
+    hold = None if arguments.hold is None else poses.position_of(linkage, arguments.hold)
     quantities = select((), linkage, scene.point_quantities)
-    locked = linkage.locked_ranges(speed, acceleration, within)
-    if locked:          # there are no loads in them
+    if linkage.locked_ranges(speed, acceleration, within):      # there are no loads in them
         quantities = [quantity for quantity in quantities if not quantity.is_load]
     with bar('proof', 100) as done:
         extrema = find_extrema(
             linkage, quantities, speed, acceleration, arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)
-    effort = (curves.effort_of(scene, linkage, speed, acceleration, within, extrema)
-              if linkage.has_loads and not locked else None)
-    drive = record.drive_of(linkage, speed, acceleration, within) if not locked else {}
+    drive = record.drive_of(linkage, speed, acceleration, within, extrema, hold)
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,
             **({'within': list(within)} if within else {}), 'why_no_loads': linkage.why_no_loads,
-            **({'drive_effort': effort._asdict()} if effort else {}),
-            **({'locked': locked} if linkage.friction else {}),
-            **({'holding': holding} if holding else {}),
             'drive': drive, **record.record_of(linkage, extrema, scene.points, pose)}))
     else:
         from fourbar_ros.terminal import make_console
         rates = tables.rates_in_words(linkage, speed, acceleration)
         if within:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
+        loads = {quantity.name for quantity in quantities if quantity.is_load}
+        of_motion, of_loads = ([extremum for extremum in extrema
+                                if (extremum.quantity in loads) is of_load]
+                               for of_load in (False, True))
+        title = f'at {rates}, mode {tables.mode_name(linkage)}'
         console = make_console()
         blocks: list[Table | str | None] = [
             tables.linkage_table(linkage, path),
-            tables.extrema_table(linkage, extrema,
-                                 f'extrema at {rates}, mode {tables.mode_name(linkage)}'),
-            tables.proofs_in_words(extrema) or None,
+            tables.extrema_table(linkage, of_motion, f'extrema of motion {title}'),
             linkage.why_no_loads or None,
-            'locks itself by friction, so without extrema of loads, in '
-            + in_words(locked, linkage.input_coordinate.unit) if locked else None]
-        if effort:
-            unit = 'N' if linkage.is_driven_by_slide else 'N m'
-            blocks.append(f'{linkage.drive_load.replace("_", " ")}: root mean square '
-                          f'{effort.root_mean_square:.6g} {unit}, peak {effort.peak:.6g} {unit} '
-                          'over the input')
-        blocks += tables.drive_in_words(linkage, drive)
-        if holding:
-            blocks.append(tables.holding_in_words(linkage, arguments.hold, *holding))
+            tables.drive_table(linkage, drive, speed, acceleration),
+            tables.extrema_table(linkage, of_loads, f'extrema of loads {title}')
+            if of_loads else None,
+            tables.jumps_in_words(linkage, of_loads) or None,
+            tables.proofs_in_words(extrema) or None]
         if pose:
             blocks += [poses.motion_table(linkage, pose),
                        poses.loads_table(linkage, pose.loads) if pose.loads else None,

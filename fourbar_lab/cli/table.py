@@ -30,7 +30,10 @@ PLOT = """\
 examples:
   fourbar plot paper f41 shaking_force -o paper.png
   fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o rates.svg
+  fourbar plot slider_crank slide f41 --units mm,kN -o rod.pdf
 """
+UNITS_HELP = ('units of the {} that measure the same: mm,deg,rpm,N mm,kW; default: deg for '
+              'angles, SI')
 
 
 def add(verbs: common.Verbs) -> None:
@@ -43,14 +46,14 @@ def add(verbs: common.Verbs) -> None:
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
                             'mean square and peak of its torque, peak of its power')
-    common.add_csv(table, 'units of the columns that measure the same: mm,deg,rpm,N mm,kW; '
-                          'default: deg for angles, SI')
+    common.add_csv(table, UNITS_HELP.format('columns'))
     table.set_defaults(run=_table)
     plot = common.add_verb(
         verbs, 'plot', 'quantities over the input as a picture',
         'Draw quantities over all of the input, one pair of axes for each unit.\n'
         'Requires matplotlib.', PLOT)
     _add_arguments(plot, common.PICTURE_HELP, '.png', 'default: rates, accelerations and loads')
+    common.add_units(plot, UNITS_HELP.format('axes'))
     plot.set_defaults(run=_plot)
 
 
@@ -74,7 +77,8 @@ def _table(arguments: Namespace) -> None:
     units = UNITS | arguments.units
     if arguments.speeds:
         if arguments.names:
-            raise InvalidParameter('QUANTITY', arguments.names, 'not with --speeds')
+            raise InvalidParameter('--speeds', None, 'cannot be combined with QUANTITY '
+                                   f'({", ".join(arguments.names)}): it tabulates the drive')
         for each in arguments.speeds:
             require('--speeds', each, f'{linkage.input_coordinate.unit}/s')
         curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration, units)
@@ -89,16 +93,17 @@ def _table(arguments: Namespace) -> None:
 
 def _plot(arguments: Namespace) -> None:
     """Draw the quantities asked for, or all but components, which would crowd a picture."""
-    from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of
+    from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of, UNITS
     from fourbar_lab.drawing.figure import save
     from fourbar_ros.mechanisms.quantities import select
     scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
         (), linkage, scene.point_quantities)]
     acceleration = arguments.acceleration
-    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples)
+    units = UNITS | arguments.units
+    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples, units)
     extrema = extrema_of(scene, linkage, names, speed, acceleration)
-    print(save(make_figure(curves, marks_of(linkage, extrema)), arguments.out))
+    print(save(make_figure(curves, marks_of(linkage, extrema, units)), arguments.out))
     _tell_weight(scene, curves.names)
 
 

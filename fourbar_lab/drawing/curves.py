@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from math import degrees, inf, isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -19,7 +19,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms import parts, quantities
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.units import in_unit
+from fourbar_ros.scene.units import in_unit, units_of
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
@@ -28,10 +28,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # what a vertical axis of a unit shows
-AXES = {'deg': 'angle', 'rad/s': 'angular velocity', 'rad/s^2': 'angular acceleration',
-        'm': 'position', 'm/s': 'velocity', 'm/s^2': 'acceleration', 'N': 'force',
-        'N m': 'torque, moment', 'W': 'power', 'kg m^2': 'inertia', 'kg': 'inertia',
-        **dict.fromkeys(('', 'N/(N m)', 'N m/N'), 'ratio')}
+AXES = {unit: name for si, name in (
+    ('rad', 'angle'), ('rad/s', 'angular velocity'), ('rad/s^2', 'angular acceleration'),
+    ('m', 'position'), ('m/s', 'velocity'), ('m/s^2', 'acceleration'), ('N', 'force'),
+    ('N m', 'torque, moment'), ('W', 'power'), ('kg m^2', 'inertia'), ('kg', 'inertia'),
+    ('', 'ratio'), ('N/(N m)', 'ratio'), ('N m/N', 'ratio')) for unit in units_of(si)}
 SPEEDS = 25         # in a table over the speed
 UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
 NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is cut off at NEAR times
@@ -45,7 +46,7 @@ class Curves(NamedTuple):
     units: tuple[str, ...]
     values: Array               # (columns, rows); a row of NaN between two ranges of the input
     symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
-    period: float = inf         # of an input that is an angle [deg]
+    period: float = inf         # of an input that is an angle, in its unit
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -98,7 +99,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     curves = _in_units(Curves(
         f'{linkage.description} at {rates}', columns,
         (coordinate.unit, *(units[name] for name in wanted)), values,
-        symbols_of(linkage, columns), degrees(linkage.cycle)), shown_units)
+        symbols_of(linkage, columns), linkage.cycle), shown_units)
     if linkage.turns_fully and curves.units[0] == 'deg':
         curves.values[0] = curves.values[0].round(10)       # whole ones, for who looks up 60
     return curves
@@ -108,44 +109,26 @@ def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
     """Return curves in SI with their columns in other units."""
     units = tuple(shown_units.get(unit, unit) for unit in curves.units)
     return curves._replace(units=units, values=np.array(
-        [in_unit(*column) for column in zip(curves.values, curves.units, units)]))
-
-
-class Effort(NamedTuple):
-    """
-    What a servo must give over the input [N m] and [W], of a driven slide [N] and [W].
-
-    Infinite where it grows without bound at an end of the input.
-    """
-
-    root_mean_square: float
-    peak: float
-    peak_power: float
-
-
-def effort_of(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
-              within: tuple[float, float] | None = None,
-              extrema: Sequence[Extremum] | None = None) -> Effort:
-    """
-    Return the effort of the drive over a cycle of the forces, or ``within`` a range of the input.
-
-    ``extrema``: of the drive's load there, if they are known. InvalidParameter if speed or
-    acceleration are so large that it overflows.
-    """
-    known = [extremum for extremum in extrema or () if extremum.quantity == linkage.drive_load]
-    load = OverInput(linkage, linkage.drive_load, speed, acceleration, within, known or None)
-    return Effort(load.rms, load.peak, load.peak * abs(speed) if speed != 0.0 else 0.0)
+        [in_unit(*column) for column in zip(curves.values, curves.units, units)]),
+        period=in_unit(curves.period, curves.units[0], units[0])
+        if isfinite(curves.period) else inf)
 
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
                 acceleration: float = 0.0, shown_units: Mapping[str, str] = UNITS) -> Curves:
-    """Return the effort of the drive over the speed of the input, from one speed to another."""
+    """
+    Return the effort of the drive over the speed of the input, from one speed to another.
+
+    InvalidParameter if speed or acceleration are so large that it overflows.
+    """
     unit = linkage.input_coordinate.unit
     force = 'N' if linkage.is_driven_by_slide else 'N m'
     steps = np.linspace(*speeds, SPEEDS).tolist()
-    efforts = [effort_of(scene, linkage, speed, acceleration) for speed in steps]
     columns = 'speed', 'root_mean_square', 'peak', 'peak_power'
-    rows = [(speed, *effort) for speed, effort in zip(steps, efforts)]
+    rows = list[tuple[float, ...]]()
+    for speed in steps:
+        load = OverInput(linkage, linkage.drive_load, speed, acceleration)
+        rows.append((speed, load.rms, load.peak, load.peak * abs(speed) if speed else 0.0))
     return _in_units(Curves(f'drive of {linkage.description}', columns,
                             (f'{unit}/s', force, force, 'W'), np.array(rows).T, columns),
                      shown_units)
@@ -166,13 +149,13 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
             else [])
 
 
-def marks_of(linkage: Mechanism, extrema: Sequence[Extremum]
-             ) -> list[tuple[Extremum, float, float]]:
+def marks_of(linkage: Mechanism, extrema: Sequence[Extremum],
+             shown_units: Mapping[str, str] = UNITS) -> list[tuple[Extremum, float, float]]:
     """Return (extremum, input, value) of the finite ones, in the units of the curves."""
-    turned = degrees(1.0)
-    by_input = 1.0 if linkage.is_driven_by_slide else turned
-    return [(extremum, by_input * counted(linkage, extremum.input),
-             extremum.value * (turned if extremum.unit == 'rad' else 1.0))
+    def shown(value: float, unit: str) -> float:
+        return float(in_unit(value, unit, shown_units.get(unit, unit)))
+    return [(extremum, shown(counted(linkage, extremum.input), linkage.input_coordinate.unit),
+             shown(extremum.value, extremum.unit))
             for extremum in extrema if extremum.kind != CONSTANT and isfinite(extremum.value)]
 
 
@@ -232,10 +215,10 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     show. A curve with marks is cut off beyond them where it grows without bound.
     """
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
-    turned = curves.units[0] == 'deg'
+    is_angle = isfinite(curves.period)
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
             for x in (np.arange(low + (first - low) % curves.period, high + 1e-9, curves.period)
-                      if turned else [first])]
+                      if is_angle else [first])]
     marked = {name: [value for quantity, _, value in dots if quantity == name]
               for name in curves.names}
     rows = [(name, symbol, unit, readable(values, marked[name]) if marked[name] else values)
@@ -251,7 +234,7 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
             if marked[name]:
                 axis.plot(*zip(*[(x, value) for quantity, x, value in dots if quantity == name]),
                           'o', color=line.get_color(), markersize=4)
-    if turned and high - low > 180.0:
+    if curves.units[0] == 'deg' and high - low > 180.0:
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))
     return figure

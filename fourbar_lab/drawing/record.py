@@ -10,13 +10,16 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros import Mechanism, point_motion
+from fourbar_ros.errors import Locked
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import efficiency, output_ranges, OverInput
+from fourbar_ros.extrema.over_input import efficiency_of, output_ranges, OverInput
 from fourbar_ros.mechanisms import parts, picture, quantities
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
+import numpy as np
 
 ANGLE = 'transmission_angle'
+DEAD = 1e-12        # of the usual rate of an output: less is that of a dead point
 
 LinkageRecord = dict[str, Any]             # text, numbers, lists and records
 Intervals = Sequence[tuple[float, float]]
@@ -132,19 +135,43 @@ def _inertia(linkage: Mechanism) -> LinkageRecord:
                              if extremum.value == inf]}
 
 
-def drive_of(linkage: Mechanism, speed: float, acceleration: float,
-             within: tuple[float, float] | None) -> LinkageRecord:
+def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
+             within: tuple[float, float] | None = None,
+             extrema: Sequence[Extremum] | None = None, hold: float | None = None
+             ) -> LinkageRecord:
     """
-    Return what a drive must hold and do, and its mechanical advantage, as {name: record}.
+    Return what sizes a drive, as {name: record}; without loads its mechanical advantage alone.
 
-    ``work`` [J], ``mean_power`` [W] and efficiency of a cycle are NaN where the input does not
-    turn fully; without loads there is the advantage alone.
+    Where friction locks the linkage, ``locks`` says where, and there is neither ``effort`` nor
+    ``cycle`` nor ``worst_pin``. Work [J], mean power [W] and efficiency of a cycle are NaN where
+    the input does not turn fully.
+
+    Parameters
+    ----------
+    linkage : Mechanism
+    speed, acceleration : float
+        Of the input [rad/s] and [rad/s^2], or [m/s] and [m/s^2] of a driven slide.
+    within : (float, float), optional
+        The part of the input that counts [rad or m].
+    extrema : sequence of Extremum, optional
+        Those of all loads at these rates, if they are known.
+    hold : float, optional
+        Input [rad or m] for which ``at_rest`` has the drives between which it stays.
+
     """
+    record: LinkageRecord = {}
+    if linkage.has_loads:
+        if linkage.friction:
+            record['locks'] = _locks(linkage, speed, acceleration, within)
+        if not record.get('locks'):
+            record |= _effort(linkage, speed, acceleration, within, extrema)
+        if hold is not None:
+            record['at_rest'] = _at_rest(linkage, hold)
+    frictionless = linkage.without_friction
     names = [name for name, quantity in quantities.of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
              and (linkage.has_loads or not quantity.is_load)]
-    record: LinkageRecord = {}
-    every = find_extrema(linkage, names, speed, conditions=False, within=within)
+    every = find_extrema(frictionless, names, speed, conditions=False, within=within)
     for name in names:
         of_name = [extremum for extremum in every if extremum.quantity == name]
         is_size = name == 'mechanical_advantage'      # its sign is the sense of the output
@@ -154,10 +181,69 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float,
             ('least', least), ('most', most)) for key, value in (
                 (key, abs(extremum.value) if is_size else extremum.value),
                 (f'{key}_at', counted(linkage, extremum.input)))}}
-    if linkage.has_loads:
-        load = OverInput(linkage, linkage.drive_load, speed, acceleration, within)
-        work = load.of_cycle
-        record['cycle'] = {'work': work, 'mean_power': work / linkage.cycle * speed,
-                           'efficiency': nan if within else
-                           efficiency(linkage, speed, acceleration)}
     return record
+
+
+def _effort(linkage: Mechanism, speed: float, acceleration: float,
+            within: tuple[float, float] | None, extrema: Sequence[Extremum] | None
+            ) -> LinkageRecord:
+    """Return effort and cycle of the drive, and the pin that transmits the largest force."""
+    pins = {reaction.magnitude: reaction.joint for reaction in linkage.REACTIONS
+            if not reaction.couple}
+    if extrema is None:
+        extrema = find_extrema(linkage, [linkage.drive_load, *pins], speed, acceleration,
+                               conditions=False, within=within)
+    load = OverInput(linkage, linkage.drive_load, speed, acceleration, within,
+                     [extremum for extremum in extrema
+                      if extremum.quantity == linkage.drive_load])
+    peak, work = load.largest, load.of_cycle
+    assert peak             # it is no angle
+    pin = max((extremum for extremum in extrema if extremum.quantity in pins),
+              key=lambda extremum: extremum.value)
+    without = (OverInput(linkage.without_friction, linkage.drive_load, speed, acceleration,
+                         within).of_cycle if linkage.friction else work)
+    return {
+        'effort': {'unit': peak.unit, 'peak': peak.value,
+                   'peak_at': counted(linkage, peak.input), 'root_mean_square': load.rms,
+                   'peak_power': peak.value * speed if speed else 0.0},
+        'cycle': {'work': work, 'without_friction': without, 'friction': work - without,
+                  'efficiency': efficiency_of(work, without),
+                  'mean_power': work / linkage.cycle * speed},
+        'worst_pin': {'joint': pins[pin.quantity], 'load': pin.quantity, 'force': pin.value,
+                      'at': counted(linkage, pin.input)}}
+
+
+def _locks(linkage: Mechanism, speed: float, acceleration: float,
+           within: tuple[float, float] | None) -> list[LinkageRecord]:
+    """Return where a linkage locks itself, as users count inputs, and at which joints."""
+    ranges = list(linkage.locked_ranges(speed, acceleration, within))
+    (first, _), (_, last) = linkage.input_ranges[0], linkage.input_ranges[-1]
+    if linkage.turns_fully and len(ranges) > 1 and (
+            ranges[0][0] == first and ranges[-1][1] == last):      # one range, over the half turn
+        ranges = [*ranges[1:-1], (ranges[-1][0], ranges[0][1] + last - first)]
+    records = list[LinkageRecord]()
+    for low, high in ranges:
+        joints: tuple[str, ...] = ()
+        try:
+            linkage.loads(0.5 * (low + high), speed, acceleration)
+        except Locked as error:
+            joints = error.joints
+        ends = ((0.0, last - first) if linkage.turns_fully and high - low >= last - first else
+                (counted(linkage, low), counted(linkage, high)))
+        records.append({'from': ends[0], 'to': ends[1], 'joints': list(joints)})
+    return records
+
+
+def _at_rest(linkage: Mechanism, position: float) -> LinkageRecord:
+    """
+    Return the drives between which a linkage stays, and where its output goes with its input.
+
+    ``way``: 1 forward with it, -1 backward, 0 at a dead point.
+    """
+    lower, upper = linkage.holding(position)
+    output = linkage.outputs[0].coordinate
+    rate, usual = (getattr(linkage.motion(x, 1.0), output.rate) for x in (
+        position, np.linspace(*linkage.input_ranges[0], 9)[1:-1]))
+    is_dead = abs(rate) <= DEAD * np.max(np.abs(usual))
+    return {'at': position, 'lower': lower, 'upper': upper, 'output': output.position,
+            'way': 0 if is_dead else 1 if rate > 0.0 else -1}

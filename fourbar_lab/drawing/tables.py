@@ -13,6 +13,7 @@ from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.proof import INTERVALS
 from fourbar_ros.mechanics.bodies import field_of
 from fourbar_ros.mechanisms.parts import Coordinate
+from fourbar_ros.scene.units import in_unit
 from fourbar_ros.terminal import make_table
 from rich.table import Table
 
@@ -28,11 +29,12 @@ def mode_name(linkage: Mechanism) -> str:
 
 def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
                    between: str = ' and ') -> str:
-    """Return speed and acceleration, if there is one, as text: '25 rad/s and 2 rad/s^2'."""
+    """Return speed, and acceleration if there is one: '10 rad/s (95.493 rpm) and 2 rad/s^2'."""
     unit = linkage.input_coordinate.unit
+    turns = f' ({in_unit(speed, "rad/s", "rpm"):.6g} rpm)' if unit == 'rad' else ''
     if acceleration == 0.0:
-        return f'{speed:g} {unit}/s'
-    return f'{speed:g} {unit}/s{between}{acceleration:g} {unit}/s^2'
+        return f'{speed:g} {unit}/s{turns}'
+    return f'{speed:g} {unit}/s{turns}{between}{acceleration:g} {unit}/s^2'
 
 
 def _ranges(coordinate: Coordinate, ranges: Intervals) -> str:
@@ -145,34 +147,85 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
     return table
 
 
-def drive_in_words(linkage: Mechanism, drive: LinkageRecord) -> list[str]:
-    """Return lines on what a drive must hold and do, from :func:`.record.drive_of`."""
-    lines, driven = list[str](), linkage.input_coordinate
-    for name, record in drive.items():
-        if name == 'cycle':
-            if isfinite(record['work']):
-                lines.append(f'work of the drive: {record["work"]:.6g} J a cycle, mean power '
-                             f'{record["mean_power"]:.6g} W' + (
-                                 f', efficiency {record["efficiency"]:.6g}'
-                                 if linkage.friction and isfinite(record['efficiency']) else ''))
-            continue
-        least, most = (f'{record[end]:.6g} {record["unit"]}'.rstrip() for end in ('least', 'most'))
-        ends = (f'{least} at {shown(driven, record["least_at"])} to {most} at '
-                f'{shown(driven, record["most_at"])}' if least != most else least)
-        lines.append(f'{name.replace("_", " ")}: {ends}')
+def drive_table(linkage: Mechanism, drive: LinkageRecord, speed: float,
+                acceleration: float = 0.0) -> Table:
+    """Return the table of :func:`drive_in_words`."""
+    return make_table('', ('', ''), drive_in_words(linkage, drive, speed, acceleration))
+
+
+def drive_in_words(linkage: Mechanism, drive: LinkageRecord, speed: float,
+                   acceleration: float = 0.0) -> list[tuple[str, str]]:
+    """Return rows (name, text) that size a drive, from :func:`.record.drive_of` at its rates."""
+    driven, force = linkage.input_coordinate, 'N' if linkage.is_driven_by_slide else 'N m'
+    lines = list[tuple[str, str]]()
+    if effort := drive.get('effort'):
+        at = f'at {shown(driven, effort["peak_at"])}'
+        lines.append(('drive', f'peak {effort["peak"]:.6g} {force} {at}, rms '
+                      f'{effort["root_mean_square"]:.6g} {force}, peak power '
+                      f'{effort["peak_power"]:.6g} W {at}, '
+                      f'{rates_in_words(linkage, speed, acceleration)}'))
+        if isfinite(drive['cycle']['work']):
+            lines.append(('cycle', _cycle(linkage, drive['cycle'])))
+        pin = drive['worst_pin']
+        lines.append(('worst pin', f'{pin["joint"]} ({pin["load"]}) {pin["force"]:.6g} N at '
+                      f'{shown(driven, pin["at"])}'))
+    if 'locks' in drive:
+        lines.append(('locks', '; '.join(
+            f'{shown(driven, each["from"]).split()[0]} to {shown(driven, each["to"])} '
+            f'({", ".join(each["joints"])})' for each in drive['locks']) + (
+                ': without loads there, and without their extrema' if drive['locks'] else
+                'nowhere')))
+    for name in drive:
+        if name.startswith(('holding', 'mechanical')):
+            record = drive[name]
+            least, most = (f'{record[end]:.6g} {record["unit"]}'.rstrip()
+                           for end in ('least', 'most'))
+            ends = (f'{least} at {shown(driven, record["least_at"])} to {most} at '
+                    f'{shown(driven, record["most_at"])}' if least != most else least)
+            free = 'without friction ' if 'locks' in drive else ''
+            lines.append(('holding' if record['unit'] == force else 'advantage', free + ends))
+    if rest := drive.get('at_rest'):
+        lines.append(('at rest', _at_rest(linkage, rest)))
     return lines
 
 
-def holding_in_words(linkage: Mechanism, user_input: float, lower: float, upper: float) -> str:
-    """Return a line on the drives between which a mechanism stays at rest."""
-    unit = 'N' if linkage.is_driven_by_slide else 'N m'
-    at = f'{user_input:g} {"m" if linkage.is_driven_by_slide else "deg"}'
-    ways = [f'{drive:.6g} {unit} ({way})' if isfinite(drive) else f'any {limit} {unit} ({locks})'
-            for drive, way, limit, locks in (
-                (lower, 'less lets it go backward', 'negative', 'it locks backward'),
-                (upper, 'more drives it forward', 'positive', 'it locks forward'))]
-    return (f'{linkage.drive_load.replace("_", " ")} at rest at '
-            f'{linkage.input_coordinate.position} = {at}: it stays from {" to ".join(ways)}')
+def _cycle(linkage: Mechanism, cycle: LinkageRecord) -> str:
+    """Return the work of a cycle as text: what the loads take, and friction."""
+    words = f'{cycle["work"]:.6g} J'
+    if linkage.friction:
+        words += f' = {cycle["without_friction"]:.6g} J without friction + ' + (
+            f'{cycle["friction"]:.6g} J friction')
+        if not cycle['without_friction']:
+            words += ', no force takes work out over a cycle'
+        elif isfinite(cycle['efficiency']):
+            words += f', efficiency {cycle["efficiency"]:.6g}'
+    return f'{words}, mean {cycle["mean_power"]:.6g} W'
+
+
+def _at_rest(linkage: Mechanism, rest: LinkageRecord) -> str:
+    """Return between which drives a mechanism stays at rest as text, and what moves it on."""
+    driven, unit = linkage.input_coordinate, 'N' if linkage.is_driven_by_slide else 'N m'
+    at = shown(driven, rest['at'])
+    if not linkage.friction:
+        return f'{at}: {rest["lower"]:.6g} {unit} holds it'
+    ways = list[str]()
+    for drive, beyond, way, free in ((rest['lower'], 'below', -1, 'negative'),
+                                     (rest['upper'], 'above', 1, 'positive')):
+        moves = [f'{name} {"grows" if sense > 0 else "falls" if sense < 0 else "turns back"}'
+                 for name, sense in ((driven.position, way), (rest['output'], way * rest['way']))]
+        ways.append(f'{drive:.6g} {unit} ({beyond} it {", ".join(moves)})' if isfinite(drive) else
+                    f'any {free} {unit} (it locks)')
+    return f'{at}, with friction: stays from {" to ".join(ways)}'
+
+
+def jumps_in_words(linkage: Mechanism, extrema: Sequence[Extremum]) -> str:
+    """Return a line on what "from below" and "from above" of loads mean, if any of them jumps."""
+    sided = {(extremum.quantity, extremum.input, extremum.side) for extremum in extrema
+             if extremum.side and isfinite(extremum.value)}
+    if linkage.friction and any((name, x, -side) in sided for name, x, side in sided):
+        return ('from below, from above: the load jumps there, as friction changes its direction; '
+                'both values count')
+    return ''
 
 
 def proofs_in_words(extrema: Sequence[Extremum]) -> str:

@@ -117,10 +117,14 @@ def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
 
 
+def add_units(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add ``--units``, a {SI unit: unit to show}."""
+    parser.add_argument('--units', type=wanted_units, default={}, metavar='UNIT,...', help=text)
+
+
 def add_csv(parser: argparse.ArgumentParser, units_help: str) -> None:
     """Add ``--units``, ``--digits`` and ``--excel``; :func:`csv_style` reads the last two."""
-    parser.add_argument('--units', type=wanted_units, default={}, metavar='UNIT,...',
-                        help=units_help)
+    add_units(parser, units_help)
     parser.add_argument('--digits', type=int, choices=range(1, 18), metavar='N',
                         help='significant digits of the numbers in CSV (default: all)')
     parser.add_argument('--excel', action='store_true',

@@ -145,7 +145,8 @@ def _error_in_words(scene: Scene) -> str:
 def _cost_in_words(scene: Scene) -> str:
     """Return sentences on the computing time of a step, and at its rate the share of a core."""
     cost = step_cost(scene)
-    computed = 'motion and loads' if scene.needs_loads else 'motion only, no loads'
+    computed = ('motion and loads' if scene.needs_loads else 'motion alone: no output needs loads'
+                if scene.linkage.has_loads else 'motion alone')
     rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
             if scene.drive.source == 'timer' or scene.dynamics else '')
     return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '

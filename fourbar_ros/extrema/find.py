@@ -71,7 +71,8 @@ class Extremum(NamedTuple):
         4 eps of their condition, at most 1e-12 of them, count as equal.
     place : str
         'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
-        or one of ``within``, or where a load has a pole, at a flat position of a change point.
+        or one of ``within``, or where a load has a pole, at a flat position of a change point, or
+        jumps, as friction changes its direction.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float

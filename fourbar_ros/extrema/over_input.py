@@ -68,6 +68,11 @@ class OverInput:
         return max(self.extrema, key=lambda extremum: extremum.value, default=None)
 
     @property
+    def largest(self) -> Extremum | None:
+        """Return the extremum of the largest magnitude; None of an angle that only turns on."""
+        return max(self.extrema, key=lambda extremum: abs(extremum.value), default=None)
+
+    @property
     def peak(self) -> float:
         """Return the largest magnitude."""
         sizes = [abs(extremum.value) for extremum in self.extrema]
@@ -163,9 +168,13 @@ def efficiency(linkage: Mechanism, rate: float = 1.0, acceleration: float = 0.0)
     is below 1, whichever way the work goes. What dampers take is no loss of it. NaN where the
     input does not turn fully, where no work is done, and where friction turns its sign.
     """
-    work = OverInput(linkage, linkage.drive_load, rate, acceleration).of_cycle
-    without = (OverInput(linkage.without_friction, linkage.drive_load, rate, acceleration).of_cycle
-               if linkage.friction else work)
+    work, without = (OverInput(each, linkage.drive_load, rate, acceleration).of_cycle
+                     for each in (linkage, linkage.without_friction))
+    return efficiency_of(work, without)
+
+
+def efficiency_of(work: float, without: float) -> float:
+    """Return the efficiency of a cycle by the work of its drive with and without friction."""
     if work < 0.0:          # the loads drive: what arrives at the drive, over what they give
         return work / without if without < 0.0 else nan
     return without / work if work > 0.0 and without >= 0.0 else nan

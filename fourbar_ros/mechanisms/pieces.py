@@ -11,6 +11,7 @@ zero: those at complex inputs near the real ones are given too, as quantities ch
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from math import inf, pi, tau
 from typing import Any, NamedTuple
 
@@ -68,16 +69,7 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
     for low, high in _ranges(mechanism) if coordinates else ():
         x = _samples(mechanism, low, high)
         for coordinate in coordinates:
-            def values(x: Array, _: Array, coordinate: Coordinate = coordinate
-                       ) -> tuple[Array, Array]:
-                """Return a coordinate and its slope at inputs."""
-                with np.errstate(all='ignore'):
-                    z = x + 1j * STEP
-                    moving = {**mechanism.link_motions(mechanism.motion(z)), GROUND: FIXED}
-                    s = np.broadcast_to(coordinate.of(moving, z), x.shape)
-                return s.real, s.imag / STEP
-
-            rows = np.zeros(x.size, int)
+            values, rows = partial(_values, mechanism, coordinate.of), np.zeros(x.size, int)
             if coordinate.is_square:
                 turning, bend, _ = _turning_points(values, x, rows, values(x, rows)[1])
                 least, bend = turning[bend > 0.0], bend[bend > 0.0]
@@ -87,6 +79,30 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
             else:
                 ends += _ends(values, x, rows, coordinate)[0].tolist()
     return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
+
+
+def span_of(mechanism: Mechanism, of: Callable[[Mapping[str, LinkMotion], Any], Any]
+            ) -> tuple[float, float]:
+    """Return the least and the largest value over the input; ``of`` as of a Coordinate."""
+    values, found = partial(_values, mechanism, of), list[Array]()
+    for low, high in _ranges(mechanism):
+        x: Array = np.union1d(_samples(mechanism, low, high), (low, high))
+        rows: Array = np.zeros(x.size, int)
+        s, slope = values(x, rows)
+        turning, _, rows = _turning_points(values, x, rows, slope)
+        found += s, values(turning, rows)[0]
+    every = np.concatenate(found)
+    return float(np.nanmin(every)), float(np.nanmax(every))
+
+
+def _values(mechanism: Mechanism, of: Callable[[Mapping[str, LinkMotion], Any], Any], x: Array,
+            _: Array) -> tuple[Array, Array]:
+    """Return a coordinate and its slope at inputs, ``of`` the motions of links and the input."""
+    with np.errstate(all='ignore'):
+        z = x + 1j * STEP
+        moving = {**mechanism.link_motions(mechanism.motion(z)), GROUND: FIXED}
+        s = np.broadcast_to(of(moving, z), x.shape)
+    return s.real, s.imag / STEP
 
 
 def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:

@@ -9,11 +9,12 @@ holds the numbers, and opens no file, whoever made it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import atan2, inf, pi
+from functools import partial
+from math import atan2, hypot, inf, pi
 from typing import Any, NoReturn
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
-from fourbar_ros.mechanisms.curves import FIXED
+from fourbar_ros.mechanics.bodies import field_of
 from fourbar_ros.mechanisms.elements import (
     Attachment,
     Distance,
@@ -30,13 +31,14 @@ from fourbar_ros.mechanisms.elements import (
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.pieces import span_of
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import APART, COUPLE, FORCE_UNITS, ParameterValues, POSITION_UNITS
 from fourbar_ros.scene.units import UNITS
 import numpy as np
 
-SAMPLES = 361       # of a range of the input, in which positions of tables are looked up
+WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, or less [N], is weak
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
         'across': (True, 0.5 * pi)}
@@ -64,19 +66,37 @@ def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element,
 
 def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
     """Yield a line for each force table that ends, with a force, before its position does."""
-    inputs = np.concatenate([np.linspace(*ends, SAMPLES)[1:-1] for ends in mechanism.input_ranges])
-    moving = {**mechanism.link_motions(mechanism.motion(inputs)), GROUND: FIXED}
     for name, element in zip(element_names(values), mechanism.elements):
         if not isinstance(element, PositionForce) or not isinstance(element.value, TableForce) or (
                 element.value.period < inf):
             continue
-        table, s = element.value.table, np.asarray(element.position(ARRAY, moving, inputs))
-        low, high = float(s.min()), float(s.max())
+        table = element.value.table
+        low, high = span_of(mechanism, partial(element.position, ARRAY))
         if low < table.places[0] and table.values[0] or (
                 high > table.places[-1] and table.values[-1]):
-            yield (f'{name}: its table goes from {table.places[0]:.6g} to {table.places[-1]:.6g}, '
-                   f'{values[f"{name}.over"]} from {low:.6g} to {high:.6g}: beyond its ends the '
-                   'force is that at the end')
+            unit = values[f'{name}.place_unit'] or 'm'      # tables over angles are periodic
+            first, last, least, most = (f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (
+                table.places[0], table.places[-1], low, high))
+            yield (f'{name}: its table goes from {first} to {last}, {values[f"{name}.over"]} from '
+                   f'{least} to {most} {unit}: beyond its ends the force is that at the end')
+
+
+def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
+    """Yield a line for each spring that is weak beside the links: likely meant in N/mm."""
+    weight = hypot(*field_of(mechanism.gravity)) * sum(
+        body.mass for body in mechanism.bodies or ())       # NaN on an unknown base
+    for name, element in zip(element_names(values), mechanism.elements):
+        if not isinstance(element, Spring) or not element.stiffness:
+            continue
+
+        def pull(moving: Any, _: Any, spring: Spring = element) -> Any:
+            per_length, _, square = spring.tension(ARRAY, moving)
+            return per_length * np.sqrt(square)
+        force = max(map(abs, span_of(mechanism, pull)))
+        if force < max(WEAK * weight, min(WEAKEST, weight)):
+            yield (f'{name}.stiffness = {element.stiffness:g} N/m: its force is at most '
+                   f'{force:.3g} N, the links weigh {weight:.3g} N: did you mean '
+                   f'{element.stiffness:g} N/mm?')
 
 
 def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element:
@@ -87,6 +107,9 @@ def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element
         if values[parameter] not in links:
             raise InvalidParameter(parameter, values[parameter], one_of(links, values[parameter]))
     stiffness, damping = values[f'{name}.stiffness'], values[f'{name}.damping']
+    if not turns and values[of_links[0]] == values[of_links[1]] == GROUND:
+        raise InvalidParameter(of_links[1], None, 'must be given: both ends of '
+                               f'{name} are on the ground')
     try:
         if turns:
             return TorsionSpring(values[of_links[0]], values[of_links[1]], stiffness,

@@ -229,20 +229,31 @@ class BodiesOfLinks:
 LONGEST = 20.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
+FAR_THICKER = 5.0       # than a rod is long: in millimetres
 
 
 def warnings_of(scene: Scene) -> list[str]:
     """Return a line for each value of a scene that is allowed but probably not meant."""
     return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene), *_carried(scene),
-            *_tables(scene)]
+            *_elements(scene), *_friction(scene)]
 
 
-def _tables(scene: Scene) -> Iterator[str]:
-    """Yield a line for each force table that ends, with a force, before its position does."""
+def _elements(scene: Scene) -> Iterator[str]:
+    """Yield a line for each force table that ends too early, and for each weak spring."""
     if not scene.linkage.elements:
         return
-    from fourbar_ros.scene.elements import beyond_tables  # few scenes have any
+    from fourbar_ros.scene.elements import beyond_tables, weak_springs  # few scenes have any
     yield from beyond_tables(scene.values, scene.linkage)
+    yield from weak_springs(scene.values, scene.linkage)
+
+
+def _friction(scene: Scene) -> Iterator[str]:
+    """Yield a line for each coefficient of dry friction above 1."""
+    for joint, friction in scene.linkage.friction:
+        coefficient = getattr(friction, 'coefficient', 0.0)
+        if coefficient > 1.0:
+            yield (f'friction.{joint}.coefficient = {coefficient:g}: dry friction is mostly below '
+                   '1')
 
 
 def _long(scene: Scene) -> Iterator[str]:
@@ -297,7 +308,9 @@ def _thick(scene: Scene) -> Iterator[str]:
         value = values[RODS + field]
         if rods and across * value > shortest:
             yield (f'{RODS}{field} = {value:g} m: the rods are thicker than the shortest of them '
-                   f'is long, {shortest:g} m: did you mean {value * 1e-3:g}?')
+                   f'is long, {shortest:g} m: ' + (
+                       f'did you mean {value * 1e-3:g}?' if value > FAR_THICKER * shortest else
+                       'give the mass and inertia of such links (bodies.LINK.mass)'))
 
 
 def _angle(scene: Scene) -> Iterator[str]:

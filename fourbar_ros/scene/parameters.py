@@ -32,6 +32,7 @@ IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or fa
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 LISTED = '; docs/reference.md lists all'
 ABSENT = 'gears', 'cams'       # which other programs have
+JOINTS = 'O1, A, B, O4, guide or drive; of a machine base or DYAD_inner'
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -122,7 +123,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
         noun = ('link' if family in OF_LINKS else 'joint' if family == 'friction'
                 else family[:-1].replace('_', ' '))
         return (f'{rest[0]!r} is not a valid {noun} name: use letters, digits and _, starting '
-                'with a letter')
+                'with a letter' + (f', as {JOINTS}' if family == 'friction' else ''))
     if family == 'dyads' and not is_machine:
         return f'linkage.kind {MACHINE} alone has dyads'
     if family in ABSENT:

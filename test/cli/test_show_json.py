@@ -3,7 +3,7 @@
 """``fourbar show --json`` beside what ``fourbar show`` prints."""
 import csv
 import json
-from math import degrees, hypot, inf
+from math import degrees, hypot, inf, pi
 import re
 
 from fourbar_ros.cli.main import main
@@ -44,7 +44,7 @@ def test_every_number_that_is_printed_is_in_the_record(name, at, capsys):
     assert line.count('\n') == 1
     found = json.loads(line)
     there = sorted(numbers_in(found))
-    there += [degrees(value) for value in there]
+    there += [*(degrees(value) for value in there), found['speed'] * 30.0 / pi]
     there += [hypot(*vector) for point in found['pose']['points'].values()
               for vector in point.values()]
     off_square = [abs(degrees(band['worst']) - 90.0)
@@ -95,27 +95,34 @@ def test_extrema_of_a_part_of_the_input_have_its_ends(capsys):
 
 @some('name', SCENES, ['paper', 'roberts', 'engine', 'bucket'])
 def test_printed_peaks_are_the_extrema(name, tmp_path, capsys):
-    """Of the drive in show and table --speeds, and of the inertia; 24 shipped scenes have both."""
+    """Of the drive in show and table --speeds, and of the inertia."""
     found, linkage = json.loads(said(capsys, 'show', name, '--json')), load(name).linkage
     inertia = found['inertia_at_input']
     if not linkage.has_loads:
-        assert 'drive_effort' not in found
+        assert list(found['drive']) == ['mechanical_advantage']
         return
     values = [one.value for one in find_extrema(linkage, 'inertia', conditions=False)]
     assert (float(inertia['least']), float(inertia['most'])) == (min(values), max(values))
     assert (float(inertia['mean']) == inf) == (max(values) == inf)
-    effort, speed = found['drive_effort'], found['speed']
+    effort, speed = found['drive']['effort'], found['speed']
     sizes = [abs(float(one['value'])) for one in found['extrema']
              if one['quantity'] == linkage.drive_load]
-    assert float(effort['peak']) == max(sizes)
-    assert (float(effort['root_mean_square']) == inf) == (float(effort['peak']) == inf)
-    unit = 'N' if linkage.is_driven_by_slide else 'N m'
-    line = (f'root mean square {float(effort["root_mean_square"]):.6g} {unit}, peak '
-            f'{float(effort["peak"]):.6g} {unit} over the input')
-    assert line in said(capsys, 'show', name)
+    peak, rms, power = (float(effort[key]) for key in ('peak', 'root_mean_square', 'peak_power'))
+    assert abs(peak) == max(sizes) and (rms == inf) == (abs(peak) == inf)
+    assert (peak, effort['peak_at']) in [
+        (float(one['value']), float(one['slide'] if linkage.is_driven_by_slide else one['theta1']))
+        for one in found['extrema'] if one['quantity'] == linkage.drive_load]
+    assert power == peak * speed
+    unit, pin = effort['unit'], found['drive']['worst_pin']
+    text = said(capsys, 'show', name)
+    assert f'drive      peak {peak:.6g} {unit} at ' in text
+    assert f', rms {rms:.6g} {unit}, peak power {power:.6g} W at ' in text
+    forces = [float(one['value']) for one in found['extrema'] for reaction in linkage.REACTIONS
+              if one['quantity'] == reaction.magnitude and not reaction.couple]
+    assert float(pin['force']) == max(forces)
+    assert f'worst pin  {pin["joint"]} ({pin["load"]}) {max(forces):.6g} N at ' in text
     file, speeds = tmp_path / 'servo.csv', [f'{speed!r}'] * 2
     said(capsys, 'table', name, '--speeds', *speeds, '-o', str(file))
     _, *rows = csv.reader(file.read_text().splitlines())
     assert [float(cell) for cell in rows[-1]] == pytest.approx(
-        [speed, float(effort['root_mean_square']), float(effort['peak']),
-         float(effort['peak']) * abs(speed)], rel=1e-12)
+        [speed, rms, abs(peak), abs(power)], rel=1e-12)

@@ -11,12 +11,12 @@ import sys
 
 from fourbar_lab.drawing.curves import (
     curves_of,
-    effort_of,
     extrema_of,
     make_figure,
     marks_of,
     rows_of,
 )
+from fourbar_lab.drawing.record import drive_of
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
@@ -127,7 +127,7 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
     assert 0.9998 * peak < np.abs(torques).max() < peak
     assert power == pytest.approx(speed * peak)
     assert 'weight: left out' in capsys.readouterr().err
-    for given, why in ((['f41', '--speeds', '0', '1'], 'not with --speeds'),
+    for given, why in ((['f41', 'f21', '--speeds', '0', '1'], 'with QUANTITY (f41, f21)'),
                        (['--speeds', '0', '1e200'], 'overflow'),
                        (['--speeds', '0', '1m/s'], '--speeds has a unit of the kind m/s')):
         assert main(['table', 'paper', *given, '--force', '-o', str(file)])
@@ -137,6 +137,28 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
     head, *_, last = csv.reader(capsys.readouterr().out.splitlines())
     assert head == ['speed [rpm]', 'root_mean_square [N mm]', 'peak [N mm]', 'peak_power [kW]']
     assert last == ['600', f'{1e3 * mean:.6g}', f'{1e3 * peak:.6g}', f'{1e-3 * power:.6g}']
+
+
+def test_a_picture_has_the_units_asked_for(tmp_path):
+    """Curves, marks of extrema and the turns of the input; its title has both speeds."""
+    scene = load_scene('slider_crank')
+    linkage, speed, units = scene.linkage, scene.drive.speed, {'rad': 'turn', 'm': 'mm', 'N': 'kN'}
+    names = ['slide', 'f41']
+    in_si, curves = (curves_of(scene, linkage, names, speed, shown_units=shown)
+                     for shown in ({}, units))
+    assert curves.units == ('turn', 'mm', 'kN') and curves.period == pytest.approx(1.0)
+    assert curves.values == pytest.approx(
+        in_si.values * [[0.5 / np.pi], [1e3], [1e-3]], rel=1e-15)
+    assert curves.title.endswith(f'{speed:g} rad/s ({speed * 30.0 / np.pi:.6g} rpm)')
+    marks = marks_of(linkage, extrema_of(scene, linkage, names, speed), units)
+    figure = make_figure(curves, marks)
+    assert [axis.get_ylabel() for axis in figure.axes] == ['position [mm]', 'force [kN]']
+    for axis in figure.axes:
+        line, dots = axis.lines
+        assert dots.get_ydata().max() == pytest.approx(line.get_ydata().max(), rel=1e-4)
+    file = tmp_path / 'it.svg'
+    assert not main(['plot', 'slider_crank', *names, '--units', 'mm,kN', '-o', str(file)])
+    assert file.exists()
 
 
 def test_the_drive_of_a_four_stroke_is_that_of_both_turns(tmp_path, capsys):
@@ -156,10 +178,11 @@ def test_the_drive_of_a_four_stroke_is_that_of_both_turns(tmp_path, capsys):
     peak = max(-minimize_scalar(lambda x: -abs(torque(float(x))), method='bounded',
                                 bounds=(ends[i], ends[i + 1]), options={'xatol': 1e-10}).fun
                for i in range(piece - 1, piece + 2))
-    found = effort_of(load_scene('engine'), linkage, speed)
-    assert found.root_mean_square == pytest.approx(np.sqrt(square / (ends[-1] - ends[0])),
-                                                   rel=1e-9)
-    assert found.peak == pytest.approx(peak, rel=1e-12)
+    found = drive_of(linkage, speed)['effort']
+    assert found['root_mean_square'] == pytest.approx(np.sqrt(square / (ends[-1] - ends[0])),
+                                                      rel=1e-9)
+    assert abs(found['peak']) == pytest.approx(peak, rel=1e-12)
+    assert torque(found['peak_at']) == pytest.approx(found['peak'], rel=1e-9)
     file = tmp_path / 'servo.csv'
     assert not main(['table', 'engine', '--speeds', '0', '1', '-o', str(file)])
     assert 'samples' not in file.read_text()

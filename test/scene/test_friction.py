@@ -15,6 +15,8 @@ from fourbar_ros import DriveFriction, find_extrema, InvalidParameter, JointFric
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics import System
+from fourbar_ros.errors import Locked
+from fourbar_ros.extrema import OverInput
 from fourbar_ros.pipeline.stepper import LOCKED, OK, STATUS_NAMES, Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
@@ -45,6 +47,7 @@ LOCKS = scene.from_values({
     'external.crank.couple': -5.0, 'drive.speed': 0.1,
     **{name: value for name, value in RUBS.items() if not name.startswith('friction.drive')}})
 NEAR = 0.309999                     # [m]
+JAMS = {'linkage.offset': 0.189, 'friction.guide.coefficient': 1.0}
 
 
 @pytest.fixture
@@ -79,8 +82,55 @@ def test_node_table_show_and_page(file, tmp_path, capsys):
     main(['show', file, '--at', str(AT), '--hold', str(AT), '--json'])
     record = json.loads(capsys.readouterr().out)
     assert record['pose']['loads']['driving_torque'] == TRUE.driving_torque
-    assert record['holding'] == list(THERE.linkage.holding(GIVEN[0])) and record['locked'] == []
+    rest = record['drive']['at_rest']
+    assert [rest['lower'], rest['upper']] == list(THERE.linkage.holding(GIVEN[0]))
+    assert record['drive']['locks'] == []
     assert shown(THERE.values).pose(GIVEN[0]).loads.f21 == TRUE.f21
+
+
+def test_show_sizes_the_drive_in_words(file, capsys):
+    """In degrees and rpm: peak, cycle, worst pin, what holds it; that jumps are jumps once."""
+    linkage, free = THERE.linkage, THERE.linkage.without_friction
+    main(['show', file, '--hold', str(AT)])
+    text = capsys.readouterr().out
+    assert text.index('extrema of motion') < text.index('drive  ') < text.index('extrema of loads')
+    torque = OverInput(linkage, 'driving_torque', SPEED)
+    peak = torque.largest
+    assert (f'peak {peak.value:.6g} N m at {np.degrees(peak.input):.4f} deg, rms {torque.rms:.6g} '
+            f'N m, peak power {peak.value * SPEED:.6g} W') in text
+    assert f'{SPEED:g} rad/s ({SPEED * 30.0 / np.pi:.6g} rpm)' in text
+    work, left = (OverInput(each, 'driving_torque', SPEED).of_cycle for each in (linkage, free))
+    assert (f'cycle      {work:.6g} J = {left:.6g} J without friction + {work - left:.6g} J '
+            'friction, ') in text
+    assert f'mean {work * SPEED / (2.0 * np.pi):.6g} W' in text
+    assert 'locks      nowhere' in text and text.count('from below, from above: ') == 1
+    lower, upper = linkage.holding(GIVEN[0])
+    rate = linkage.motion(GIVEN[0], 1.0).slide_velocity
+    there, back = ('grows', 'falls') if rate > 0.0 else ('falls', 'grows')
+    assert (f'{AT:.4f} deg, with friction: stays from {lower:.6g} N m (below it theta1 falls, '
+            f'slide {back}) to {upper:.6g} N m (above it theta1 grows, slide {there})') in text
+
+
+@pytest.mark.parametrize(('changes', 'expected'), [
+    (JAMS, (264.119, 12.892)), ({**JAMS, 'drive.speed': -SPEED}, (168.493, 264.119)),
+    ({'friction.A.radius': 0.06, 'friction.A.coefficient': 4.0}, (0.0, 360.0))])
+def test_where_a_turning_crank_locks_is_counted_from_0_to_360(changes, expected, tmp_path, capsys):
+    """Also over 0 and over 180 degrees, where ranges of the input begin: one range each."""
+    locks = scene.from_values({**THERE.values, **changes})
+    path = tmp_path / 'locks.yaml'
+    path.write_text(locks.as_text)
+    assert main(['show', str(path), '--json']) == 0
+    each, = json.loads(capsys.readouterr().out)['drive']['locks']
+    assert np.degrees([each['from'], each['to']]) == pytest.approx(expected, abs=1e-3)
+    main(['show', str(path)])
+    text = capsys.readouterr().out
+    line = next(line for line in text.splitlines() if line.startswith('locks'))
+    with pytest.raises(Locked) as error:
+        locks.linkage.loads(each['from'] + 0.1, locks.drive.speed)
+    assert list(error.value.joints) == each['joints']
+    assert (f'{np.degrees(each["from"]):.4f} to {np.degrees(each["to"]):.4f} deg '
+            f'({", ".join(each["joints"])})') in line
+    assert 'extrema of loads' not in text and 'drive   ' not in text
 
 
 @pytest.mark.parametrize('name', ['driving_torque', 'f21', 'f32', 'guide_force', 'guide_couple'])
@@ -108,7 +158,9 @@ def test_what_it_locks_is_said(tmp_path, capsys):
     path.write_text(LOCKS.as_text)
     main(['show', str(path), '--hold', str(NEAR), '--json'])
     record = json.loads(capsys.readouterr().out)
-    assert record['locked'][-1] == [low, high] and record['holding'][1] == 'inf'
+    locks = record['drive']['locks'][-1]
+    assert [locks['from'], locks['to'], locks['joints']] == [low, high, ['B', 'A', 'O1']]
+    assert record['drive']['at_rest']['upper'] == 'inf' and 'effort' not in record['drive']
     assert not any(one['quantity'] == 'f41' for one in record['extrema'])
     with pytest.raises(InvalidParameter, match='locks the mechanism in'):
         find_extrema(linkage, ['f41'], 0.1)

@@ -10,6 +10,9 @@ from support.scenes import PAPER, RODS
 
 BARS = {'bodies.rods.density': 7850.0, 'bodies.rods.width': 0.02, 'bodies.rods.thickness': 0.005}
 LONG = {'linkage.a1': 50.0, 'linkage.a2': 150.0, 'linkage.a3': 100.0, 'linkage.a4': 125.0}
+# from O1 to the end of the crank: 0.4 m long
+SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
+          'springs.back.first.along': -0.4, 'springs.back.stiffness': 0.5}
 
 
 @pytest.mark.parametrize(('changes', 'said'), [
@@ -23,6 +26,17 @@ LONG = {'linkage.a1': 50.0, 'linkage.a2': 150.0, 'linkage.a3': 100.0, 'linkage.a
     ({'bodies.rods.density': 7750.0, 'bodies.rods.radius': 10.0}, ['did you mean 0.01?']),
     ({**BARS, 'bodies.rods.width': 20.0}, ['bodies.rods.width = 20 m: ']),
     ({**BARS, 'bodies.rods.thickness': 5.0}, ['bodies.rods.thickness = 5 m: ']),
+    ({'bodies.rods.density': 7750.0, 'bodies.rods.radius': 0.3},
+     ['0.4 m: give the mass and inertia of such links']),
+    ({**RODS, 'friction.A.coefficient': 1.2, 'friction.A.radius': 0.01},
+     ['friction.A.coefficient = 1.2: dry friction is mostly below 1']),
+    ({**RODS, 'friction.A.coefficient': 1.0, 'friction.A.radius': 0.01}, []),
+    ({**RODS, **SPRING, 'gravity.y': -9.81},
+     ['springs.back.stiffness = 0.5 N/m: its force is at most 0.4 N']),
+    ({**RODS, **SPRING}, []),
+    ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 500.0}, []),
+    ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 0.5,
+      'springs.back.preload': 400.0}, []),
     ({'drive.start': 90.0}, ['did you mean 1.5708 (90 degrees)?']),
     ({'drive.start': -6.3}, ['drive.start = -6.3 rad is more than a turn']),
     ({'drive.start': 6.28, **RODS}, []),
@@ -34,6 +48,20 @@ def test_what_is_hardly_meant_is_one_line_each(changes, said):
     found = warnings_of(from_values({**PAPER, **changes}))
     assert len(found) == len(said)
     assert all(part in line and '\n' not in line for part, line in zip(said, found))
+
+
+@pytest.mark.parametrize(('unit', 'size'), [('mm', 1e-3), ('m', 1.0), ('', 1.0), ('cm', 1e-2)])
+def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
+    """Exactly: a slider-crank of 40 and 160 mm goes from 120 to 200 mm."""
+    scene = from_values({
+        'linkage.kind': 'slider_crank', 'linkage.a1': 0.04, 'linkage.a2': 0.16, **RODS,
+        'forces.cut.link': 'output', 'forces.cut.acts': 'x', 'forces.cut.over': 'slide',
+        'forces.cut.places': [place / size for place in (0.185, 0.19, 0.195)],
+        'forces.cut.values': [0.0, 5.0, 8.0], 'forces.cut.place_unit': unit,
+        'outputs': ['state'], 'bodies.output.mass': 1.0})
+    line, = warnings_of(scene)
+    first, last, low, high = (f'{place / size:.6g}' for place in (0.185, 0.195, 0.12, 0.2))
+    assert f'goes from {first} to {last}, slide from {low} to {high} {unit or "m"}: ' in line
 
 
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():

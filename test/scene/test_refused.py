@@ -226,7 +226,7 @@ TABLE = [
         ('shaft.stiffness', 1e5, 'elastic shaft', 'motor.rotor_inertia'),
         ('shaft.damping', 1.0, 'needs shaft.stiffness'),
         ('springs.s.first.link', 'slider', 'must be one of'),
-        ('springs.s.stiffness', 1.0, 'another link', 'springs.s.second.link'),
+        ('springs.s.stiffness', 1.0, 'must be given', 'springs.s.second.link'),
         ('springs.2s.stiffness', 1.0, 'not a valid spring name'),
         ('springs.s.stifness', 1.0, 'of springs.s; did you mean stiffness?'),
         ('torsion_springs.s.second', 'ground', 'another'),

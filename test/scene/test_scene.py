@@ -87,7 +87,9 @@ def test_scene_check_explains(capsys):
     assert '25.0' in said and '~/shaking_wrench' in said and 'motion and loads' in said
     assert main(['scene', 'check', str(CONFIG / 'slides_7_6.yaml')]) == 0
     said = capsys.readouterr().out
-    assert 'motion only' in said and 'not created: loads' in said
+    assert 'motion alone' in said and 'needs loads' not in said and 'not created: loads' in said
+    assert main(['scene', 'check', str(CONFIG / 'released.yaml')]) == 0     # it has masses
+    assert 'computes motion alone: no output needs loads' in capsys.readouterr().out
 
 
 def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, capsys):
