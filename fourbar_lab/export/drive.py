@@ -248,23 +248,22 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     """Return the functions of forces over a position, from their tables."""
     if any(not isinstance(force, TableForce) for force in forces):
         raise NotGenerated(f'{name}: a force that is a Python function')
-    names = {'wrapped' if force.table.is_periodic else 'clamped' for force in forces}
-    functions = [snippet('functions.c', name) for name in (*sorted(names), 'table') if forces]
+    needed = {'wrapped': any(force.table.is_periodic for force in forces), 'table': bool(forces)}
+    functions = [snippet('functions.c', name) for name, is_needed in needed.items() if is_needed]
     for i, force in enumerate(forces):
         table = force.table
-        inner, first = table.places[1:-1], table.places[0]
-        second = table.span if table.is_periodic else table.places[-1]
         turned = ([f'  place = {literal(force.middle)} + remainder(place - '
                    f'{literal(force.middle)}, {literal(tau)});']
-                  if force.middle is not None else [])
+                  if force.middle is not None else
+                  [f'  place = wrapped(place, {literal(table.places[0])}, {literal(table.span)});']
+                  if table.is_periodic else [])
         functions += [
             f'static double called_{i}(double place)\n{{',
-            '  ' + _array('double inner[]', inner or (0.0,)),
+            '  ' + _array('double starts[]', table.starts),
             '  static const double pieces[][5] = {',
             ',\n'.join(f'    {{{_list(row)}}}' for row in table.pieces), '  };', *turned,
-            f'  place = {"wrapped" if table.is_periodic else "clamped"}(place, '
-            f'{literal(first)}, {literal(second)});',
-            f'  return cubic(pieces[piece_at(place, inner, {len(inner)})], place);', '}', '']
+            f'  return cubic(pieces[piece_at(place, starts, {len(table.starts)})], place);', '}',
+            '']
     return functions
 
 

@@ -134,8 +134,10 @@ def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[P
     for quantity, of_quantity in by_quantity.items():
         inorder = sorted(of_quantity, key=along)
         following = inorder[1:] + inorder[:path.is_closed]
+        # two jumps may follow each other at one input, or at both ends of a plateau
         if len(inorder) > 1 and any(
-                a.sense == b.sense and not (is_jump(a) and is_jump(b) and a.x == b.x)
+                a.sense == b.sense and not (is_jump(a) and is_jump(b) and (
+                    a.x == b.x or abs(a.value - b.value) <= FLAT * abs(a.value)))
                 for a, b in zip(inorder, following)) or any(
                 isnan(extremum.value) for extremum in of_quantity):
             wrong.add(quantity)

@@ -216,7 +216,7 @@ class TableForce:
     @cached_property
     def ends(self) -> list[float]:
         """Return the points s of a period and two more on either side, infinite without it."""
-        points = list(self.table.places)[:-1 if self.table.is_periodic else None]
+        points = self.table.starts[:-1 if self.table.is_periodic else None]
         cycles = ceil(2 / len(points))         # so many on either side have two points
         return [point + turn * self.period if turn else point
                 for turn in range(-cycles, cycles + 1) for point in points]

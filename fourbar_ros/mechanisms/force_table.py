@@ -5,7 +5,8 @@ A force over a position, from the points of a table.
 
 Between two points it is a cubic polynomial with the slopes of Fritsch and Butland (SIAM J. Sci.
 Stat. Comput. 5, 1984), which scipy calls PCHIP: it has a continuous derivative, as an integrator
-needs it, and never leaves the range of the two values. Or it is a straight line.
+needs it, and never leaves the range of the two values. Or it is a straight line. At a place that
+stands twice it jumps, and each side is a curve by itself.
 
 The coefficients are scipy's; a single value from them takes a tenth of a call of scipy's object.
 """
@@ -15,6 +16,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
@@ -37,11 +39,13 @@ class ForceTable:
     Parameters
     ----------
     places : sequence of float
-        Increasing, 2 to 10 000.
+        Increasing, 2 to 10 000. At a place that stands twice the force jumps from the first of
+        its two values to the second, which is that at the place itself.
     values : sequence of float
         As many. Beyond the first and the last place the force is that at the end.
     is_periodic : bool
         It repeats: the last place is the first one again, one period later, with the same value.
+        Where the first or the last place stands twice, it jumps there.
     is_linear : bool
         Straight lines between points, not cubic polynomials.
 
@@ -53,6 +57,9 @@ class ForceTable:
     >>> stroke = ForceTable([0.0, 0.1, 0.2], [0.0, -500.0, -600.0])
     >>> round(stroke(0.15), 3), stroke(9.0)
     (-570.833, -600.0)
+    >>> cut = ForceTable([0.0, 0.1, 0.1, 0.2], [0.0, 0.0, -500.0, -600.0])
+    >>> cut(0.0999), cut(0.1)
+    (0.0, -500.0)
 
     """
 
@@ -72,14 +79,25 @@ class ForceTable:
             raise InvalidParameter('places', count, f'must be 2 to {MOST_POINTS} points')
         if len(values) != count:
             raise InvalidParameter('values', len(values), f'must be as many as places, {count}')
-        for i, (before, after) in enumerate(zip(places, places[1:]), 2):
-            if not after > before:
+        for i, (before, after) in enumerate(pairwise(places), 2):
+            if after < before:
                 raise InvalidParameter(f'places[{i}]', after, 'must be larger than the one '
                                                               f'before, {before!r}')
+            if i > 2 and after == places[i - 3]:
+                raise InvalidParameter(f'places[{i}]', after, 'stands three times: a jump has one '
+                                                              'value before and one after it')
+        if not self.span:
+            raise InvalidParameter('places[2]', places[1], 'must be larger than the one before, '
+                                                           f'{places[0]!r}')
         if self.is_periodic:
             if abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
-                raise InvalidParameter(f'values[{count}]', values[-1], 'must be the first value '
-                                       f'again, {values[0]!r}: the table is periodic')
+                raise InvalidParameter(
+                    f'values[{count}]', values[-1], f'must be the first value again, {values[0]!r}'
+                    ': the table is periodic; where it jumps there, a last row '
+                    f'{places[-1]!r}, {values[0]!r} says so')
+            if places[0] == places[1] and places[-2] == places[-1]:
+                raise InvalidParameter(f'places[{count}]', places[-1], 'stands twice, and so does '
+                                       'the first, which is the same place: one jump is enough')
             object.__setattr__(self, 'values', (*values[:-1], values[0]))
         try:
             is_finite = bool(np.all(np.isfinite(self._columns)))
@@ -100,7 +118,7 @@ class ForceTable:
 
     def __call__(self, x: Any) -> Any:
         """
-        Return the value at x, a float or an array.
+        Return the value at x, a float or an array; where it jumps, that after the jump.
 
         Of complex x, those of the polynomial at its real part, for derivatives by a complex step.
         """
@@ -112,58 +130,78 @@ class ForceTable:
     def slope(self, x: Array) -> Array:
         """Return the derivative at an array x, as its value; 0 beyond the ends."""
         (a, b, c, _), t = self._at(x)
-        is_beyond = (x.real < self.places[0]) | (x.real > self.places[-1])
-        return np.asarray(np.where(is_beyond & (not self.is_periodic), 0.0,
-                                   (3.0 * a * t + 2.0 * b) * t + c))
+        return np.asarray((3.0 * a * t + 2.0 * b) * t + c)
 
     def _at(self, x: Array) -> tuple[Sequence[Array], Array]:
         """Return the coefficients of the piece at an array x, and how far x is in it."""
-        first, last = self.places[0], self.places[-1]
-        if np.iscomplexobj(x):
-            x = (x - self.span * np.floor((x.real - first) / self.span) if self.is_periodic else
-                 np.where(x.real < first, first, np.where(x.real > last, last, x)))
-        else:
-            x = first + (x - first) % self.span if self.is_periodic else np.clip(x, first, last)
-        *coefficients, start = self._columns[:, np.searchsorted(self.places[1:-1], x.real,
+        if self.is_periodic:
+            first = self.places[0]
+            if np.iscomplexobj(x):
+                x = x - self.span * np.floor((x.real - first) / self.span)
+            else:
+                x = first + (x - first) % self.span
+        *coefficients, start = self._columns[:, np.searchsorted(self.starts, x.real,
                                                                 side='right')]
         return coefficients, x - start
 
     def _value(self, x: Any, number: Any) -> Any:
         """Return the value at x, a ``number``: a float or a Decimal."""
-        first, last = map(number, (self.places[0], self.places[-1]))
         if self.is_periodic:
+            first = number(self.places[0])
             x = first + (x - first) % number(self.span)
-        else:
-            x = min(max(x, first), last)
-        piece = self.pieces[bisect_right(self.places, x, 1, len(self.places) - 1) - 1]
+        piece = self.pieces[bisect_right(self.starts, x)]
         a, b, c, d, start = piece if number is float else map(number, piece)
         t = x - start
         return ((a * t + b) * t + c) * t + d
 
     @cached_property
+    def starts(self) -> list[float]:
+        """Return all places, each once: there the pieces begin, but for the one before them."""
+        return sorted({*self.places})
+
+    @cached_property
     def pieces(self) -> list[list[float]]:
-        """Return the coefficients of the pieces, highest power first, each with its start."""
+        """
+        Return the coefficients of the pieces, highest power first, each with its start.
+
+        The first piece and the last are the constants beyond the ends.
+        """
         pieces: list[list[float]] = self._columns.T.tolist()
         return pieces
 
     @cached_property
     def _columns(self) -> Array:
-        """Return coefficients and start of each piece, of shape (5, pieces)."""
+        """Return coefficients and start of each piece, of shape (5, places, each once, + 1)."""
         places, values = np.array(self.places), np.array(self.values)
-        count = places.size - 1
-        with np.errstate(all='ignore'):
-            if self.is_linear:
-                zero = np.zeros(count)
-                return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1],
-                                 places[:-1]])
-            try:
-                from scipy.interpolate import PchipInterpolator
-            except ModuleNotFoundError as error:
-                raise MissingPackage('a table of forces', error) from error
-            if not self.is_periodic:
-                return np.vstack([PchipInterpolator(places, values).c, places[:-1]])
-            # repeated three times: the middle cycle has the right slopes at its ends
-            cycles = np.concatenate([places[:-1] - self.span, places, places[1:] + self.span])
+        first, last = places[0], places[-1]
+        inner = slice(0, places.size - 1)
+        if self.is_periodic:    # three times: the cycle in the middle has the right slopes
+            inner = slice(places.size - 1, 2 * places.size - 2)
+            places = np.concatenate([first + (places[:-1] - last), places,
+                                     last + (places[1:] - first)])
             values = np.concatenate([values[:-1], values, values[1:]])
-            of_middle = PchipInterpolator(cycles, values).c[:, count:2 * count]
-            return np.vstack([of_middle, places[:-1]])
+        curves = np.zeros((4, places.size - 1))
+        jumps = np.flatnonzero(np.diff(places) == 0.0) + 1
+        with np.errstate(all='ignore'):
+            for begin, end in pairwise([0, *jumps.tolist(), places.size]):
+                if end > begin + 1:
+                    curves[:, begin:end - 1] = self._curve(places[begin:end], values[begin:end])
+        columns = np.vstack([curves, places[:-1]])[:, inner]
+        before, after = self.values[0], self.values[-1]
+        if self.is_periodic and self.places[-2] == self.places[-1]:
+            after = self.values[-2]     # less than a rounding before the place it is not there yet
+        return np.column_stack([[0.0, 0.0, 0.0, before, first],
+                                columns[:, np.diff(self.places) > 0.0],
+                                [0.0, 0.0, 0.0, after, last]])
+
+    def _curve(self, places: Array, values: Array) -> Array:
+        """Return the coefficients of the pieces between places, without a jump: (4, pieces)."""
+        if self.is_linear:
+            zero = np.zeros(places.size - 1)
+            return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1]])
+        try:
+            from scipy.interpolate import PchipInterpolator
+        except ModuleNotFoundError as error:
+            raise MissingPackage('a table of forces', error) from error
+        curve: Array = PchipInterpolator(places, values).c
+        return curve

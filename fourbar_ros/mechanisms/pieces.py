@@ -191,7 +191,7 @@ def _coordinates(element: Element) -> Iterator[Coordinate]:
         points: Array = np.empty(0)
         period = inf
         if isinstance(element.value, TableForce):
-            points, period = np.array(element.value.table.places), element.value.period
+            points, period = np.array(element.value.table.starts), element.value.period
             if element.value.middle is not None:        # there the table ends and begins again
                 points = np.append(points, element.value.middle + pi)
         elif isinstance(element.over, LinkAngle):

@@ -526,7 +526,8 @@ _FORCE = _table(
               'pressure [bar]", then a place and a value in each row; or give places and values',
               live=False),
     Parameter('forces.NAME.places', 'doubles', [], '',
-              'places of the table of the force NAME, increasing'),
+              'places of the table of the force NAME, increasing; at one that stands twice the '
+              'force jumps from its first value to its second'),
     Parameter('forces.NAME.place_unit', 'string', '', '',
               'unit of the places; default: rad or m', choices=('', *POSITION_UNITS)),
     Parameter('forces.NAME.values', 'doubles', [], '',

@@ -329,10 +329,59 @@ def test_a_table_is_that_of_scipy_on_floats_and_arrays():
     assert left == pytest.approx(right, abs=1e-4)
 
 
+@pytest.mark.parametrize('is_linear', [True, False])
+def test_a_table_with_jumps_is_one_curve_on_each_side(is_linear):
+    """Against scipy and numpy on each part alone; at a place itself the value after the jump."""
+    rng = np.random.default_rng(5)
+    parts = [np.sort(rng.uniform(low, low + 1.0, count))
+             for low, count in ((0, 4), (1, 2), (2, 7))]
+    ends = [0.5 * (before[-1] + after[0]) for before, after in zip(parts, parts[1:])]
+    parts = [np.array([*ends[i - 1:i], *part, *ends[i:i + 1]]) for i, part in enumerate(parts)]
+    of_parts = [rng.normal(size=part.size) for part in parts]
+    table = ForceTable(np.concatenate(parts), np.concatenate(of_parts), False, is_linear)
+    for part, values in zip(parts, of_parts):
+        curve = (lambda x, part=part, values=values: np.interp(x, part, values)) if is_linear \
+            else PchipInterpolator(part, values)
+        x = rng.uniform(part[0], part[-1], 99)
+        assert np.max(np.abs(table(x) - curve(x))) < 1e-14
+        assert table(x).tolist() == [table(each) for each in x.tolist()]
+        assert table(float(part[0])) == values[0]
+        assert table(float(np.nextafter(part[-1], 0.0))) == pytest.approx(values[-1], abs=1e-12)
+    assert table(-9.0) == of_parts[0][0] and table(9.0) == of_parts[-1][-1]
+
+
+def test_a_jump_at_an_end_is_a_step_there():
+    table = ForceTable([1.0, 1.0, 2.0, 2.0], [7.0, 50.0, 40.0, -3.0])
+    assert [table(x) for x in (0.0, 0.999, 1.0, 1.5, 1.999999, 2.0, 9.0)] == pytest.approx(
+        [7.0, 7.0, 50.0, 45.0, 40.0, -3.0, -3.0], abs=1e-4)
+    assert table(np.array([0.999, 1.0, 2.0])).tolist() == [7.0, 50.0, -3.0]
+
+
+@pytest.mark.parametrize('is_linear', [True, False])
+def test_a_cycle_may_jump_where_it_comes_round(is_linear):
+    """Written at its end or at its begin it is one; without a jump there it goes on smoothly."""
+    places, values = [0.0, 1.0, 2.5, 4.0], [3.0, -8.0, 5.0, 60.0]
+    at_end = ForceTable([*places, 4.0], [*values, 3.0], True, is_linear)
+    at_begin = ForceTable([0.0, *places], [60.0, *values], True, is_linear)
+    one_turn = ForceTable(places, values, False, is_linear)
+    x = np.linspace(-9.0, 9.0, 1234)
+    assert np.max(np.abs(at_end(x) - one_turn(x % 4.0))) < 1e-12
+    assert at_end(x).tolist() == at_begin(x).tolist() == [at_begin(each) for each in x.tolist()]
+    assert at_end(0.0) == at_end(8.0) == 3.0 and at_end(-1e-300) == 60.0
+    # a jump within: the curve over the seam is that of the cycle begun elsewhere
+    inside = ForceTable([0.0, 1.0, 2.0, 2.0, 3.0, 4.0], [1.0, 5.0, 2.0, -9.0, 7.0, 1.0], True,
+                        is_linear)
+    turned = ForceTable([2.0, 3.0, 4.0, 5.0, 6.0], [-9.0, 7.0, 1.0, 5.0, 2.0], False, is_linear)
+    assert np.max(np.abs(inside(x) - turned(2.0 + (x - 2.0) % 4.0))) < 1e-12
+
+
 @pytest.mark.parametrize(('arguments', 'why'), [
     (([0.0], [1.0]), 'places = 1: must be 2 to 10000 points'),
     (([0.0, 1.0], [1.0]), 'values = 1: must be as many as places, 2'),
-    (([0.0, 1.0, 1.0], [1.0, 2.0, 3.0]), r'places\[3\] = 1.0: must be larger than the one before'),
+    (([0.0, 1.0, 0.9], [1.0, 2.0, 3.0]), r'places\[3\] = 0.9: must be larger than the one before'),
+    (([0.0, 1.0, 1.0, 1.0], [1.0, 2.0, 3.0, 4.0]), r'places\[4\] = 1.0: stands three times'),
+    (([1.0, 1.0], [1.0, 2.0]), r'places\[2\] = 1.0: must be larger than the one before, 1.0'),
+    (([0.0, 0.0, 1.0, 1.0], [1.0, 2.0, 3.0, 1.0], True), r'places\[4\] = 1.0: .* one jump'),
     (([0.0, float('nan')], [1.0, 2.0]), r'places\[2\] = nan: must be a finite number'),
     (([0.0, 1.0], [1.0, 'x']), r"values\[2\] = 'x': must be a finite number, not of type str"),
     (([0.0, 1.0], [1.0, 2.0], True), r'values\[2\] = 2.0: must be the first value again, 1.0'),
@@ -441,6 +490,47 @@ def test_steps_of_the_node_do_the_work_of_a_narrow_table(over, width, sign):
     # a step has an error of the speed of its tolerance over its length, here that of a flank
     step = min(width / rate, 1e-3)
     assert gained == pytest.approx(work, abs=FLYWHEEL * rate * tolerance / step)
+
+
+def with_steps(over, height, rate):
+    """Return a system with a force that is on between two places alone, and its work [J]."""
+    if over == 'input':
+        places, values = [0.0, 1.9, 1.9, 2.1, 2.1, TURN], [0.0, 0.0, height, height, 0.0, 0.0]
+        force = PositionForce(Attachment('crank'), ForceTable(places, values, True, True),
+                              direction=None)
+    elif over == 'way':
+        places, values = [0.3, 0.65, 0.65, 0.75, 0.75], [0.0, 0.0, height, height, 0.0]
+        force = PositionForce(Attachment('output', 0.8), ForceTable(places, values),
+                              Way(Attachment('output', 0.8)))
+    else:
+        force = PositionForce(Attachment('crank'), ForceTable(
+            [2.9, 2.9, 3.1, 3.1], [0.0, height, height, 0.0]), LinkAngle('crank'), direction=None)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, elements=(force,))
+    return (System(linkage, 0.0, rate, Drive(ConstantTorque(0.0), flywheel=FLYWHEEL)),
+            height * (0.1 if over == 'way' else 0.2))
+
+
+@pytest.mark.parametrize('sign', [1.0, -1.0])
+@pytest.mark.parametrize('over', ['input', 'way', 'angle'])
+def test_motions_from_torque_do_the_work_of_steps(over, sign):
+    """By a run, and by the node at 1 kHz: a step ends about where the force jumps."""
+    (system, work), tolerance, rate = with_steps(over, 2000.0, 25.0 * sign), 1e-8, 25.0
+    if over != 'way':
+        work = work * sign
+    else:                       # the rocker's end goes back over the step on the way to END
+        work = work * passes_of(over, system, sign * END[over])
+    run = simulate(system, END[over] / rate, tolerance)
+    assert run.status == REACHED
+    energy = [system.equation.energy(run.position[i], run.rate[i]) for i in (0, -1)]
+    assert energy[1] - energy[0] == pytest.approx(work, abs=10.0 * tolerance * energy[0])
+    mover, tolerance = Mover(system, 1e-6, 60), 1e-6
+    values = mover.start()
+    while abs(values.position) < END[over]:
+        status, values = mover.next(values, 1e-3)
+        assert status == OK
+    gained = system.equation.energy(values.position, values.velocity) - energy[0]
+    # a step has an error of the speed of its tolerance over its length
+    assert gained == pytest.approx(work, abs=FLYWHEEL * rate * tolerance / 1e-3)
 
 
 @pytest.mark.parametrize('width', [0.05, 5e-4])

@@ -310,7 +310,16 @@ def test_forces_over_the_place_of_a_point_follow_the_lengths(tmp_path):
         'forces.push.link': 'coupler', 'forces.push.along': 0.7, 'forces.push.across': 0.2,
         'forces.push.acts': 'y', 'forces.push.over': 'p.x',
         'forces.push.places': [-1.0, 0.2, 0.6, 2.0],
-        'forces.push.values': [10.0, 200.0, -30.0, 100.0]})
+        'forces.push.values': [10.0, 200.0, -30.0, 100.0],
+        # steps: within a table, at its begin, at its end, where a cycle comes round
+        **{f'forces.{name}.{field}': value
+           for name, over, places in (('step', 'p.x', [0.2, 0.2, 0.5, 0.5, 0.6, 0.6]),
+                                      ('cut', 'theta4', [1.0, 1.5, 1.5, 1.6, 2.0, 2.0]),
+                                      ('cycle', 'input', [
+                                          -1.0, -1.0, 0.5, 0.5, 1.0, 2.0 * math.pi - 1.0]))
+           for field, value in (('link', 'output'), ('acts', 'couple'), ('over', over),
+                                ('places', places), ('periodic', name == 'cycle'),
+                                ('values', [0.0, 70.0, 60.0, -20.0, 30.0, 0.0]))}})
     code, other = Code(scene, tmp_path, 'pushed'), replace(scene.linkage, a1=0.35)
     inputs = random_inputs(other, 2, 300)
     values = [0.35 if one.name == 'a1' else one.value for one in code.model.tunable]

@@ -60,6 +60,14 @@ MORE = {
                          for key, value in (('link', 'output'), ('acts', 'couple'),
                                             ('over', over), ('places', places),
                                             ('values', [0.0, 30.0, 0.0]))}},
+    'steps': {**ROCKER, **LINE, 'outputs': ['state', 'loads'],
+              'points.end.link': 'coupler', 'points.end.along': 1.0,
+              **{f'forces.{name}.{key}': value
+                 for name, places, over in (('cut', [0.3, 0.5, 0.5, 0.6, 0.6], 'end.x'),
+                                            ('stop', [1.2, 1.2, 1.4, 1.4, 1.5], 'theta4'))
+                 for key, value in (('link', 'output'), ('acts', 'couple'),
+                                    ('over', over), ('places', places),
+                                    ('values', [0.0, 30.0, 25.0, 5.0, 0.0]))}},
     **dict.fromkeys(('motor', 'controlled', 'released', 'sundials', 'door_closer'))}
 
 

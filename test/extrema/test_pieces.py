@@ -54,10 +54,14 @@ def mechanism_of(rng):
 
 
 def table_of(rng, low, high, is_periodic=False):
-    """Return a random table, cubic or of straight lines."""
+    """Return a random table, cubic or of straight lines, in every other one a jump."""
     count = int(rng.integers(3, 12))
     places = np.concatenate(([low], np.sort(rng.uniform(low, high, count - 2)), [high]))
     values = rng.normal(size=count) * 200.0
+    if rng.integers(2):
+        jump = rng.integers(1, count)
+        places[jump - 1] = places[jump]
+        places[0] = low
     if is_periodic:
         values[-1] = values[0]
     return ForceTable(places, values, is_periodic, bool(rng.integers(2)))
@@ -173,6 +177,59 @@ def test_a_kink_of_straight_lines_is_an_extremum_at_its_point():
     assert least.theta1 == pytest.approx(2.0, abs=1e-15)
     assert least.value == pytest.approx(-50.0, rel=1e-9)
     assert most.theta1 == pytest.approx(0.0, abs=1e-15)
+
+
+def massless_with(table):
+    """Return a crank-rocker whose driving torque is minus a table over its crank, to 1e-9."""
+    bodies = Bodies(*(round_rod(length, 1e-9, 0.01) for length in (0.3, 1.0, 0.9)))
+    return FourBar(0.3, 1.0, 0.9, 1.0, bodies=bodies).with_elements(
+        PositionForce(Attachment('crank'), table, direction=None))
+
+
+@pytest.mark.parametrize('is_linear', [True, False])
+@pytest.mark.parametrize(('places', 'values', 'limits'), [
+    # a cut from 2 to 3 rad, held between: written as a designer does
+    ([0.0, 2.0, 2.0, 3.0, 3.0, TURN], [0.0, 0.0, 50.0, 40.0, 0.0, 0.0],
+     [(2.0, -1, 0.0), (2.0, 1, -50.0), (3.0, -1, -40.0), (3.0, 1, 0.0)]),
+    # where the table comes round, as a row more at its end, or at its begin
+    ([0.0, 2.0, TURN, TURN], [10.0, 20.0, 50.0, 10.0], [(0.0, -1, -50.0), (0.0, 1, -10.0)]),
+    ([0.0, 0.0, 2.0, TURN], [50.0, 10.0, 20.0, 50.0], [(0.0, -1, -50.0), (0.0, 1, -10.0)])])
+def test_a_jump_of_a_table_counts_on_both_sides(places, values, limits, is_linear):
+    extrema = find_extrema(massless_with(ForceTable(places, values, True, is_linear)),
+                           'driving_torque', 1.0)
+    jumps = [(extremum.theta1 % TURN, extremum.side, extremum.value) for extremum in extrema
+             if extremum.place == 'limit']
+    assert len(jumps) == len(limits) and not any(extremum.proof for extremum in extrema)
+    for place, side, value in limits:
+        values_there = [jump[2] for jump in jumps if jump[1] == side
+                        and abs((jump[0] - place + pi) % TURN - pi) < 1e-9]
+        assert values_there == [pytest.approx(value, abs=1e-7)], (place, side)
+    assert min(extremum.value for extremum in extrema) == pytest.approx(-max(values), abs=1e-7)
+
+
+def test_a_force_that_is_on_between_two_places_alone_has_proven_peaks():
+    """At rest without weight: nothing but a step up and one down, over the input and a way."""
+    linkage = SliderCrank(0.3, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01),) * 3))
+    tip = Attachment('output')
+    for over, places in (('input', [0.0, 2.0, 2.0, 3.0, 3.0, TURN]),
+                         (Way(tip), [0.0, 0.9, 0.9, 1.1, 1.1, 2.0])):
+        table = ForceTable(places, [0.0, 0.0, -2000.0, -2000.0, 0.0, 0.0], over == 'input', True)
+        extrema = find_extrema(linkage.with_elements(PositionForce(tip, table, over, 0.0)),
+                               'shaking_force', 0.0)
+        assert {round(extremum.value, 6) for extremum in extrema} == {0.0, 2000.0}
+        assert {extremum.place for extremum in extrema} == {'limit'}
+        assert not any(extremum.proof for extremum in extrema)
+
+
+def test_the_mean_over_a_jump_is_that_of_both_pieces():
+    """Straight lines: mean and square mean of each piece by hand."""
+    table = ForceTable([0.0, 2.0, 2.0, 3.0, 3.0, TURN], [0.0, 0.0, 50.0, 40.0, 0.0, 0.0], True,
+                       True)
+    over = OverInput(massless_with(table), 'driving_torque', 1.0)
+    assert over.mean == pytest.approx(-45.0 / TURN, rel=1e-9)
+    assert over.rms == pytest.approx(np.sqrt((50.0**2 + 50.0 * 40.0 + 40.0**2) / 3.0 / TURN),
+                                     rel=1e-9)
+    assert over.peak == pytest.approx(50.0, rel=1e-9)
 
 
 def test_a_jump_counts_on_both_sides():

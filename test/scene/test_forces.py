@@ -172,7 +172,7 @@ def test_a_wrong_file_is_refused_in_one_line_with_its_row(tmp_path, text, why):
 
 
 @pytest.mark.parametrize(('rows', 'why'), [
-    ('0, 1\n', 'must be 2 to'), ('0, 1\n90, 5\n90, 1\n', r'places\[3\] = .*must be larger'),
+    ('0, 1\n', 'must be 2 to'), ('0, 1\n90, 5\n80, 1\n', r'places\[3\] = .*must be larger'),
     ('0, 1\n100, 5\n360, 1.5\n', r'values\[3\] = 1.5: must be the first value again, 1.0')])
 def test_a_table_that_is_no_function_is_refused(tmp_path, rows, why):
     path = write(tmp_path, f'theta1 [deg], force [N]\n{rows}', periodic='true')

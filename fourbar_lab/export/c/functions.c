@@ -106,12 +106,6 @@ static double power_of_two(int count, const double *lengths)
   (void)frexp(largest, &exponent);
   return ldexp(1.0, exponent);
 }
-// --- clamped
-static double clamped(double place, double first, double last)
-{
-  return place < first ? first : place > last ? last : place;
-}
-
 // --- wrapped
 /* A place in the first period, its rest as Python's %. */
 static double wrapped(double place, double first, double period)
@@ -122,7 +116,7 @@ static double wrapped(double place, double first, double period)
 }
 
 // --- table
-/* A force over a place, of cubic pieces: fourbar_ros.dynamics.force_table. */
+/* A force over a place, of cubic pieces: fourbar_ros.mechanisms.force_table. */
 static double cubic(const double *piece, double place)
 {
   const double t = place - piece[4];
