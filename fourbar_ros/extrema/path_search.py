@@ -316,7 +316,10 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
     is_small = np.flatnonzero((roots.sense < 0) & is_magnitude & (
         np.abs(roots.value) <= np.maximum(roots.noise, DEEP * near)))
     if is_small.size:
-        roots.value[is_small[_is_kink(sampler, roots, is_small)]] = 0.0
+        # between pieces there is no slope to ask
+        is_end = np.isnan(roots.spacing[is_small]) & (
+            np.abs(roots.value[is_small]) <= roots.rounding[is_small])
+        roots.value[is_small[_is_kink(sampler, roots, is_small) | is_end]] = 0.0
     kept = _beyond_noise(sampler, samples, roots, at_gaps.jumps if at_gaps else ())
     roots = Roots(*(v[kept] for v in roots))
     if not roots.quantity.size:

@@ -3,12 +3,14 @@
 """The examples run as they are, each in a process and a folder of its own."""
 from contextlib import contextmanager, nullcontext
 import importlib.util
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
 
+from fourbar_ros.cli.main import main
 import pytest
 from support import bags, ROOT
 from support.scenes import PAPER, RODS
@@ -108,3 +110,14 @@ def test_an_example_without_its_package_says_what_to_install(name, package, tmp_
     (tmp_path / f'{package}.py').write_text('raise ModuleNotFoundError')
     said = run(name, tmp_path, code=1)
     assert said.endswith(f': pip install {package}\n') and said.count('\n') == 1, said
+
+
+def test_the_press_of_the_manual_is_sized_as_it_says(capsys):
+    """Work without friction is that of the cut, 2 kN over 8 mm, exactly."""
+    main(['show', str(EXAMPLES / 'press.yaml'), '--json'])
+    drive = json.loads(capsys.readouterr().out)['drive']
+    assert drive['cycle']['without_friction'] == pytest.approx(16.0, rel=1e-12)
+    text = (ROOT / 'docs/dynamics.md').read_text(encoding='utf-8')
+    assert f'peak {drive["effort"]["peak"]:.6g} N m' in text
+    assert f'{drive["cycle"]["work"]:.6g} J = 16 J without friction' in text
+    assert f'B (f32) {drive["worst_pin"]["force"]:.6g} N' in text
