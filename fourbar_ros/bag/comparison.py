@@ -65,31 +65,28 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
         columns = [list(bag.columns([topic])) for bag in bags]
         for bag in bags:
             bag.refuse_damage()
-        diffs.append(_of_topic(topic, *columns))
+        of_first, of_second = map(_positions, columns)
+        pairs = [(of_first.pop(key), of_second.pop(key))
+                 for key in of_first.keys() & of_second.keys()]
+        waiting: defaultdict[int, deque[Position]] = defaultdict(deque)
+        for (stamp, _, _), position in of_second.items():  # the first bag names joints differently
+            waiting[stamp].append(position)
+        pairs += [(position, waiting[stamp].popleft())
+                  for (stamp, _, _), position in of_first.items() if waiting[stamp]]
+        # numpy compares all rows that are in the same columns on both sides at once
+        rows: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
+        for (i, first_row), (j, second_row) in pairs:
+            rows[i, j].append((first_row, second_row))
+        largest: dict[str, float] = {}
+        for (i, j), rows_of_both in rows.items():
+            first_rows, second_rows = np.array(rows_of_both).T
+            for field, apart in _differences(columns[0][i].records[first_rows],
+                                             columns[1][j].records[second_rows]).items():
+                largest[field] = max(largest.get(field, 0.0), apart)
+        only_first, only_second = (sum(len(each.times) for each in of_bag) - len(pairs)
+                                   for of_bag in columns)
+        diffs.append(TopicDiff(topic, len(pairs), only_first, only_second, largest))
     return diffs
-
-
-def _of_topic(topic: str, first: Sequence[Columns], second: Sequence[Columns]) -> TopicDiff:
-    of_first, of_second = _positions(first), _positions(second)
-    pairs = [(of_first.pop(key), of_second.pop(key)) for key in of_first.keys() & of_second.keys()]
-    waiting: defaultdict[int, deque[Position]] = defaultdict(deque)
-    for (stamp, _, _), position in of_second.items():   # the first bag names joints differently
-        waiting[stamp].append(position)
-    pairs += [(position, waiting[stamp].popleft()) for (stamp, _, _), position in of_first.items()
-              if waiting[stamp]]
-    # numpy compares all rows that are in the same columns on both sides at once
-    rows: defaultdict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
-    for (i, first_row), (j, second_row) in pairs:
-        rows[i, j].append((first_row, second_row))
-    largest: dict[str, float] = {}
-    for (i, j), rows_of_both in rows.items():
-        first_rows, second_rows = np.array(rows_of_both).T
-        for field, apart in _differences(first[i].records[first_rows],
-                                         second[j].records[second_rows]).items():
-            largest[field] = max(largest.get(field, 0.0), apart)
-    only_first, only_second = (sum(len(columns.times) for columns in bag) - len(pairs)
-                               for bag in (first, second))
-    return TopicDiff(topic, len(pairs), only_first, only_second, largest)
 
 
 def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Position]:
@@ -116,7 +113,6 @@ def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Positio
 
 
 def _differences(first: Array, second: Array) -> dict[str, float]:
-    """Return the largest difference of each field of matched messages, row by row."""
     of_first, of_second = first.dtype.names or (), second.dtype.names or ()
     largest: dict[str, float] = {}
     for field in dict.fromkeys((*of_first, *of_second)):

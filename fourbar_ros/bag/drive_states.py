@@ -28,7 +28,6 @@ class DriveStates:
     """
 
     def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
-        """Begin before the first message, with no state to step from."""
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}         # {field: largest difference}
         self.stepped = self.alone = self.unknown = 0
@@ -49,7 +48,6 @@ class DriveStates:
         self._movers: dict[int, Mover] = {}         # by mode; 0: of the scene
 
     def _mover(self, mode: int = 0) -> Mover:
-        """Return the mover in a mode, with all that acts."""
         if mode not in self._movers:
             self._movers[mode] = self._scene.mover_in(mode)
             for name, acting in self._acting.items():
@@ -97,7 +95,6 @@ class DriveStates:
         self._before, self._mode, self._stamp = known, mode, stamp
 
     def _note_values(self, values: DriveValues, expected: DriveValues) -> float:
-        """Note the differences of all values; return the largest."""
         apart = [_distance(*pair) for pair in zip(values, expected)]
         for field, difference in zip(DriveValues._fields, apart):
             self._note(field, difference)

@@ -57,7 +57,6 @@ class MessageLayout:
         return good
 
     def _walk(self, type_name: str, path: str) -> None:
-        """Read a message at the current byte."""
         for name, (kind, definition) in self._store.fielddefs[type_name][1]:
             self._field(kind, definition, path + name)
 
@@ -78,7 +77,6 @@ class MessageLayout:
                     self._field(item_kind, item, f'{path}[{index}]')
 
     def _base(self, kind: str, path: str, count: int | None) -> None:
-        """Read a number, an array of ``count`` numbers, or a text."""
         if kind == 'string':
             length = self._length()
             self._fields[path] = f'S{max(length - 1, 0)}', self._offset     # no final zero

@@ -194,7 +194,6 @@ def number_of(file: Path) -> int:
 
 
 def _how_to_convert(path: Path) -> str:
-    """Return advice on how to convert a bag of another format; empty for an unknown format."""
     if packed := sorted(path.glob('*.mcap.*')):
         return f': {packed[0].name} is compressed as a whole; unpack it first'
     if list(path.glob('*.db3*')):

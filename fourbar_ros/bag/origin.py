@@ -66,28 +66,21 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
             raise BagError(f'{bag.path}: holds no run of {node}, but of {name}')
         return Origin(scene_of(bag, scene), topics, name, in_order=True,
                       is_later=number_of(bag.files[0]) > 0)
-    return _from_topics(bag, node)
-
-
-def _from_topics(bag: Bag, wanted: str | None) -> Origin:
-    """Return the Origin of a bag of ``ros2 bag``: of the node with topics ~/scene and ~/driven."""
     types = bag.types
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
                    if type_name == SCENE.type and topic.endswith('/scene')
                    and f'{topic.removesuffix("/scene")}/driven' in types)
-    if wanted:
-        nodes = [node for node in nodes if node == wanted]
+    nodes = [name for name in nodes if node in ('', None, name)]
     if not nodes:
-        raise BagError(f'{bag.path}: holds no run of {wanted or "a fourbar_node"}: no scene in '
+        raise BagError(f'{bag.path}: holds no run of {node or "a fourbar_node"}: no scene in '
                        'its metadata, no topics ~/scene and ~/driven')
     if len(nodes) > 1:
         raise BagError(f'{bag.path}: holds runs of {", ".join(nodes)}; say which with --node')
-    node = nodes[0]
-    first = next(bag.records([f'{node}/scene']), None)
+    first = next(bag.records([f'{nodes[0]}/scene']), None)
     if first is None:
-        raise BagError(f'{bag.path}: has no message on {node}/scene')
-    scene = scene_of(bag, first.message.data)
-    return Origin(scene, _resolved(scene, node, types), node, False, False)
+        raise BagError(f'{bag.path}: has no message on {nodes[0]}/scene')
+    run = scene_of(bag, first.message.data)
+    return Origin(run, _resolved(run, nodes[0], types), nodes[0], in_order=False, is_later=False)
 
 
 def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:

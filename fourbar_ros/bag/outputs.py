@@ -98,41 +98,40 @@ class OutputComparison:
     def compare(self, motions: Motions) -> None:
         """Compare the outputs of a block of motions; outputs of later motions wait."""
         for name in self._scene.topics:
-            self._compare_topic(name, motions)
-
-    def _compare_topic(self, name: str, motions: Motions) -> None:
-        """Compare the messages of an output with their motions; keep outputs of later motions."""
-        topic, waiting = self._origin.topics.get(name, ''), self._waiting.pop(name, [])
-        counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
-        arrays = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
-        for rows, records in arrays:
-            if name == JOINT_STATES and not self._origin.in_order:
-                are_ours = _are_of(records, self._scene.names_shown)
-                rows, records = rows[are_ours], records[are_ours]
-                if not len(rows):
-                    continue
-            outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
-            if stamps is None:
-                raise BagError(f'{self._bag.path}: {topic} has no header')
-            before = np.array([before for before, *_ in outputs])
-            indices = motions.of_outputs(before, stamps)
-            self._waiting[name] += [outputs[row] for row in np.flatnonzero(indices == LATER)]
-            for row in np.flatnonzero(indices == NOWHERE):
-                self._without_motion(name, records[row:row + 1],
-                                     near_a_change(outputs[row][1], motions.changes))
-            is_known = indices >= 0
-            if is_known.any():
-                np.add.at(counts, indices[is_known], 1)
-                self._compare_records(name, records[is_known], motions, indices[is_known])
-        if len(counts) and (self._origin.in_order or topic):
-            needed = motions.values[:, self._scene.needed_for(name)]
-            # joint_states may be left out where a position is unknown
-            is_due = ~np.isnan(needed).any(axis=1) & (motions.why == '')
-            self._presence[name].append((counts, is_due))
+            topic, waiting = self._origin.topics.get(name, ''), self._waiting.pop(name, [])
+            counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
+            arrays = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
+            for rows, records in arrays:
+                if name == JOINT_STATES and not self._origin.in_order:
+                    are_ours = _are_of(records, self._scene.names_shown)
+                    rows, records = rows[are_ours], records[are_ours]
+                    if not len(rows):
+                        continue
+                outputs, stamps = [waiting[row] for row in rows], stamps_of(records)
+                if stamps is None:
+                    raise BagError(f'{self._bag.path}: {topic} has no header')
+                before = np.array([before for before, *_ in outputs])
+                indices = motions.of_outputs(before, stamps)
+                self._waiting[name] += [outputs[row] for row in np.flatnonzero(indices == LATER)]
+                for row in np.flatnonzero(indices == NOWHERE):       # by the likely reason
+                    if _tells_timeout(records[row:row + 1], name, self._scene):
+                        self.skipped[STOPPED] += 1
+                    elif near := near_a_change(outputs[row][1], motions.changes):
+                        self.skipped[near] += 1
+                    else:
+                        self.unmatched += 1
+                is_known = indices >= 0
+                if is_known.any():
+                    np.add.at(counts, indices[is_known], 1)
+                    self._compare_records(name, records[is_known], motions, indices[is_known])
+            if len(counts) and (self._origin.in_order or topic):
+                needed = motions.values[:, self._scene.needed_for(name)]
+                # joint_states may be left out where a position is unknown
+                is_due = ~np.isnan(needed).any(axis=1) & (motions.why == '')
+                self._presence[name].append((counts, is_due))
 
     def _compare_records(self, name: str, records: Array, motions: Motions, indices: Array
                          ) -> None:
-        """Note differences of messages from the values of their motions; skip unsure motions."""
         why = motions.why[indices]
         for reason in set(why.tolist()) - {''}:
             self.skipped[reason] += int(np.count_nonzero(why == reason))
@@ -146,15 +145,6 @@ class OutputComparison:
             if field in fields:
                 self.note(name, field, largest_difference(_rows(value, len(indices)),
                                                           records[field]))
-
-    def _without_motion(self, name: str, record: Array, near: str) -> None:
-        """Count an output whose motion is not in the bag, by the likely reason."""
-        if _tells_timeout(record, name, self._scene):
-            self.skipped[STOPPED] += 1
-        elif near:
-            self.skipped[near] += 1
-        else:
-            self.unmatched += 1
 
     def note(self, name: str, field: str, difference: float) -> None:
         """Keep a difference if it is the largest so far."""
@@ -212,7 +202,6 @@ def names_in(records: Array) -> list[str]:
 
 
 def _are_of(records: Array, names: Sequence[str]) -> Array:
-    """Return which JointStates are of joints with these names, in this order."""
     fields, are_ours = names_in(records), np.ones(len(records), bool)
     if len(fields) != len(names):
         return ~are_ours

@@ -72,53 +72,40 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     checksums too. ``progress`` is called with the count of bytes read.
     """
     bag = Bag(path, progress)
-    if check or not bag.is_consistent:
-        topics, times = _by_reading(bag)
-        for index in range(len(bag.files)) if check else ():
-            bag.check(index)
-    else:
-        topics, times = _by_summaries(bag)
-    about = bag.about       # reading this may add to the damage
-    return Info(bag.path, bag.is_finished, bag.size, len(bag.files), min(times, default=None),
-                max(times, default=None), topics, about, bag.damage_in_short)
-
-
-def _by_summaries(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
-    """Return topics and log times by the statistics at the end of each file."""
-    counts: Counter[str] = Counter()
-    times: list[int] = []
-    for summary in bag.summaries:
-        statistics = summary.statistics if summary else None
-        if summary and statistics:
-            for channel_id, channel in summary.channels.items():
-                counts[channel.topic] += statistics.channel_message_counts.get(channel_id, 0)
-            if statistics.message_count:
-                times += statistics.message_start_time, statistics.message_end_time
-    unread = None        # how many are missing is only seen by reading
-    return [TopicInfo(topic, type_name, counts[topic], unread)
-            for topic, type_name in bag.types.items()], times
-
-
-def _by_reading(bag: Bag) -> tuple[list[TopicInfo], list[int]]:
-    """Return topics and log times by reading every message; count gaps in the sequence numbers."""
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
-    following: dict[str, int] = {}      # {topic: sequence number that is due}
-    # our recorder counts from 0, other recorders begin anywhere
-    is_from_zero = 'topics' in bag.about and number_of(bag.files[0]) == 0
     start = end = None
-    for raw in bag.raw():
-        due = following.get(raw.topic, 0 if is_from_zero else raw.sequence)
-        gap = (raw.sequence - due) & 0xFFFFFFFF
-        if gap < 1 << 31:           # sequence numbers of 32 bits wrap; a larger gap is a step back
-            missing[raw.topic] += gap
-        counts[raw.topic] += 1
-        following[raw.topic] = raw.sequence + 1
-        start = raw.time if start is None else min(start, raw.time)
-        end = raw.time if end is None else max(end, raw.time)
-    return [TopicInfo(topic, type_name, counts[topic], missing[topic])
-            for topic, type_name in bag.types.items()], [
-                time for time in (start, end) if time is not None]
+    is_read = check or not bag.is_consistent
+    if is_read:
+        following: dict[str, int] = {}      # {topic: sequence number that is due}
+        # our recorder counts from 0, other recorders begin anywhere
+        is_from_zero = 'topics' in bag.about and number_of(bag.files[0]) == 0
+        for raw in bag.raw():
+            due = following.get(raw.topic, 0 if is_from_zero else raw.sequence)
+            gap = (raw.sequence - due) & 0xFFFFFFFF
+            if gap < 1 << 31:       # sequence numbers of 32 bits wrap; a larger gap is a step back
+                missing[raw.topic] += gap
+            counts[raw.topic] += 1
+            following[raw.topic] = raw.sequence + 1
+            start = raw.time if start is None else min(start, raw.time)
+            end = raw.time if end is None else max(end, raw.time)
+    else:
+        times: list[int] = []
+        for summary in bag.summaries:
+            statistics = summary.statistics if summary else None
+            if summary and statistics:
+                for channel_id, channel in summary.channels.items():
+                    counts[channel.topic] += statistics.channel_message_counts.get(channel_id, 0)
+                if statistics.message_count:
+                    times += statistics.message_start_time, statistics.message_end_time
+        start, end = min(times, default=None), max(times, default=None)
+    topics = [TopicInfo(topic, type_name, counts[topic], missing[topic] if is_read else None)
+              for topic, type_name in bag.types.items()]
+    for index in range(len(bag.files)) if check else ():
+        bag.check(index)
+    about = bag.about       # reading this may add to the damage
+    return Info(bag.path, bag.is_finished, bag.size, len(bag.files), start, end, topics, about,
+                bag.damage_in_short)
 
 
 def parameter_file(path: str | Path, source: str, node: str | None = None) -> str:

@@ -347,7 +347,6 @@ class Bag:
                            'rest')
 
     def _note(self, index: int, text: str) -> None:
-        """Note damage of a file once."""
         if (text := self.files[index].name + text) not in self.damage:
             self.damage.append(text)
 
@@ -425,7 +424,16 @@ def _record_spans(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[i
     there is one, is more reliable about chunks and metadata, so the walk goes on at the index
     behind a damaged head, which is yielded as kind 0; without an index the walk ends there.
     """
-    known = _indexed(summary) if summary else {}
+    spans: list[tuple[int, int, int, int]] = []     # with the size of the message index behind it
+    if summary:
+        spans = [(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length,
+                  index.message_index_length) for index in summary.chunk_indexes]
+        spans += [(index.offset, kind, index.length, 0)
+                  for kind, indexes in ((Opcode.METADATA, summary.metadata_indexes),
+                                        (Opcode.ATTACHMENT, summary.attachment_indexes))
+                  for index in indexes]
+    known = {first: (kind, size, behind) for first, kind, size, behind in spans
+             if size > HEAD.size}
     starts = sorted(known)
     kinds: Collection[int] = KINDS
     begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
@@ -453,20 +461,7 @@ def _record_spans(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[i
         yield begin, 0, 0
 
 
-def _indexed(summary: Summary) -> dict[int, tuple[int, int, int]]:
-    """Return {first byte: (kind, size, size of the message index behind it)} by an index."""
-    spans = [(index.chunk_start_offset, Opcode.CHUNK, index.chunk_length,
-              index.message_index_length) for index in summary.chunk_indexes]
-    spans += [(index.offset, Opcode.METADATA, index.length, 0)
-              for index in summary.metadata_indexes]
-    spans += [(index.offset, Opcode.ATTACHMENT, index.length, 0)
-              for index in summary.attachment_indexes]
-    return {begin: (kind, size, behind) for begin, kind, size, behind in spans
-            if size > HEAD.size}
-
-
 def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapRecord:
-    """Return the record of a kind that begins at a byte of a file."""
     if not opcode:
         raise ValueError('no record')
     if size > LARGEST:
@@ -476,7 +471,6 @@ def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapReco
 
 
 def _unpacked(chunk: Chunk) -> list[McapRecord]:
-    """Return the records in a chunk, checked by the CRC."""
     if chunk.uncompressed_size > LARGEST:
         raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
     if chunk.compression not in ('', 'lz4', 'zstd'):
@@ -546,7 +540,6 @@ def _described_in(summary: Summary) -> list[Channel]:
 
 
 def _reason(error: Exception) -> str:
-    """Return in a few words why bytes cannot be read, by the error of a library."""
     if isinstance(error, CRCValidationError):
         return 'its checksum is wrong'
     if isinstance(error, UnicodeDecodeError):       # whose text quotes all that was decoded

@@ -18,34 +18,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros import __version__
+from fourbar_ros.bag import outputs, sides
 from fourbar_ros.bag.drive_states import DriveStates
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
-from fourbar_ros.bag.outputs import (
-    JOINT_STATES,
-    Motions,
-    near_a_change,
-    OutputComparison,
-    UNSETTLED,
-)
 from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of
-from fourbar_ros.bag.sides import AT_FLAT, branch_at, BRANCHES, modes_of
-from fourbar_ros.bag.sides import KEY as OF_MODES
 from fourbar_ros.errors import BagError
-from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.joints import SceneJoints
 from fourbar_ros.pipeline.stepper import joints_of, OK, Stepper, TOGGLE, Wanted
-from fourbar_ros.pipeline.wrenches import ActingInput, Wrench
+from fourbar_ros.pipeline.wrenches import acting_of, ActingInput
+from fourbar_ros.scene import topics
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import (
-    applied_topic,
-    BASE,
-    DRIVE_STATE,
-    DRIVEN,
-    ON_LINK,
-    SCENE,
-    TORQUE,
-)
 import numpy as np
 
 BLOCK, MOST_VALUES = 5000, 2_000_000    # motions, and their values, that are compared together
@@ -121,10 +103,9 @@ class Recomputation:
     """Takes the messages of a bag in order and computes the motions again, in blocks."""
 
     def __init__(self, bag: Bag, origin: Origin) -> None:
-        """Begin before the first message, with the scene at the start of the bag."""
         self._bag, self._origin = bag, origin
         self._names = {topic: name for name, topic in origin.topics.items()}
-        self._comparison = OutputComparison(bag, origin)
+        self._comparison = outputs.OutputComparison(bag, origin)
         self._motion_count = 0                      # messages of the motion so far
         # not yet computed: motions (log time, message); what acts from a motion on, with its index
         self._motions: list[tuple[int, Any]] = []
@@ -137,19 +118,19 @@ class Recomputation:
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
             self._drive_states = DriveStates(origin.scene, bag.about)
-        self._joints: SceneJoints | None = None
+        self._joints: joints.SceneJoints | None = None
         # a joint in a bag without this key jumps by a turn where its angle wraps
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
         self._joints_have_begun = False             # the turns of the first joint states are taken
         self._acting: dict[str, ActingInput] = {}    # the newest wrench on each link, and base
-        self._has_branches = not origin.in_order or bag.about.get(OF_MODES) == BRANCHES
+        self._has_branches = not origin.in_order or bag.about.get(sides.KEY) == sides.BRANCHES
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
         last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
         self._comparison.begin(scene)
-        modes = None if self._has_branches else modes_of(scene.linkage)
+        modes = None if self._has_branches else sides.modes_of(scene.linkage)
         self._are_sides, self._modes_known = modes is not None, modes or scene.linkage.modes_passed
         self._block = min(BLOCK, MOST_VALUES // len(scene.layout.index_of))
         self._joints = joints_of(scene, last, self._is_wrapped)
@@ -160,7 +141,7 @@ class Recomputation:
         self._acts.clear()
         # what acts, but the bag does not tell yet
         self._untold = {name for name in scene.acting
-                        if applied_topic(name).name not in self._origin.topics
+                        if topics.applied_topic(name).name not in self._origin.topics
                         or self._origin.is_later and name not in self._acting}
         if self._drive_states:
             self._drive_states.change(scene)
@@ -169,28 +150,38 @@ class Recomputation:
         """Take the next message of the bag."""
         name = self._names[raw.topic]
         if name in self._topics:
-            if name == JOINT_STATES and self._joints and not self._joints_have_begun:
-                self._begin_joints(self._joints, self._bag.decode(raw))
+            if name == outputs.JOINT_STATES and self._joints and not self._joints_have_begun:
+                message = self._bag.decode(raw)
+                if message.name == self._scene.names_shown and np.isfinite(message.position).all():
+                    # its turns go on from before the bag
+                    self._joints.follow(dict(zip(self._scene.joints_shown, message.position)))
+                    self._joints_have_begun = True
             self._comparison.add(name, self._motion_count, raw)
-        elif name == DRIVEN.name:
+        elif name == topics.DRIVEN.name:
             message = self._bag.decode(raw)
             self._check_frame(name, message)
             self._motions.append((raw.time, message))
             self._motion_count += 1
             if len(self._motions) >= 2 * self._block:
                 self._compare(self._block)
-        elif name == SCENE.name:
+        elif name == topics.SCENE.name:
             scene = scene_of(self._bag, self._bag.decode(raw).data)
             # ros2 bag may hold the latched scene several times
             if self._origin.in_order or scene.as_json != self._scene.as_json:
                 self._note_change(raw.time)
                 self._compare(len(self._motions))
                 self._begin(scene)
-        elif name == BASE.name or name.startswith(ON_LINK):
-            self._act(name.removeprefix(ON_LINK), raw.time, self._bag.decode(raw))
-        elif self._drive_states and name == TORQUE.name:
+        elif name == topics.BASE.name or name.startswith(topics.ON_LINK):
+            name, acting = name.removeprefix(topics.ON_LINK), acting_of(self._bag.decode(raw))
+            if acting != self._acting.get(name):
+                self._note_change(raw.time)
+            self._acting[name] = acting
+            self._acts.append((self._motion_count, name, acting))
+            if self._drive_states:
+                self._drive_states.act(name, acting)
+        elif self._drive_states and name == topics.TORQUE.name:
             self._drive_states.command(self._bag.decode(raw))
-        elif name == DRIVE_STATE.name:
+        elif name == topics.DRIVE_STATE.name:
             message = self._bag.decode(raw)
             self._modes[_stamp_of(message)] = message.mode
             if self._drive_states:
@@ -203,28 +194,13 @@ class Recomputation:
         """Return the mode of a recorded one at an input, that of the scene for one that is not."""
         if mode not in self._modes_known:
             return self._stepper.mode
-        return branch_at(self._scene.linkage, mode, position) if self._are_sides else mode
+        return sides.branch_at(self._scene.linkage, mode, position) if self._are_sides else mode
 
     def _note_change(self, time: int) -> None:
         if not self._origin.in_order:
             self._changes.append(time)
 
-    def _act(self, name: str, time: int, message: Any) -> None:
-        """Let the wrench in effect on a link, or the motion of the base, act from here on."""
-        acting: ActingInput
-        if name == BASE.name:
-            acting = Base(message.force_x, message.force_y, message.rate, message.acceleration)
-        else:
-            force, torque = message.wrench.force, message.wrench.torque
-            acting = Wrench(force.x, force.y, torque.z)
-        if acting != self._acting.get(name):
-            self._note_change(time)
-        self._acting[name] = acting
-        self._acts.append((self._motion_count, name, acting))
-        if self._drive_states:
-            self._drive_states.act(name, acting)
-
-    def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> Motions:
+    def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> outputs.Motions:
         """
         Return the next motions with the values that their outputs should have.
 
@@ -233,6 +209,8 @@ class Recomputation:
         """
         stepper, rows = self._stepper, []
         passes = len(self._scene.linkage.modes_passed) > 1      # toggles
+        is_holding = 'hold' in (self._scene.drive.out_of_range,
+                                self._scene.joint_states.when_unknown)
         for index, (time, message) in enumerate(motions, first):
             while self._acts and self._acts[0][0] <= index:
                 _, name, acting = self._acts.popleft()
@@ -245,25 +223,20 @@ class Recomputation:
                                           message.acceleration, self._wanted, branch)
             if status == OK:
                 self._holds_unknown = False
-            why = self._why_unsure(time)
+            why = outputs.near_a_change(time, self._changes)
+            if self._untold:
+                why = BEFORE_THE_FILE if self._origin.is_later else UNTOLD
+            elif self._holds_unknown and is_holding:
+                why = BEFORE_THE_FILE
             if self._are_sides:
                 self._other_branch += branch != (mode if passes else stepper.mode)
-                why = why or AT_FLAT * (status == TOGGLE)
+                why = why or sides.AT_FLAT * (status == TOGGLE)
             mode = mode if mode in self._modes_known else branch
             rows.append((stamp, mode, status, why, values))
         later = set() if self._origin.in_order else {
             _stamp_of(message) for _, message in self._motions}
         arrays = map(np.array, zip(*rows) if rows else [()] * 5)
-        return Motions(first, later, self._changes, *arrays)
-
-    def _why_unsure(self, time: int) -> str:
-        """Return why the outputs of a motion at a log time cannot be computed; '' if they can."""
-        if self._untold:
-            return BEFORE_THE_FILE if self._origin.is_later else UNTOLD
-        policies = self._scene.drive.out_of_range, self._scene.joint_states.when_unknown
-        if self._holds_unknown and 'hold' in policies:
-            return BEFORE_THE_FILE
-        return near_a_change(time, self._changes)
+        return outputs.Motions(first, later, self._changes, *arrays)
 
     def _compare(self, count: int) -> None:
         """Compare the outputs of the first ``count`` motions; outputs of later motions wait."""
@@ -272,13 +245,7 @@ class Recomputation:
         self._comparison.compare(self._evaluated(first, block))
         if block:
             newest = block[-1][0]
-            self._changes = [time for time in self._changes if time > newest - UNSETTLED]
-
-    def _begin_joints(self, scene_joints: SceneJoints, message: Any) -> None:
-        """Begin in the turns of the first joint states, which go on from before the bag."""
-        if message.name == self._scene.names_shown and np.isfinite(message.position).all():
-            scene_joints.follow(dict(zip(self._scene.joints_shown, message.position)))
-            self._joints_have_begun = True
+            self._changes = [time for time in self._changes if time > newest - outputs.UNSETTLED]
 
     def _check_frame(self, name: str, message: Any) -> None:
         is_same = message.header.frame_id == self._scene.frame_id
@@ -289,14 +256,13 @@ class Recomputation:
         self._compare(len(self._motions))
         comparison, counts = self._comparison, self._comparison.counts
         compared = sum(counts.values())
-        counts[DRIVEN.name] = self._motion_count
+        counts[topics.DRIVEN.name] = self._motion_count
         if self._drive_states:
-            counts[DRIVE_STATE.name] = self._drive_states.compared
+            counts[topics.DRIVE_STATE.name] = self._drive_states.compared
             for field, value in self._drive_states.largest.items():
-                comparison.note(DRIVE_STATE.name, field, value)
-        topics = self._origin.topics
+                comparison.note(topics.DRIVE_STATE.name, field, value)
         return Recomputed(
-            [Difference(topics[name], field, counts[name], value)
+            [Difference(self._origin.topics[name], field, counts[name], value)
              for (name, field), value in comparison.largest.items()],
             self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
             dict(comparison.skipped),

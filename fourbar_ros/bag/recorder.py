@@ -82,7 +82,6 @@ class BagWriter:
                  about: Mapping[str, object], split_size: float = 0.0,
                  split_duration: float = 0.0, tell: Callable[[str], object] | None = None,
                  clock: Callable[[], int] | None = None) -> None:
-        """Create the folder and its first file; start the threads that write and sync it."""
         offset = time.time_ns() - time.monotonic_ns()
         self.clock = clock or (lambda: offset + time.monotonic_ns())
         self.path = Path(directory) / (metadata.checked_name(name) or metadata.fresh_name())
@@ -99,14 +98,6 @@ class BagWriter:
         self._before: list[FileContent] = []        # the files that are finished
         self._ended: deque[BagFile] = deque()       # finished files that are not synced yet
         self._syncing = threading.Lock()
-        self._make_folder()
-        self._threads = [threading.Thread(target=job, name=title, daemon=True)
-                         for title, job in (('bag', self._run), ('bag sync', self._keep_synced))]
-        for thread in self._threads:
-            thread.start()
-
-    def _make_folder(self) -> None:
-        """Make the folder with the first file, or leave nothing behind."""
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.path.mkdir()
@@ -120,9 +111,13 @@ class BagWriter:
                 raise BagError(NO_ROOM)
             self._part = BagFile(self.path, 0, self._channels, self._about)
             self._write_metadata()
-        except (OSError, BagError) as error:
+        except (OSError, BagError) as error:        # then nothing is left behind
             shutil.rmtree(self.path)
             raise BagError(f'{self.path}: {getattr(error, "strerror", None) or error}') from None
+        self._threads = [threading.Thread(target=job, name=title, daemon=True)
+                         for title, job in (('bag', self._run), ('bag sync', self._keep_synced))]
+        for thread in self._threads:
+            thread.start()
 
     @property
     def waiting(self) -> int:
@@ -190,7 +185,6 @@ class BagWriter:
     # --- in the threads -------------------------------------------------------------------------
 
     def _run(self) -> None:
-        """Take messages from the queue to the file and flush it, until closed."""
         looked = time.monotonic()
         while not self._is_closed.wait(FLUSH) and not self.error:
             self._guarded(self._flush)
@@ -199,7 +193,6 @@ class BagWriter:
                 self._guarded(self._look)
 
     def _keep_synced(self) -> None:
-        """Bring new data to the disk every second, until closed."""
         while not self._is_closed.wait(SYNC) and not self.error:
             try:
                 self._sync()
@@ -217,7 +210,6 @@ class BagWriter:
             os.fsync(self._part.file.fileno())
 
     def _flush(self) -> None:
-        """Hand all waiting messages to the kernel, as whole chunks."""
         is_first = self._part.span is None
         for index in range(len(self._queue)):
             item = self._queue.popleft()
@@ -256,7 +248,6 @@ class BagWriter:
             self._sync()
 
     def _finish(self, why: str) -> None:
-        """Write the waiting messages and the end of the bag."""
         self._flush()
         self._part.about['dropped'] = str(self.dropped)
         self._part.finish(why)
@@ -289,7 +280,6 @@ class BagWriter:
             self._give_up(f'{getattr(error, "strerror", None) or repr(error)}; {LEFT}')
 
     def _give_up(self, why: str) -> None:
-        """Take no more messages; say why."""
         with self._lock:
             is_first, self.error = not self.error, self.error or f'recording stopped: {why}'
             self._is_taking = False
@@ -374,7 +364,6 @@ class BagFile:
             for channel, count in zip(self._channels, self._counts)], self.span, self.about)
 
     def _describe(self) -> None:
-        """Write the metadata so far into the file."""
         text = metadata.dumped(metadata.of_files([self.content()]))
         self._writer.add_metadata(metadata.RECORD, {metadata.KEY: text})
         self._whole = self.file.tell()

@@ -3,7 +3,7 @@
 """Write the numbers in a bag as tables: CSV, NumPy (.npz) or Parquet."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 import re
 from typing import Any
@@ -71,14 +71,18 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
                 file = folder / f'{name}.{kind}'
                 if kind == 'csv':
                     _write_csv(file, table, style)
-                else:
-                    _write_parquet(file, table)
+                    continue
+                try:
+                    import pyarrow as pa
+                    from pyarrow import parquet
+                except ModuleNotFoundError as error:
+                    raise MissingPackage('parquet', error) from None
+                parquet.write_table(pa.table(table), file)
         (next(folder.iterdir()) if is_file else folder).rename(out)
     return {name: len(table['log_time']) for name, table in tables.items()}
 
 
 def _decoded(bag: Bag, tell: Callable[[str], object]) -> list[str]:
-    """Return the topics whose messages can be decoded; raises BagError if none can be."""
     names, left_out = [], []
     for topic in bag.types:
         try:
@@ -101,8 +105,14 @@ def _tables(bag: Bag, topics: Collection[str], units: Mapping[str, str] | None
         parts.setdefault(columns.topic, []).append(table_of(columns))
     tables = {topic: _joined(tables) for topic, tables in parts.items()}
     if units is not None:
-        tables = {topic: dict(_in_units(table, units_in(bag, topic), units))
-                  for topic, table in tables.items()}
+        for topic, table in tables.items():
+            known, renamed = units_in(bag, topic), {}
+            for column, values in table.items():
+                if (si := unit_of(column, known)) in UNITS:
+                    unit = units.get(si, si)
+                    column, values = f'{column} [{unit}]', in_unit(values, si, unit)
+                renamed[column] = values
+            tables[topic] = renamed
     return {topic.strip('/').replace('/', '.'): table for topic, table in tables.items()}
 
 
@@ -122,18 +132,6 @@ def units_in(bag: Bag, topic: str) -> dict[str, str]:
 def unit_of(column: str, units: Mapping[str, str]) -> str:
     """Return the unit of a column as ``f21.x`` or ``position[crank]``; '' if nothing tells it."""
     return units.get(column.partition('[')[0].rpartition('.')[2], '')
-
-
-def _in_units(table: TopicTable, known: Mapping[str, str], units: Mapping[str, str]
-              ) -> Iterator[tuple[str, Array]]:
-    """Yield the columns of a table in other units, which stand behind their names."""
-    for column, values in table.items():
-        si = unit_of(column, known)
-        if si in UNITS:
-            unit = units.get(si, si)
-            yield f'{column} [{unit}]', in_unit(values, si, unit)
-        else:
-            yield column, values
 
 
 def table_of(columns: Columns) -> TopicTable:
@@ -173,12 +171,3 @@ def _joined(parts: list[TopicTable]) -> TopicTable:
 
 def _write_csv(path: Path, table: TopicTable, style: CsvStyle) -> None:
     style.save(path, table, zip(*(values.tolist() for values in table.values())))
-
-
-def _write_parquet(path: Path, table: TopicTable) -> None:
-    try:
-        import pyarrow as pa
-        from pyarrow import parquet
-    except ModuleNotFoundError as error:
-        raise MissingPackage('parquet', error) from None
-    parquet.write_table(pa.table(table), path)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isfinite, nan
-from typing import cast, NamedTuple, Union
+from typing import Any, cast, NamedTuple, Union
 
 from fourbar_ros.mechanics.bodies import Applied, Base, External
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -27,6 +27,14 @@ class Wrench(NamedTuple):
 
 UNKNOWN = Wrench(nan, nan, nan)
 ActingInput = Union[Wrench, Base]      # on a link, or the motion of the base
+
+
+def acting_of(message: Any) -> ActingInput:
+    """Return what acts by a message: of type Base a motion of the base, else a wrench."""
+    if hasattr(message, 'rate'):
+        return Base(message.force_x, message.force_y, message.rate, message.acceleration)
+    force, torque = message.wrench.force, message.wrench.torque
+    return Wrench(force.x, force.y, torque.z)
 
 
 def a_step_later(last: Wrench, before: Wrench | None) -> Wrench:

@@ -7,9 +7,8 @@ from functools import partial
 from math import hypot
 from typing import Any
 
-from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.pipeline.rate_estimator import gap_of
-from fourbar_ros.pipeline.wrenches import a_step_later, ActingInput, in_silence, Wrench
+from fourbar_ros.pipeline.wrenches import a_step_later, acting_of, ActingInput, in_silence, Wrench
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.entities import Troubles
@@ -54,7 +53,6 @@ class ActingInputs:
         node.create_timer(PERIOD, self._watch, clock=clock)
 
     def _read_settings(self) -> None:
-        """Take over how an IMU is turned to the linkage."""
         base = self._stream.scene.base
         settings = base.rotation, base.window, gap_of(base.timeout)
         if base.topic == 'imu' and settings != self._imu_settings:    # else it keeps its rates
@@ -69,34 +67,28 @@ class ActingInputs:
                 self._be_silent(name)
 
     def _take(self, name: str, message: Message) -> None:
-        topic = self._topics[name]
+        topic, is_base = self._topics[name], name == BASE.name
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
-        ours = name == BASE.name and scene.base.frame_id or scene.frame_id
-        has_direction = name == BASE.name or (              # a couple has none
+        ours = is_base and scene.base.frame_id or scene.frame_id
+        has_direction = is_base or (              # a couple has none
             message.wrench.force.x != 0.0 or message.wrench.force.y != 0.0)
         if frame not in ('', ours) and has_direction:
-            kind, text = (('base', 'the motion of a base') if name == BASE.name
-                          else ('wrenches', 'a force'))
+            kind, text = ('base', 'the motion of a base') if is_base else ('wrenches', 'a force')
             self._troubles.count(f'{kind}_of_another_frame', f'{topic.topic}: {text} in the frame '
                                  f'{frame!r}, this one is {ours!r}')
             return
-        acting = self._base(message) if name == BASE.name else self._wrench(name, message)
-        if acting is not None:
-            self._received[name] = self._time()
-            self._stream.act(name, acting, message.header.stamp)
+        acting = self._base(message) if is_base else acting_of(message)
+        if acting is None:
+            return
+        before = self._last.get(name) if name in self._received else None    # none in a silence
+        self._last[name] = acting
+        if isinstance(acting, Wrench) and scene.wrenches.extrapolated:
+            acting = a_step_later(acting, before)      # type: ignore[arg-type]  # of a link
+        self._received[name] = self._time()
+        self._stream.act(name, acting, message.header.stamp)
 
-    def _wrench(self, link: str, message: Message) -> Wrench:
-        """Return the wrench that acts on a link from a message on."""
-        force, torque = message.wrench.force, message.wrench.torque
-        wrench = Wrench(force.x, force.y, torque.z)
-        before = self._last.get(link) if link in self._received else None    # none in a silence
-        self._last[link] = wrench
-        if self._stream.scene.wrenches.extrapolated:
-            return a_step_later(wrench, before)      # type: ignore[arg-type]  # of a link
-        return wrench
-
-    def _base(self, message: Message) -> Base | None:
+    def _base(self, message: Message) -> ActingInput | None:
         """Return the motion of the base from a message on; None for one that comes late."""
         stamp, settings = message.header.stamp, self._stream.scene.base
         time = stamp.sec * 10**9 + stamp.nanosec
@@ -105,22 +97,19 @@ class ActingInputs:
                                  'not newer than the one before')
             return None
         self._newest = time
-        if settings.topic == 'imu':
-            force, rate = message.linear_acceleration, message.angular_velocity
-            base = self._imu.update(time, (force.x, force.y, force.z), (rate.x, rate.y, rate.z))
-            across, tilting = self._imu.out_of_plane
-            if (across > OUT_OF_PLANE * hypot(base.force_x, base.force_y)
-                    or tilting > OUT_OF_PLANE * abs(base.rate)):
-                self._troubles.log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and '
-                                   f"{tilting:.3g} rad/s lie out of the linkage's plane: they are "
-                                   'left out', 'info')
-        else:
-            base = Base(message.force_x, message.force_y, message.rate, message.acceleration)
-        self._last[BASE.name] = base
+        if settings.topic != 'imu':
+            return acting_of(message)
+        force, rate = message.linear_acceleration, message.angular_velocity
+        base = self._imu.update(time, (force.x, force.y, force.z), (rate.x, rate.y, rate.z))
+        across, tilting = self._imu.out_of_plane
+        if (across > OUT_OF_PLANE * hypot(base.force_x, base.force_y)
+                or tilting > OUT_OF_PLANE * abs(base.rate)):
+            self._troubles.log('base', f'{BASES["imu"].topic}: {across:.3g} m/s^2 and '
+                               f"{tilting:.3g} rad/s lie out of the linkage's plane: they are "
+                               'left out', 'info')
         return base
 
     def _watch(self) -> None:
-        """Look for topics that have become silent: called every PERIOD."""
         now, scene = self._time(), self._stream.scene
         for name, last in list(self._received.items()):
             is_base = name == BASE.name
