@@ -17,7 +17,7 @@ from fourbar_ros.bag.reader import Bag
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.parameters import member_of
 from fourbar_ros.scene.scene import from_values, Scene
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
+from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE, Topic
 
 GONE = ('recording.keep',)      # parameters of version 1 on which no value depends
 MOST_TEXT = 2**24       # characters of a scene in a bag: 40 tables of forces of 10 000 inputs
@@ -84,25 +84,23 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
 
 
 def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:
-    """
-    Return {short name: topic in the bag} of a node's inputs and outputs, by the rules of ROS.
-
-    ``~/state`` of ``/left/boom`` is ``/left/boom/state``, ``joint_states`` is
-    ``/left/joint_states``. A remapped joint_states is recognised if it is the only topic of that
-    type.
-    """
-    namespace = node.rpartition('/')[0]
+    """Return {short name: topic in the bag}; joint_states is known by its type if it is alone."""
     topics = {}
     for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.acting_topics,
                   *scene.drive_topics, *INPUTS.values()):
-        full = (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
-                else f'{namespace}/{topic.topic}')
+        full = full_name(topic, node)
         of_its_type = [name for name, type_name in types.items() if type_name == topic.type]
         if full in types:
             topics[topic.name] = full
         elif topic.name == 'joint_states' and len(of_its_type) == 1:
             topics[topic.name] = of_its_type[0]
     return topics
+
+
+def full_name(topic: Topic, node: str) -> str:
+    """Return the full name of a topic: for /left/boom /left/boom/state, /left/joint_states."""
+    return (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
+            else f'{node.rpartition("/")[0]}/{topic.topic}')
 
 
 def bounded(text: str) -> dict[str, Any]:

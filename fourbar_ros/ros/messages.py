@@ -92,7 +92,6 @@ def filler(output: str, message: Message, layout: FieldMap
     has_status = hasattr(message, 'status')
 
     def fill(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> None:
-        """Fill the message; an effort of a passive joint, without a source, is PASSIVE_EFFORT."""
         message.header.stamp.sec, message.header.stamp.nanosec = stamp
         if has_status:
             message.status, message.mode = status, mode
@@ -132,12 +131,7 @@ def packer(output: str, message: Message, layout: FieldMap) -> Pack:
 
 
 def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: int) -> Pack | None:
-    """
-    Return the function that writes the values of a step into a message's bytes.
-
-    None if the bytes of a value are not found there. ``used``: indices of the ``count`` values
-    that the message holds.
-    """
+    """Return the packing function, None if the bytes of a value of ``used`` are not found."""
     # values unlike each other, which hardly occur elsewhere in a message
     stamp, status, mode = (0x1B2D3F41, 0x25374959), 0xA7, 0x5C
     values = [-k - 0.7 for k in range(count)]
@@ -168,11 +162,7 @@ def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: in
 
 def _runs(doubles: Sequence[tuple[int, int]]
           ) -> Iterator[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]]:
-    """
-    Yield (pack_into, offset, function that picks the values) for each run of adjacent doubles.
-
-    One call writes a run. ``doubles``: (offset, index of the value), sorted.
-    """
+    """Yield (pack_into, offset, function that picks values) for each run of adjacent doubles."""
     size, begin = _DOUBLE.size, 0
     for end in range(1, len(doubles) + 1):
         if end == len(doubles) or doubles[end][0] != doubles[end - 1][0] + size:
@@ -184,7 +174,6 @@ def _runs(doubles: Sequence[tuple[int, int]]
 
 
 def _read_alike(kind: type[Message], serialised: bytes, packed: bytes) -> bool:
-    """Return whether ROS reads one message from serialised and packed bytes."""
     expected = repr(deserialize_message(serialised, kind))      # 'nan' == 'nan'
     try:
         return repr(deserialize_message(packed, kind)) == expected

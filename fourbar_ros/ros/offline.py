@@ -8,13 +8,12 @@ from math import isnan
 from pathlib import Path
 import time
 
+from fourbar_ros.bag.origin import full_name
 from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.dynamics.node_step import KEY, SILENT
-from fourbar_ros.dynamics.node_step import OK as MOVES
+from fourbar_ros.dynamics import node_step
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanisms.parts import LARGEST_MODE
-from fourbar_ros.pipeline.stepper import OK as KNOWN
-from fourbar_ros.pipeline.stepper import Stepper, Wanted
+from fourbar_ros.pipeline.stepper import OK, Stepper, Wanted
 from fourbar_ros.ros.messages import resolve, sec_nanosec, to_stamp
 from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.node.stream import drive_layout, writer_of
@@ -52,9 +51,9 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
                        f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
                        'until then, or without a bag')
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
-    names = {topic.name: _resolved(topic.topic) for topic in topics}
+    names = {topic.name: full_name(topic, NODE) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
-    about = {**about_of(scene, names, NODE), KEY: how}
+    about = {**about_of(scene, names, NODE), node_step.KEY: how}
     now = BEGIN                         # log times are those of the run
     writer = BagWriter(str(path.parent), path.name,
                        [channel(topic, names[topic.name]) for topic in topics], about,
@@ -73,11 +72,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
 
 
 def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[int, Messages]]:
-    """
-    Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node.
-
-    The first sample also has the scene and the constant torque, if there is one.
-    """
+    """Yield (time [ns], [(short name, bytes), ...]) of each sample, in the order of a node."""
     scene, stepper = simulated.scene, Stepper(simulated.scene)
     wanted, layout = Wanted.of(scene), scene.layout
     modes = [mode if mode <= LARGEST_MODE else stepper.mode
@@ -98,10 +93,11 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
             driven[index] = value
         status, values = stepper.step(*motion, wanted, mode)
         outputs = [name for name in scene.topics
-                   if status == KNOWN or not any(isnan(values[index])
+                   if status == OK or not any(isnan(values[index])
                                                  for index in scene.needed_for(name))]
-        contents = {DRIVE_STATE.name: (SILENT if is_silent else MOVES, drive_values),
-                    DRIVEN.name: (KNOWN, driven), **dict.fromkeys(outputs, (status, values))}
+        drive_status = node_step.SILENT if is_silent else node_step.OK
+        contents = {DRIVE_STATE.name: (drive_status, drive_values),
+                    DRIVEN.name: (OK, driven), **dict.fromkeys(outputs, (status, values))}
         stamp = sec_nanosec(BEGIN + offset)
         yield BEGIN + offset, first + [
             (name, makers[name](stamp, status, mode, values))
@@ -118,8 +114,3 @@ def _torque(scene: Scene, torque: float) -> bytes:
     else:
         message.wrench.torque.z = torque
     return bytes(serialize_message(message))
-
-
-def _resolved(topic: str) -> str:
-    """Return the full name of a topic of the node /fourbar: '~/state' is '/fourbar/state'."""
-    return topic.replace('~', NODE, 1) if topic.startswith('~') else f'/{topic}'

@@ -3,7 +3,7 @@
 """Publish a bag again: the recorded bytes, as they are, by the times of their recording."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite, isnan
 from pathlib import Path
 from struct import unpack_from
@@ -53,7 +53,6 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     first, ahead, ticked = 0, 0, -1
 
     def tick() -> None:
-        """Publish the time of the bag if that is due."""
         nonlocal ticked
         passed = time.monotonic() - begun
         if clock and (tick_count := int(passed * clock_rate)) != ticked:
@@ -63,7 +62,13 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
 
     try:
         with caught_signals() as signals:
-            _wait_for_readers(publishers.values() if waits_for_node else (), delay, signals)
+            end = time.monotonic() + PATIENCE
+            for publisher in publishers.values() if waits_for_node else ():
+                while not signals and not publisher.get_subscription_count():
+                    if time.monotonic() > end:
+                        raise BagError(f'no node listens on {publisher.topic_name}')
+                    time.sleep(TICK)
+            _sleep_until(time.monotonic() + delay, signals)
             while not signals:
                 first, begun = 0, time.monotonic()
                 for raw, ahead in _messages(bag, publishers, waits_for_node):  # noqa: B007 (tick)
@@ -89,42 +94,21 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
 
 def _messages(bag: Bag, publishers: Mapping[str, Publisher], for_a_node: bool
               ) -> Iterator[tuple[Raw, int]]:
-    """
-    Yield each message, and how far log times are ahead of simulated time [ns].
-
-    ``for_a_node``: they are driven motions; those whose rates were unknown, which a node would
-    estimate, are left out.
-    """
+    """Yield each message, and how far log times are ahead of simulated time [ns]."""
     ahead = unknown = 0
     for raw in bag.raw(set(publishers)):
         motion = bag.decode(raw) if for_a_node else None
         if motion and isfinite(motion.position) and isnan(motion.velocity + motion.acceleration):
-            unknown += 1
+            unknown += 1                         # a node would estimate them
             continue
-        ahead = _ahead(publishers[raw.topic], raw) or ahead
+        if hasattr(publishers[raw.topic].msg_type, 'header') and len(raw.data) >= 12:
+            sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
+            stamp = sec * 10**9 + nanosec
+            if 0 < stamp < raw.time - FAR:
+                ahead = raw.time - stamp
         yield raw, ahead
     if unknown:
         print(f'{unknown} motions left out: their rates were unknown')
-
-
-def _ahead(publisher: Publisher, raw: Raw) -> int:
-    """Return how far the log time is ahead of a stamp of simulated time [ns]; else 0."""
-    if not hasattr(publisher.msg_type, 'header') or len(raw.data) < 12:
-        return 0
-    sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
-    stamp: int = sec * 10**9 + nanosec
-    return raw.time - stamp if 0 < stamp < raw.time - FAR else 0
-
-
-def _wait_for_readers(publishers: Iterable[Publisher], delay: float, signals: Signals) -> None:
-    """Wait until each has a reader, which must be soon, else BagError; then so long [s]."""
-    end = time.monotonic() + PATIENCE
-    for publisher in publishers:
-        while not signals and not publisher.get_subscription_count():
-            if time.monotonic() > end:
-                raise BagError(f'no node listens on {publisher.topic_name}')
-            time.sleep(TICK)
-    _sleep_until(time.monotonic() + delay, signals)
 
 
 def _sleep_until(moment: float, signals: Signals,
@@ -136,11 +120,7 @@ def _sleep_until(moment: float, signals: Signals,
 
 
 def _publisher(node: Node, bag: Bag, topic: str, name: str) -> Publisher | None:
-    """
-    Return the publisher of a recorded topic; None, with a warning, if its type differs here.
-
-    A type installed with another definition would read recorded bytes as other numbers.
-    """
+    """Return a publisher; None if its type differs here: it would read other numbers."""
     type_name, recorded = bag.types[topic], bag.channel_of(topic)
     try:
         message_class, installed_hash = resolve(type_name), type_hash(type_name)

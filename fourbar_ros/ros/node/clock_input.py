@@ -10,7 +10,6 @@ from typing import Any
 from fourbar_ros.ros.messages import sec_nanosec
 from fourbar_ros.ros.node.entities import clock_of, Troubles
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.groups import DriveSettings
 from rclpy.node import Node
 
 TICK = 0.1             # [s] longest period of the timer: so soon it sees new settings
@@ -68,7 +67,11 @@ class ClockInput:
             self._next, self._offset, self._checked = 0, self._offset_of_stamps(), now
         self._last = now
         if now - self._checked > CHECK_CLOCK:
-            self._follow_clock(now)
+            self._checked, offset = now, self._offset_of_stamps()
+            if abs(offset - self._offset) >= CLOCK_STEP:
+                self._troubles.count('clock_steps', 'the clock was set by '
+                                     f'{(offset - self._offset) * 1e-9:.3f} s')
+                self._offset = offset
         period = 1e9 / self._settings.rate
         behind = int((now - self._began) / period) - self._next
         if behind * period > CATCH_UP * 1e9:             # suspended, or too high a rate
@@ -81,12 +84,10 @@ class ClockInput:
                 self._troubles.count('faults', f'a fault in a sample: {format_exc()}')
             self._next += 1
         before, self._settings = self._settings, self._stream.scene.drive
-        if (self._settings.speed, self._settings.rate) != (before.speed, before.rate):
-            self._go_on(before, now, self._began + round((self._next - 1) * period))
-
-    def _go_on(self, before: DriveSettings, now: int, last: int) -> None:
-        """Begin a new grid at the ``last`` sample [ns], or ``now`` if that is long ago."""
-        assert self._began is not None
+        if (self._settings.speed, self._settings.rate) == (before.speed, before.rate):
+            return
+        # a new grid begins at the last sample [ns], or now if that is long ago
+        last = self._began + round((self._next - 1) * period)
         begin = last if (now - last) * 1e-9 < 1.0 / self._settings.rate else now
         self._leave(before.speed, (begin - self._began) * 1e-9)
         self._began, self._next = begin, 1
@@ -99,13 +100,6 @@ class ClockInput:
         if self._is_simulated:
             return 0
         return int(self._node.get_clock().now().nanoseconds - self._time())
-
-    def _follow_clock(self, now: int) -> None:
-        self._checked, new = now, self._offset_of_stamps()
-        if abs(new - self._offset) >= CLOCK_STEP:
-            self._troubles.count('clock_steps', 'the clock was set by '
-                                 f'{(new - self._offset) * 1e-9:.3f} s')
-            self._offset = new
 
     def _prepare(self) -> None:
         self._angle = self._settings.start               # at sample 0

@@ -15,25 +15,12 @@ from typing import Any
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import (
-    FAMILIES,
-    INPUT_DEPTH,
-    OUTPUTS,
-    PICTURES,
-    QUEUE_DEPTH,
-    Topic,
-)
+from fourbar_ros.scene.topics import FAMILIES, INPUT_DEPTH, OUTPUTS, PICTURES, QUEUE_DEPTH, Topic
+from rclpy import qos
 from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import (
-    DurabilityPolicy,
-    qos_policy_name_from_kind,
-    QoSPolicyKind,
-    QoSProfile,
-    ReliabilityPolicy,
-)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
@@ -46,8 +33,9 @@ WAITING = 8                        # most jobs that wait for one thread
 
 def publisher(node: Node, topic: Topic, **options: Any) -> Publisher:
     """Return a publisher on a topic with its QoS, latched or not, and the user's overrides."""
-    profile = (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL) if topic.latched
-               else QoSProfile(depth=QUEUE_DEPTH))
+    profile = qos.QoSProfile(depth=QUEUE_DEPTH)
+    if topic.latched:
+        profile = qos.QoSProfile(depth=1, durability=qos.DurabilityPolicy.TRANSIENT_LOCAL)
     with _refused(node, topic):
         return node.create_publisher(resolve(topic.type), topic.topic, profile, **options,
                                      qos_overriding_options=_overrides(node, 'publisher', topic))
@@ -63,18 +51,18 @@ def subscription(node: Node, topic: Topic, take: Callable[..., None], troubles: 
     another policy that does not match is a trouble.
     """
     def note(info: Any) -> None:
-        policy = qos_policy_name_from_kind(info.last_policy_kind).lower()
-        troubles.incompatible[topic.name] = policy
+        name = qos.qos_policy_name_from_kind(info.last_policy_kind).lower()
+        troubles.incompatible[topic.name] = name
         troubles.count('incompatible_publishers', f'{topic.topic}: nothing is received from a '
-                       f'publisher with an incompatible {policy}')
+                       f'publisher with an incompatible {name}')
     troubles.counts.setdefault('incompatible_publishers', 0)
     events = events or SubscriptionEventCallbacks()
     events.incompatible_qos = note
-    reliability = ReliabilityPolicy.RELIABLE if is_reliable else ReliabilityPolicy.BEST_EFFORT
+    policy = qos.ReliabilityPolicy.RELIABLE if is_reliable else qos.ReliabilityPolicy.BEST_EFFORT
     with _refused(node, topic):
         return node.create_subscription(
             resolve(topic.type), topic.topic, take,
-            QoSProfile(depth=INPUT_DEPTH, reliability=reliability), raw=True,
+            qos.QoSProfile(depth=INPUT_DEPTH, reliability=policy), raw=True,
             event_callbacks=events,
             qos_overriding_options=_overrides(node, 'subscription', topic))
 
@@ -85,7 +73,7 @@ def check_overrides(node: Node, scene: Scene) -> None:
     topics = {'publisher': [*scene.published, *later], 'subscription': scene.received}
     known = {f'{node.resolve_topic_name(topic.topic)}.{entity}.{kind.lower()}'
              for entity, those in topics.items() for topic in those
-             for kind in QoSPolicyKind.__members__ if kind != 'INVALID'
+             for kind in qos.QoSPolicyKind.__members__ if kind != 'INVALID'
              and (entity, kind) != ('subscription', 'LIFESPAN')}
     for name, parameter in node.get_parameters_by_prefix(OVERRIDES.rstrip('.')).items():
         if name not in known:
@@ -130,7 +118,7 @@ def _refused(node: Node, topic: Topic) -> Iterator[None]:
 
 def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
     """Return the policies that the user gives, so that rclpy declares no others."""
-    return QoSOverridingOptions([kind for kind in QoSPolicyKind.__members__.values()
+    return QoSOverridingOptions([kind for kind in qos.QoSPolicyKind.__members__.values()
                                  if has_override(node, entity, topic, kind.name.lower())])
 
 

@@ -22,12 +22,7 @@ from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import from_values, naming_nan, Scene
 from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import SERVICES
-from rcl_interfaces.msg import (
-    IntegerRange,
-    ParameterDescriptor,
-    ParameterType,
-    SetParametersResult,
-)
+from rcl_interfaces import msg
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
@@ -49,7 +44,6 @@ class FourBarNode(GuardedNode):
 
     def __init__(self, name: str = 'fourbar', namespace: str = '', arguments: Sequence[str] = (),
                  **kwargs: Any) -> None:
-        """Read and check the scene, make all parts of the node, begin to record and to drive."""
         further, _, name = name.rpartition('/')
         if further:     # set here: a namespace on the command line would override it
             full = '/'.join(filter(None, (namespace.strip('/'), further)))
@@ -66,7 +60,15 @@ class FourBarNode(GuardedNode):
                         for name in {*wanted, CHANGES}}
         self.troubles, recording = Troubles(self), Recording(self)
         self.stream = Stream(self, RunningScene(scene), recording, self.troubles)
-        self.input = self._input_of(scene.drive.source)
+        self.input: Union[ClockInput, TopicInput]
+        if scene.drive.source == 'timer':
+            self.input = ClockInput(self, self.stream, self.troubles)
+        elif scene.drive.source in SOURCES:      # torque or motor
+            from fourbar_ros.ros.node.torque_input import TorqueInput
+            self.input = TorqueInput(self, self.stream, self.troubles)
+        else:
+            from fourbar_ros.ros.node.topic_input import TopicInput
+            self.input = TopicInput(self, self.stream, self.troubles)
         self.acting = self.trajectories = None
         if scene.acting:
             from fourbar_ros.ros.node.acting import ActingInputs  # where a scene needs it
@@ -83,16 +85,6 @@ class FourBarNode(GuardedNode):
             recording.begin(scene, self.stream.start_recording)
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
                                f'driven by {scene.drive.source}')
-
-    def _input_of(self, source: str) -> Union[ClockInput, TopicInput]:
-        """Return the input for a ``drive.source``; import only what it needs."""
-        if source in SOURCES:                # torque or motor
-            from fourbar_ros.ros.node.torque_input import TorqueInput
-            return TorqueInput(self, self.stream, self.troubles)
-        if source == 'timer':
-            return ClockInput(self, self.stream, self.troubles)
-        from fourbar_ros.ros.node.topic_input import TopicInput
-        return TopicInput(self, self.stream, self.troubles)
 
     def _check(self, scene: Scene) -> None:
         """Refuse a scene that a node cannot run, or whose answers would be its own inputs."""
@@ -120,11 +112,22 @@ class FourBarNode(GuardedNode):
         let_inputs_pass()
 
         def swap() -> None:
-            self.stream.swap(run)
-            if self.acting:
-                self.acting.renew()
+            try:
+                self.stream.swap(run)
+                if self.acting:
+                    self.acting.renew()
+                done.set_result(None)
+            except Exception as error:
+                done.set_exception(error)
         before = warnings_of(self.stream.scene)
-        self._between_callbacks(swap)
+        worker, done = self.workers[CHANGES], Future[None]()
+        if self.executor is None or not worker.is_this_thread:
+            swap()
+        else:
+            self.executor.create_task(swap)
+        while not wait([done], LOOK).done:
+            worker.check()
+        done.result()
         for warning in warnings_of(scene):
             if warning not in before:
                 self.get_logger().warning(warning)
@@ -148,24 +151,6 @@ class FourBarNode(GuardedNode):
                 self.trajectories.stop(PATIENCE)
             self.destroy_node()
 
-    def _between_callbacks(self, job: Callable[[], None]) -> None:
-        """Do a job of the thread CHANGES between two callbacks of the executor; wait for it."""
-        worker, done = self.workers[CHANGES], Future[None]()
-        if self.executor is None or not worker.is_this_thread:
-            job()
-            return
-
-        def run() -> None:
-            try:
-                job()
-                done.set_result(None)
-            except Exception as error:
-                done.set_exception(error)
-        self.executor.create_task(run)
-        while not wait([done], LOOK).done:
-            worker.check()
-        done.result()
-
 
 # --- parameters: declared as the table says, read as a scene, checked on a change ----------------
 
@@ -173,10 +158,9 @@ class FourBarNode(GuardedNode):
 SWITCHES = ('use_sim_time', 'start_type_description_service')
 BUILT_IN = (*SWITCHES, OVERRIDES)
 
-_ROS_TYPES = {'double': ParameterType.PARAMETER_DOUBLE, 'integer': ParameterType.PARAMETER_INTEGER,
-              'string': ParameterType.PARAMETER_STRING, 'bool': ParameterType.PARAMETER_BOOL,
-              'strings': ParameterType.PARAMETER_STRING_ARRAY,
-              'doubles': ParameterType.PARAMETER_DOUBLE_ARRAY}
+_ROS_TYPES = {kind: getattr(msg.ParameterType, f'PARAMETER_{name}') for kind, name in (
+    ('double', 'DOUBLE'), ('integer', 'INTEGER'), ('string', 'STRING'), ('bool', 'BOOL'),
+    ('strings', 'STRING_ARRAY'), ('doubles', 'DOUBLE_ARRAY'))}
 
 
 def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
@@ -226,7 +210,6 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
     is ours. ``current()`` returns the scene in force.
     """
     def change(parameters: Sequence[RosParameter]) -> None:
-        """Apply the scene with these changes of declared parameters; raise FourBarError if bad."""
         changes = {}
         for parameter in parameters:
             name, value = parameter.name, parameter.value
@@ -240,7 +223,7 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
 
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
-    def answer(parameters: Sequence[RosParameter]) -> SetParametersResult:
+    def answer(parameters: Sequence[RosParameter]) -> msg.SetParametersResult:
         before = current()
         try:
             change(parameters)
@@ -249,8 +232,8 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
                 apply(before)
             if not isinstance(error, FourBarError):
                 raise                        # a fault of ours: the service says so
-            return SetParametersResult(successful=False, reason=str(error))
-        return SetParametersResult(successful=True)
+            return msg.SetParametersResult(successful=False, reason=str(error))
+        return msg.SetParametersResult(successful=True)
 
     node.add_on_set_parameters_callback(answer)
 
@@ -260,13 +243,13 @@ def let_inputs_pass() -> None:
     time.sleep(PAUSE)
 
 
-def descriptor(parameter: Parameter) -> ParameterDescriptor:
+def descriptor(parameter: Parameter) -> msg.ParameterDescriptor:
     """Return the ROS descriptor of a parameter: type, text with unit, limits, whether fixed."""
     unit = f' [{parameter.unit}]' if parameter.unit else ''
     ranges = []
     if parameter.type == 'integer' and parameter.high < inf:
-        ranges = [IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
-    return ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
+        ranges = [msg.IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
+    return msg.ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
                                read_only=not parameter.live, integer_range=ranges,
                                description=parameter.text + unit,
                                # to rclpy an empty list is one of bytes

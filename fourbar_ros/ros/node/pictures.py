@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from math import cos, isnan, sin
 from typing import TYPE_CHECKING
 
-from fourbar_ros.description.connections import Connection
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.messages import Message, Stamp
 from fourbar_ros.scene.base import quaternion_of
@@ -86,9 +85,16 @@ def frames_maker(scene: Scene) -> Make:
         for frame in message.transforms:
             frame.header.stamp.sec, frame.header.stamp.nanosec = stamp
         for transform, connection, i in moving:
-            if isnan(values[i]):
+            q = values[i]                        # the joint coordinate [rad or m]
+            if isnan(q):
                 return None
-            _move(transform, connection, values[i])
+            (x, y), angle = connection.on_parent, connection.turn
+            if connection.axis is None:
+                angle += q
+            else:
+                x, y = x + q * connection.axis[0], y + q * connection.axis[1]
+            transform.translation.x, transform.translation.y = x, y
+            transform.rotation.z, transform.rotation.w = sin(0.5 * angle), cos(0.5 * angle)
         return message
     return make
 
@@ -107,14 +113,3 @@ def _add_frame(message: TFMessage, parent: str, child: str) -> TransformStamped:
     frame.header.frame_id = parent
     message.transforms.append(frame)
     return frame
-
-
-def _move(transform: Transform, connection: Connection, q: float) -> None:
-    """Set the pose of a child in its parent's frame for the joint coordinate q [rad or m]."""
-    (x, y), angle = connection.on_parent, connection.turn
-    if connection.axis is None:
-        angle += q
-    else:
-        x, y = x + q * connection.axis[0], y + q * connection.axis[1]
-    transform.translation.x, transform.translation.y = x, y
-    transform.rotation.z, transform.rotation.w = sin(0.5 * angle), cos(0.5 * angle)

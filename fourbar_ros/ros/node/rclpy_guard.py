@@ -8,7 +8,7 @@ All that rclpy's node and its EventsExecutor do not survive, or do not do (rclpy
 * An integer, a text with a unit or an empty list is refused for a parameter of doubles:
   as_declared.
 * The executor knows no callback groups, so a slow service holds up the stream (ros2/rclpy#1473):
-  _answer_beside.
+  GuardedNode.create_service.
 * An event of a publisher that is gone ends the process, and publishing takes twice the time that
   it must: TopicPublisher.
 * The executor passes a message and its info as one argument: with_info.
@@ -37,9 +37,7 @@ from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
-from rclpy.service import Service
 from rosgraph_msgs.msg import Clock
 
 if TYPE_CHECKING:      # stream imports this file
@@ -108,41 +106,24 @@ class GuardedNode(Node):
                 return _without_answer(request, response, 'RESULT_INVALID_REQUEST',
                                        f'a fault in the node, see its log: {error!r}')
         if srv_type in (SetParameters, SetParametersAtomically):
-            worker_for = self._changes
+            worker_for = lambda _: self.workers[CHANGES]    # noqa: E731  rclpy asks before threads
         if worker_for is None:
             return super().create_service(srv_type, srv_name, answer, **options)
-        service = super().create_service(srv_type, srv_name, _both, **options)
-        _answer_beside(service, answer, worker_for)
+        find_worker = worker_for
+
+        def queue(arguments: tuple[Message, Message], header: Message) -> None:
+            """Have a worker answer a request, or say at once that too many wait."""
+            if not find_worker(arguments[0]).do(lambda: send(answer(*arguments), header)):
+                send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
+                                     'answer already: ask again later'), header)
+        # The executor passes what the callback returns, the request and its response, to
+        # send_response. That is replaced: it queues the answer.
+        service = super().create_service(srv_type, srv_name, lambda *both: both, **options)
+        send, service.send_response = service.send_response, queue
         return service
-
-    def _changes(self, _: Message) -> Worker:
-        """Return the thread that changes parameters; rclpy makes the services before threads."""
-        return self.workers[CHANGES]
-
-
-def _both(request: Message, response: Message) -> tuple[Message, Message]:
-    return request, response
-
-
-def _answer_beside(service: Service, answer: Callable[[Message, Message], Message],
-                   worker_for: Callable[[Message], Worker]) -> None:
-    """
-    Have a service answer in the worker for the request, or at once that too many wait.
-
-    The executor calls its callback, which is :func:`_both`, and passes the result to
-    ``send_response``. That is replaced: it queues the answer.
-    """
-    send = service.send_response
-
-    def queue(arguments: tuple[Message, Message], header: Message) -> None:
-        if not worker_for(arguments[0]).do(lambda: send(answer(*arguments), header)):
-            send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
-                                 'answer already: ask again later'), header)
-    service.send_response = queue
 
 
 def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
-    """Return the response of any service, which says why the request has no answer."""
     refused = SetParametersResult(reason=why)
     if isinstance(response, SetParameters.Response):
         response.results = [refused] * len(request.parameters)
@@ -191,23 +172,18 @@ class TopicPublisher:
     """
 
     def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
-        self._node, self._topic, self._changed = node, topic, changed
-        self.is_subscribed = False
+        self._changed, self.is_subscribed = changed, False
         try:
-            self._publisher = self._create(PublisherEventCallbacks(matched=self._matched))
+            self._publisher = entities.publisher(
+                node, topic, event_callbacks=PublisherEventCallbacks(matched=self._matched))
         except UnsupportedEventTypeError:
-            self.is_subscribed = True
-            self._publisher = self._create(None)
+            self.is_subscribed, self._publisher = True, entities.publisher(node, topic)
         self.topic = str(self._publisher.topic_name)     # the full name
         # This takes half the time of Publisher.publish, which also guards against its destruction
         # meanwhile.
         self.publish: Callable[[bytes], None] = self._publisher.handle.publish_raw
 
-    def _create(self, callbacks: PublisherEventCallbacks | None) -> Publisher:
-        return entities.publisher(self._node, self._topic, event_callbacks=callbacks)
-
     def _matched(self, info: Any) -> None:
-        """Note how many subscribers there are: rclpy's event."""
         is_subscribed = info.current_count > 0
         if is_subscribed != self.is_subscribed:
             self.is_subscribed = is_subscribed
@@ -233,8 +209,7 @@ def spin(nodes: Sequence[Node], signals: Sequence[int]) -> None:
     for node in nodes:
         executor.add_node(node)
 
-    def wake() -> None:
-        """Wake the executor: that of the wheels waits by the system clock, also if set back."""
+    def wake() -> None:      # that of the wheels waits by the system clock, also if set back
         while not ended:
             time.sleep(SPIN)
             executor.create_task(lambda: None)

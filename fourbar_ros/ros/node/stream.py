@@ -106,11 +106,7 @@ class Stream:
             self._recording.note(SCENE.name, run.scene.as_json)
 
     def _update(self) -> None:
-        """
-        Note the outputs that steps have to compute, while a bag is recorded and while none is.
-
-        It is called when a subscriber comes or leaves: in every step it would take too long.
-        """
+        """Note what steps have to compute: in every step that would take too long."""
         self._all = Wanted.of(self.scene)
         self._subscribed = Wanted.of(self.scene, [
             name for name in self.run.topics if self._publishers[name].is_subscribed])
@@ -208,7 +204,6 @@ class Stream:
         return abs(sin(self._values[self.run.layout.index_of['transmission_angle']]))
 
     def _wanted(self) -> Wanted:
-        """Return the work of a step now: all outputs while recording, else subscribed ones."""
         return self._all if self.is_recording else self._subscribed
 
     def _step(self, stamp: Stamp, mode: int, position: float, rate: float, acceleration: float,
@@ -222,7 +217,15 @@ class Stream:
             for index, value in zip(run.inputs, (position, rate, acceleration)):
                 driven[index] = value
             self._send([DRIVEN.name], stamp, OK, mode, driven)
-        drawn = self._drawn(wanted.pictures, stamp)
+        drawn = wanted.pictures
+        if 'markers' in drawn:
+            # pictures.rate limits them, not tf, which must not be older than the joint states
+            # 0.99: jitter of stamps must not turn every third sample into every fourth
+            now, last, most = stamp[0] * 10**9 + stamp[1], self._markers_at, run.markers_rate
+            if most != 0.0 and last is not None and 0 <= now - last < 0.99e9 / most:
+                drawn = tuple(name for name in drawn if name != 'markers')
+            else:
+                self._markers_at = now
         if not wanted.outputs and not drawn:
             self._record()
             return None
@@ -239,21 +242,6 @@ class Stream:
         self._record()
         return status
 
-    def _drawn(self, pictures: Sequence[str], stamp: Stamp) -> Sequence[str]:
-        """
-        Return the wanted pictures that are due at a stamp: ``pictures.rate`` limits the markers.
-
-        Not the frames of ``tf``, which must not be older than the joint states.
-        """
-        if 'markers' not in pictures:
-            return pictures
-        now, last, rate = stamp[0] * 10**9 + stamp[1], self._markers_at, self.run.markers_rate
-        # 0.99: jitter of stamps must not turn every third sample into every fourth
-        if rate != 0.0 and last is not None and 0 <= now - last < 0.99e9 / rate:
-            return [name for name in pictures if name != 'markers']
-        self._markers_at = now
-        return pictures
-
     def _known(self, outputs: Iterable[str]) -> list[str]:
         """Return the outputs without those that must not send NaN but would, as joint_states."""
         return [name for name in outputs
@@ -261,11 +249,7 @@ class Stream:
 
     def _send(self, names: Iterable[str], stamp: Stamp, status: int, mode: int,
               values: Sequence[float]) -> None:
-        """
-        Pack all messages, then publish those that have a subscriber; keep all for the bag.
-
-        They go out together, so the middleware wakes up less often.
-        """
+        """Pack all messages, then publish them together: so the middleware wakes up less often."""
         writers = self.run.writers
         self._publish([(name, writers[name].pack(stamp, status, mode, values)) for name in names])
 
@@ -278,21 +262,14 @@ class Stream:
             self._sent += sent
 
     def _record(self) -> None:
-        """Record all that was sent since the last time, in one call of the writer."""
         if self._sent:
             sent, self._sent = self._sent, []
             self._recording.write(sent)
 
     def _note(self, status: int | None, position: float) -> None:
-        """
-        Count a bad step; log a status (None: not computed) that differs from that of the last one.
-
-        ``position`` of the input [rad or m] is for the text.
-        """
-        if status is None:
-            return
-        self.bad_steps += status != OK
-        if status == self.status:
+        """Count a bad step; log a status, None: not computed, that differs from the last one."""
+        self.bad_steps += status not in (OK, None)
+        if status in (self.status, None):
             return
         self.status, linkage = status, self.scene.linkage
         name, unit = linkage.input_coordinate.position, linkage.input_coordinate.unit

@@ -120,10 +120,9 @@ class TopicInput:
             f'; {self._topic.type} comes on {", ".join(sorted(topics))}' if topics else '')
 
     def _receive(self, data: bytes) -> None:
-        """Take a message; an error in that is ours and must not end us."""
         try:
             self._read(data)
-        except Exception:
+        except Exception:                                # it is ours and must not end us
             self._troubles.count('faults', f'a fault in taking an input: {format_exc()}')
 
     def _refuse(self, why: str) -> None:
@@ -132,7 +131,6 @@ class TopicInput:
         self._troubles.count('malformed', why)
 
     def _take(self, message: Message) -> None:
-        """Record a message, complete its rates, and step to its motion."""
         motion = driven_of(message, self._settings.joint)
         if motion is None and self._is_relay:    # from ourselves, or another part of the robot
             self._note_other_joints(message)
@@ -178,7 +176,6 @@ class TopicInput:
 
     def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
                  ) -> tuple[float, float, float]:
-        """Return a motion with the turns of its position counted."""
         wrapped = self._counter.wraps
         position, is_in_doubt = self._counter.counted(stamp, position, velocity)
         what = f'joint {self._settings.joint!r}' if self._settings.joint else 'the input'
@@ -192,7 +189,6 @@ class TopicInput:
         return position, velocity, acceleration
 
     def _who_else_sends(self) -> list[str]:
-        """Return what is wrong with who sends the driven joint, or passive ones of ours."""
         name, heard = self._subscription.topic_name, self._sequence.heard()
         is_ours = self._is_relay and name in self._stream.topics()
         publishers = self._subscription.get_publisher_count() - is_ours
@@ -242,8 +238,12 @@ class TopicInput:
         stamp = sec * 10**9 + nanosec
         is_valid = is_time(sec, nanosec)
         if stamp and is_valid:
-            if stamp > self._horizon:
-                self._check_future(stamp)
+            if stamp > self._horizon:        # the clock is read once in a while only
+                now = self._node.get_clock().now().nanoseconds
+                self._horizon = now + nanoseconds(FUTURE)
+                if stamp > self._horizon:
+                    self._troubles.count('future', f'input stamped {(stamp - now) * 1e-9:.3f} s '
+                                         'ahead of the clock')
             return (sec, nanosec), stamp
         if not is_valid:
             self._troubles.count('bad_stamps', f'input stamped {sec} s, {nanosec} ns, which is no '
@@ -251,16 +251,7 @@ class TopicInput:
         stamp = self._node.get_clock().now().nanoseconds
         return sec_nanosec(stamp), stamp
 
-    def _check_future(self, stamp: int) -> None:
-        """Count a stamp [ns] too far ahead of the clock, which is read once in a while only."""
-        now = self._node.get_clock().now().nanoseconds
-        self._horizon = now + nanoseconds(FUTURE)
-        if stamp > self._horizon:
-            self._troubles.count('future', f'input stamped {(stamp - now) * 1e-9:.3f} s ahead of '
-                                 'the clock')
-
     def _watch(self) -> None:
-        """Look for a timeout of the input: called every WATCH seconds."""
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._time()

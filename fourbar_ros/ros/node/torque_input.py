@@ -78,12 +78,7 @@ class TorqueInput(ClockInput):
         """Go on from the state of now."""
 
     def _move(self) -> tuple[int, int, DriveValues]:
-        """
-        Return (status, assembly mode, state) a period later; the first time, of the start.
-
-        When the scene has changed, its equation of motion goes on from the same state. SILENT
-        stands only where the status would be OK; that of the start is not logged.
-        """
+        """Return (status, assembly mode, state) a period later; the first time, of the start."""
         run = self._stream.run
         if self._scene is not run.scene:
             assert run.mover is not None                 # this input's scenes have one
@@ -119,27 +114,19 @@ class TorqueInput(ClockInput):
         return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
 
     def _take(self, message: Message) -> None:
-        """
-        Take a torque, or the force of a slide, for the next steps; record it even if ignored.
-
-        The executor calls this between two steps.
-        """
+        """Take a torque, or the force of a slide; the executor calls this between two steps."""
         is_slide, wrench = self._stream.scene.linkage.is_driven_by_slide, message.wrench
         torque = wrench.force.x if is_slide else wrench.torque.z
         self._troubles.count('torques')
         self._stream.record_input(TORQUE.name, message)
-        if isfinite(torque):
-            self._torque, self._received = self._limited(torque), self._time()
-        else:
+        if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
-
-    def _limited(self, torque: float) -> float:
-        """Return a torque cut to ``drive.torque_limit``; NaN there is no limit."""
+            return
         limit = self._stream.scene.drive.torque_limit
         limit = inf if isnan(limit) else limit
         if abs(torque) > limit:
             self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
-        return min(max(torque, -limit), limit)
+        self._torque, self._received = min(max(torque, -limit), limit), self._time()
 
     def _note(self, cause: str, text: str) -> None:
         self._troubles.count(cause, f'{TORQUE.topic}: {text}')

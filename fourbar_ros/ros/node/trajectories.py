@@ -71,7 +71,6 @@ class Conversion:
         return JointTrajectory(header=message.header, joint_names=[name], points=points)
 
     def _read(self, message: Message, joint: str, scale: Scale) -> Trajectory:
-        """Return the trajectory of a joint in the mechanism's coordinate."""
         if joint not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
                                    f'must hold {joint}')
@@ -107,11 +106,7 @@ class Conversion:
 
 
 def _column(message: Message, name: str, joint: int) -> Array | None:
-    """
-    Return a field of a joint over the points, shape (n,); None if no point has the field.
-
-    InvalidParameter if a point has another number of values than there are joints.
-    """
+    """Return a field of a joint over the points, shape (n,); None if no point has the field."""
     rows, count = [getattr(point, name) for point in message.points], len(message.joint_names)
     if not any(map(len, rows)):
         return None
@@ -135,13 +130,11 @@ class Trajectories:
             self._listen(node, name)
 
     def _listen(self, node: Node, name: str) -> None:
-        """Subscribe to a topic of trajectories, which are answered in the worker."""
         read = entities.reader(TRAJECTORIES[name], partial(self._answer, name),
                                partial(self._refuse, 'trajectories_refused'))
-        lost = 0             # by the middleware on this topic, as far as it is counted
+        lost = 0     # by the middleware on this topic, as far as the count of both topics has it
 
         def take(data: bytes) -> None:
-            """Have a message answered; add new losses to the count that both topics share."""
             nonlocal lost
             self._troubles.count('trajectories')
             self._troubles.counts['trajectories_lost'] += sequence.lost - lost
@@ -157,7 +150,6 @@ class Trajectories:
         self._worker.stop(patience)
 
     def _answer(self, name: str, message: Message) -> None:
-        """Send the answer to a trajectory from a topic, as ANSWERS says, or refuse it."""
         answer_topic, method = ANSWERS[name]
         conversion = self._stream.run.conversion
         assert conversion is not None            # this node's scenes have one
@@ -171,6 +163,5 @@ class Trajectories:
             self._publishers[answer_topic].publish(answer)
 
     def _refuse(self, cause: str, why: str) -> None:
-        """Count, log and publish why a trajectory gets no answer."""
         self._troubles.count(cause, why)
         self._publishers['trajectory_refused'].publish(serialize_message(String(data=why)))
