@@ -97,23 +97,19 @@ class LockStep:
                         or base is not None and not isinstance(base, Base))
         stamp = self._stamp(time, 'rates are estimated from the stamps' if is_estimated else '')
         if base is not None:
-            self._move_base(base, stamp)
+            topic = topics.BASES['motion_of_base' if isinstance(base, Base) else 'imu']
+            if topic.name not in self._publishers:
+                self._listen(topics.BASE, QoSProfile(
+                    depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+            fields = (base._asdict() if isinstance(base, Base) else
+                      {'linear_acceleration': base.linear_acceleration,
+                       'angular_velocity': base.angular_velocity})
+            try:
+                self._ask(topic, (topics.BASE.name,), stamp, **fields)
+            except Late as error:
+                raise Late(f'{error}; does its scene have base.topic: {topic.name}?') from None
         return self._ask(topics.INPUTS['motion'], self._outputs, stamp, position=position,
                          velocity=rate, acceleration=acceleration)
-
-    def _move_base(self, base: Base | Message, stamp: Any) -> None:
-        """Send the motion of the base, and wait until it is in effect."""
-        topic = topics.BASES['motion_of_base' if isinstance(base, Base) else 'imu']
-        if topic.name not in self._publishers:
-            self._listen(topics.BASE, QoSProfile(
-                depth=DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-        fields = (base._asdict() if isinstance(base, Base) else
-                  {'linear_acceleration': base.linear_acceleration,
-                   'angular_velocity': base.angular_velocity})
-        try:
-            self._ask(topic, (topics.BASE.name,), stamp, **fields)
-        except Late as error:
-            raise Late(f'{error}; does its scene have base.topic: {topic.name}?') from None
 
     def push(self, time: float, torque: float) -> SimpleNamespace:
         """
@@ -128,7 +124,14 @@ class LockStep:
         if self._clock is None:
             self._clock = self._client.create_publisher(Clock, '/clock', DEPTH)
             self._listen(topics.DRIVE_STATE)
-            self._meet(self._clock, send)
+            # a clock cannot be sent again: first all must have found each other
+            end = clock.monotonic() + FIRST
+            while not (self._clock.get_subscription_count() and send.get_subscription_count()
+                       and all(each.get_publisher_count() for each in self._heard)):
+                if clock.monotonic() > end:
+                    raise Late(f'{self._node}: not found, or it takes no torque and clock')
+                self._executor.spin_once(timeout_sec=AGAIN)
+            clock.sleep(AGAIN)
         self._be_alone(send)
         message = send.msg_type()
         message.wrench.torque.z = message.wrench.force.x = float(torque)
@@ -155,16 +158,6 @@ class LockStep:
         self._heard.append(self._client.create_subscription(
             resolve(topic.type), self._name(topic), keep, qos))
 
-    def _meet(self, *publishers: Any) -> None:
-        """Wait until node and publishers have found each other: a clock cannot be sent again."""
-        end = clock.monotonic() + FIRST
-        while not (all(each.get_subscription_count() for each in publishers)
-                   and all(each.get_publisher_count() for each in self._heard)):
-            if clock.monotonic() > end:
-                raise Late(f'{self._node}: not found, or it takes no torque and clock')
-            self._executor.spin_once(timeout_sec=AGAIN)
-        clock.sleep(AGAIN)
-
     def _publisher(self, topic: Topic) -> Any:
         if topic.name not in self._publishers:
             self._publishers[topic.name] = self._client.create_publisher(
@@ -172,11 +165,7 @@ class LockStep:
         return self._publishers[topic.name]
 
     def _stamp(self, time: float, why_it_must_rise: str, longest: float = inf) -> Any:
-        """
-        Return a stamp above that of the last question: of a time [s], or a nanosecond later.
-
-        InvalidParameter for a time that must rise and does not, or by more than ``longest`` [s].
-        """
+        """Return a stamp above that of the last question: of a time [s], or 1 ns later."""
         stamp = round(finite('time', time, 'must be above zero: a stamp of 0 is none',
                              above=0.0) * 1e9)
         last = f'the last one, {self._asked * 1e-9:.9g}'
@@ -207,7 +196,6 @@ class LockStep:
 
     def _wait(self, names: Sequence[str], stamp: Any, send: Callable[[], None]
               ) -> SimpleNamespace:
-        """Send, and wait until all topics have a message of this stamp."""
         missing, is_first = set(names), not self._met.issuperset(names)
         end = clock.monotonic() + (FIRST if is_first else self._patience)
         again = 0.0

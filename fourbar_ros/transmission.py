@@ -99,7 +99,6 @@ class Transmission:
     """
 
     def __init__(self, mechanism: Mechanism, start: float):
-        """Find the branch about ``start``; errors are those of :func:`branch_of`."""
         self.mechanism, self.branch = mechanism, branch_of(mechanism, start)
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
 
@@ -119,8 +118,7 @@ class Transmission:
             at_toggle = ratio * ratio <= EPS * np.abs(slope) * np.abs(self.branch.outputs).max()
             ratio = np.where(at_toggle, 0.0, ratio)
 
-            def over_ratio(values: Array) -> Array:
-                """Return values / ratio; an output that rests in a toggle asks for nothing."""
+            def over_ratio(values: Array) -> Array:     # a rest in a toggle asks for nothing
                 return np.where(at_toggle & (values == 0.0), 0.0, values / ratio)
             rate = over_ratio(wanted.rate)                                                # (U2)
             acceleration = (None if wanted.acceleration is None
@@ -155,13 +153,7 @@ class Transmission:
     # --- what cannot be followed ----------------------------------------------------------------
 
     def _within_branch(self, positions: Array, coordinate: Coordinate) -> Array:
-        """
-        Return positions of the input or the output, moved to the turn in which the branch lies.
-
-        Drives may count an angle that swings from another turn, so the whole turns, of the input
-        periods, that bring the first position into the branch are added to all. Raises
-        CannotFollow if one lies beyond an end, or is so large that floats tell no angle there.
-        """
+        """Return positions of the input or output, in the turn of the branch, or CannotFollow."""
         is_angle = coordinate.unit == 'rad'
         spacing = np.spacing(np.abs(positions))
         if is_angle and (spacing > COARSEST).any():
@@ -172,6 +164,7 @@ class Transmission:
         if self.branch.ends is None:
             return positions
         low, high = sorted(end.of(coordinate == self._output) for end in self.branch.ends)
+        # drives may count an angle that swings from another turn: all are moved as the first is
         turn = self.mechanism.period if coordinate == self._input else tau
         if is_angle and not low <= positions[0] <= high:
             positions = positions + turn * np.round((0.5 * (low + high) - positions[0]) / turn)
@@ -184,12 +177,7 @@ class Transmission:
 
     def _require_finite(self, result: Trajectory, coordinate: Coordinate, at_toggle: Array,
                         outputs: Array) -> Trajectory:
-        """
-        Return a result, or raise CannotFollow for its first sample that is not finite.
-
-        ``coordinate``: the input or the output that the result belongs to. ``at_toggle``,
-        ``outputs``: for each sample, whether the output is at a toggle, and its position.
-        """
+        """Return a result of an input or output, or raise CannotFollow if it is not finite."""
         is_finite = {name: np.isfinite(values) for name, values in result._asdict().items()
                      if values is not None}
         bad = np.flatnonzero(~np.all([*is_finite.values()], axis=0))
@@ -202,11 +190,7 @@ class Transmission:
         raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows')
 
     def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
-        """
-        Return the message that a sample lies 'beyond' or 'at' (``where``) an end of the branch.
-
-        ``position`` is that of ``coordinate``, input or output; the nearest end is named.
-        """
+        """Return the message that a sample lies 'beyond' or 'at' an end of the branch."""
         assert self.branch.ends
         of_output = coordinate == self._output
         second = self._input if of_output else self._output
@@ -219,13 +203,9 @@ class Transmission:
     # --- positions ------------------------------------------------------------------------------
 
     def _solve(self, targets: Array) -> Array:
-        """
-        Return the inputs at which the output is at targets on the branch, (U1).
-
-        Newton's method from the samples of the branch, all targets at once, halving where a step
-        leaves the bracket, until no input moves by more than two of its last bits; a toggle, where
-        roots are double, is met exactly.
-        """
+        # (U1) by Newton's method from samples of the branch, all targets at once, halving where
+        # a step leaves the bracket, until no input moves by more than two of its last bits; a
+        # toggle, where roots are double, is met exactly.
         branch, periods = self.branch, np.zeros(len(targets))
         sense = branch.sense
         if branch.ends is None:                  # solve in the one period that has samples
@@ -360,7 +340,6 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
 
 
 def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
-    """Return where the ratio changes its sign between inputs: there the output turns back."""
     def has_sign_of(sample: float) -> Callable[[float], bool]:
         is_negative = ratio_of(mechanism, sample) < 0.0
         return lambda x: (ratio_of(mechanism, x) < 0.0) == is_negative

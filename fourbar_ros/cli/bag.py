@@ -9,29 +9,13 @@ from datetime import datetime
 import sys
 from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import (
-    add_csv,
-    add_json,
-    add_node,
-    add_output,
-    add_tolerance,
-    add_topics,
-    add_verb,
-    BAD,
-    BAG_HELP,
-    csv_style,
-    json_line,
-    PICTURE_HELP,
-    reading,
-    Verbs,
-)
+from fourbar_ros.cli import common
+from fourbar_ros.cli.common import BAD, reading, Verbs
 from fourbar_ros.optional import lab
 from fourbar_ros.spreadsheet import STDOUT
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:      # a verb imports the rest when it runs
-    from fourbar_ros.bag.comparison import TopicDiff
-    from fourbar_ros.bag.overview import Info
     from fourbar_ros.bag.recomputation import Recomputed
     from rich.table import Table
 
@@ -64,8 +48,8 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 
 def add(verbs: Verbs) -> None:
     """Add the verb and its actions."""
-    bag = add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: work with '
-                                 'a recorded run', DESCRIPTION, EPILOG)
+    bag = common.add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: '
+                          'work with a recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
     for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_plot,
                        _add_diff, _add_scene):
@@ -77,7 +61,7 @@ def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], t
     """Add an action on one bag; return its parser. It is described by its help and ``more``."""
     description = text[0].upper() + text[1:] + more
     parser: ArgumentParser = actions.add_parser(name, help=text, description=description)
-    parser.add_argument('bag', metavar='BAG', help=BAG_HELP)
+    parser.add_argument('bag', metavar='BAG', help=common.BAG_HELP)
     parser.set_defaults(run=run)
     return parser
 
@@ -91,7 +75,7 @@ def _print(*tables: Table) -> None:
 
 def _add_info(actions: Verbs) -> None:
     info = _action(actions, 'info', _info, 'show what a bag contains and whether it is sound')
-    add_json(info)
+    common.add_json(info)
     info.add_argument('--check', action='store_true',
                       help='read every message: verify checksums, and sequence numbers to find '
                            'missing messages')
@@ -99,24 +83,17 @@ def _add_info(actions: Verbs) -> None:
 
 def _info(arguments: Namespace) -> int:
     from fourbar_ros.bag.overview import info
+    from fourbar_ros.bag.reader import software_of
     with reading(arguments.bag, 'reading') as step:
         bag = info(arguments.bag, arguments.check, step)
     if arguments.json:
-        print(json_line({
+        print(common.json_line({
             'bag': str(arguments.bag), 'sound': bag.is_sound, 'finished': bag.is_finished,
             'size': bag.size, 'files': bag.files, 'start': bag.start, 'end': bag.end,
             'messages': sum(topic.messages for topic in bag.topics), 'missing': bag.missing,
             'dropped': bag.dropped, 'ended': bag.ended, 'damage': bag.damage,
             'about': bag.about, 'topics': [topic._asdict() for topic in bag.topics]}))
-    else:
-        _print(*_info_tables(bag))
-        if not bag.is_finished or bag.damage:
-            print('fourbar bag recover makes a whole bag of what can be read')
-    return 0 if bag.is_sound else BAD
-
-
-def _info_tables(bag: Info) -> tuple[Table, Table]:
-    from fourbar_ros.bag.reader import software_of
+        return 0 if bag.is_sound else BAD
     about = make_table('', ('', ''))
     about.add_row('bag', str(bag.path))
     about.add_row('state', 'finished' if bag.is_finished else
@@ -141,7 +118,10 @@ def _info_tables(bag: Info) -> tuple[Table, Table]:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
                        '' if topic.missing is None else str(topic.missing))
-    return about, topics
+    _print(about, topics)
+    if not bag.is_finished or bag.damage:
+        print('fourbar bag recover makes a whole bag of what can be read')
+    return 0 if bag.is_sound else BAD
 
 
 # --- recover -------------------------------------------------------------------------------------
@@ -176,9 +156,9 @@ def _add_recompute(actions: Verbs) -> None:
         '. Outputs follow from the driven motion and the scene, both of which are in the bag. '
         'Bags of this version of the software differ by exactly 0; those of another version may '
         'differ by rounding: accept that with --tolerance.')
-    add_json(recompute)
-    add_tolerance(recompute)
-    add_node(recompute)
+    common.add_json(recompute)
+    common.add_tolerance(recompute)
+    common.add_node(recompute)
 
 
 def _recompute(arguments: Namespace) -> int:
@@ -187,7 +167,7 @@ def _recompute(arguments: Namespace) -> int:
         result = recompute(arguments.bag, arguments.node, step)
     problems = result.problems(arguments.tolerance)
     if arguments.json:
-        print(json_line({
+        print(common.json_line({
             'bag': str(arguments.bag), 'good': not problems, 'problems': problems,
             'largest': result.largest, 'tolerance': arguments.tolerance, 'cut': result.is_cut,
             'inputs': result.inputs, 'compared': result.compared, 'unmatched': result.unmatched,
@@ -237,9 +217,9 @@ def _add_export(actions: Verbs) -> None:
     export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
                         help='default: by the ending of PATH, csv for a folder; parquet requires '
                              'pyarrow')
-    add_topics(export, 'export only these topics')
-    add_csv(export, 'units of the columns that measure the same: mm,deg,rpm; columns whose unit '
-                    'is known then have it in their head, others are as recorded')
+    common.add_topics(export, 'export only these topics')
+    common.add_csv(export, 'units of the columns that measure the same: mm,deg,rpm; columns whose '
+                   'unit is known then have it in their head, others are as recorded')
 
 
 def _export(arguments: Namespace) -> int:
@@ -247,7 +227,7 @@ def _export(arguments: Namespace) -> int:
     left_out: list[str] = []
     with reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step,
-                         left_out.append, csv_style(arguments), arguments.units or None)
+                         left_out.append, common.csv_style(arguments), arguments.units or None)
     told = sys.stderr if arguments.out == str(STDOUT) else sys.stdout
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows', file=told)
@@ -264,8 +244,8 @@ def _add_plot(actions: Verbs) -> None:
     plot.add_argument('--x', metavar='TOPIC.FIELD',
                       help='field of the horizontal axis, e.g. state.theta1; values of the same '
                            'stamp belong together (default: time)')
-    add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
-               help=PICTURE_HELP)
+    common.add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
+               help=common.PICTURE_HELP)
 
 
 def _plot(arguments: Namespace) -> None:
@@ -277,10 +257,10 @@ def _plot(arguments: Namespace) -> None:
 def _add_diff(actions: Verbs) -> None:
     diff = _action(actions, 'diff', _diff, 'compare two bags message by message',
                    ': those with the same stamp, field by field.')
-    diff.add_argument('second', metavar='OTHER', help=BAG_HELP)
-    add_tolerance(diff)
-    add_topics(diff, 'compare only these topics')
-    add_json(diff)
+    diff.add_argument('second', metavar='OTHER', help=common.BAG_HELP)
+    common.add_tolerance(diff)
+    common.add_topics(diff, 'compare only these topics')
+    common.add_json(diff)
 
 
 def _diff(arguments: Namespace) -> int:
@@ -290,17 +270,11 @@ def _diff(arguments: Namespace) -> int:
         topics = diff(first, second, arguments.topics, step)
     is_same = all(topic.is_same(tolerance) for topic in topics)
     if arguments.json:
-        print(json_line({'first': first, 'second': second, 'tolerance': tolerance,
+        print(common.json_line({'first': first, 'second': second, 'tolerance': tolerance,
                          'same': is_same, 'topics': [
                              {**topic._asdict(), 'same': topic.is_same(tolerance)}
                              for topic in topics]}))
-    else:
-        _print(_diff_table(topics, tolerance))
-    return 0 if is_same else BAD
-
-
-def _diff_table(topics: list[TopicDiff], tolerance: float) -> Table:
-    """Return the table of all topics, with the fields that differ by more than the tolerance."""
+        return 0 if is_same else BAD
     table = make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))
     for topic in topics:
@@ -310,7 +284,8 @@ def _diff_table(topics: list[TopicDiff], tolerance: float) -> Table:
                       str(topic.only_second), field, f'{apart:g}')
         for field, apart in worst[1:]:
             table.add_row('', '', '', '', field, f'{apart:g}')
-    return table
+    _print(table)
+    return 0 if is_same else BAD
 
 
 def _add_scene(actions: Verbs) -> None:
@@ -320,7 +295,7 @@ def _add_scene(actions: Verbs) -> None:
         '--inputs-only.')
     scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
                        help='drive.source in the parameter file (default motion)')
-    add_node(scene)
+    common.add_node(scene)
 
 
 def _scene(arguments: Namespace) -> None:

@@ -33,7 +33,6 @@ class HelpFormatter(argparse.HelpFormatter):
     """Fills paragraphs of help to the terminal's width, but keeps lines of indented examples."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
-        """Return a description or epilog as text for the terminal: argparse calls it."""
         paragraphs = groupby(text.splitlines(), lambda line: line[:1] in ('', ' '))
         return '\n'.join('\n'.join(lines) if is_example else fill(' '.join(lines), width)
                          for is_example, lines in paragraphs)
@@ -59,7 +58,6 @@ def add_scene(parser: argparse.ArgumentParser) -> None:
 
 
 def _scenes(prefix: str, **_: object) -> list[str]:
-    """Return the names of shipped scenes and the files that a shell may complete."""
     from argcomplete.completers import FilesCompleter
     from fourbar_ros.scene.files import shipped
     return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]

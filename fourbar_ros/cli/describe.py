@@ -36,7 +36,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _describe(arguments: Namespace) -> None:
-    """Write or print a scene in the format of ``--as``, else in that of the file's suffix."""
     from fourbar_ros.description.formats import describe
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''

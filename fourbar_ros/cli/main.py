@@ -137,11 +137,7 @@ _ENDING = [signal.Signals[name] for name in ('SIGTERM', 'SIGHUP') if hasattr(sig
 
 @contextlib.contextmanager
 def _terminable() -> Iterator[None]:
-    """
-    Let SIGTERM and SIGHUP end a verb by an exception, exit code 128 + number, as Ctrl-C does.
-
-    So ``finally`` blocks run, and no partial output is left.
-    """
+    """Let SIGTERM and SIGHUP end a verb by an exception: no partial output is left."""
     def end(signal_number: int, _: object) -> NoReturn:
         raise SystemExit(128 + signal_number)
 

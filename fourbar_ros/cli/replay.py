@@ -53,7 +53,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _replay(arguments: argparse.Namespace) -> int:
-    """Publish a bag; return the exit code of the signal that ended it, else 0."""
     from fourbar_ros.errors import BagError
     from fourbar_ros.ros.replay import replay
     topics = {topic: topic for topic in arguments.topics} if arguments.topics else None

@@ -52,7 +52,6 @@ def _print(arguments: Namespace) -> None:
 
 
 def _check(arguments: Namespace) -> None:
-    """Load a scene as a node would, with its pictures, and print what the node will do."""
     scene, console = load(arguments.scene), make_console()
     linkage, drive = scene.linkage, scene.drive
     if scene.pictures:
@@ -72,16 +71,38 @@ def _check(arguments: Namespace) -> None:
     not_created = [f'not created: {", ".join(left_out)}'] if left_out else []
     received = [_topics_table('inputs', scene.received)] if scene.received else []
     outputs = _topics_table('outputs', [*scene.topics.values(), *scene.pictures.values()])
-    for paragraph in (*received, outputs, *not_created, _changed_table(scene),
-                      _cost_in_words(scene)):
+    cost = step_cost(scene)
+    computed = ('motion and loads' if scene.needs_loads else 'motion alone: no output needs loads'
+                if linkage.has_loads else 'motion alone')
+    rate = (f', {100.0 * cost * drive.rate:.2g} % of a core at {drive.rate:g} Hz'
+            if drive.source == 'timer' or scene.dynamics else '')
+    cost_in_words = (
+        f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
+        'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
+        'one without costs nothing.')
+    for paragraph in (*received, outputs, *not_created, _changed_table(scene), cost_in_words):
         console.print()
         console.print(paragraph)
-    if arguments.error:
-        console.print(_error_in_words(scene))
+    if not arguments.error:
+        return
+    from fourbar_ros.mechanisms.quantities import known_quantities
+    from fourbar_ros.mechanisms.rounding import rounding_errors
+    low, high = linkage.input_ranges[0]
+    positions = [low + (high - low) * (k + 0.5) / INPUTS_OF_ERROR for k in range(INPUTS_OF_ERROR)]
+    errors = rounding_errors(linkage, positions, drive.speed, 0.0, linkage.has_loads)
+    worst = []
+    for sort, is_load in (('rates and accelerations', False), ('loads', True)):
+        names = [name for name, quantity in known_quantities(linkage, linkage.input).items()
+                 if quantity.is_load == is_load and name in errors]
+        if names:
+            name = max(names, key=errors.__getitem__)
+            worst.append(f'of {sort} {errors[name]:.1g} ({name})')
+    console.print(f'Largest rounding errors at {INPUTS_OF_ERROR} inputs and {drive.speed:g} '
+                  f'{linkage.input_coordinate.unit}/s, over the largest value of their sort: '
+                  f'{", ".join(worst)}.')
 
 
 def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
-    """Return the note that the timer drives the input beyond its range, at once or later."""
     from fourbar_ros.errors import in_words
     from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE
     unit = linkage.input_coordinate.unit
@@ -99,7 +120,6 @@ def _topics_table(title: str, topics: Iterable[Topic]) -> Table:
 
 
 def _changed_table(scene: Scene) -> Table:
-    """Return the table of parameters that are not at their default; NaN stands for not given."""
     table = make_table('parameters that differ from their default',
                        ('parameter', 'value', 'unit'))
     for name, value in scene.values.items():
@@ -120,35 +140,3 @@ def step_cost(scene: Scene) -> float:
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed
     return min(repeat(lambda: evaluate(linkage, position, speed, 0.0, scene.needs_loads),
                       number=STEPS, repeat=ROUNDS)) / STEPS
-
-
-def _error_in_words(scene: Scene) -> str:
-    """Return a sentence on the largest rounding errors at inputs all over the first range."""
-    from fourbar_ros.mechanisms.quantities import known_quantities
-    from fourbar_ros.mechanisms.rounding import rounding_errors
-    linkage, drive = scene.linkage, scene.drive
-    low, high = linkage.input_ranges[0]
-    positions = [low + (high - low) * (k + 0.5) / INPUTS_OF_ERROR for k in range(INPUTS_OF_ERROR)]
-    errors = rounding_errors(linkage, positions, drive.speed, 0.0, linkage.has_loads)
-    worst = []
-    for sort, is_load in (('rates and accelerations', False), ('loads', True)):
-        names = [name for name, quantity in known_quantities(linkage, linkage.input).items()
-                 if quantity.is_load == is_load and name in errors]
-        if names:
-            name = max(names, key=errors.__getitem__)
-            worst.append(f'of {sort} {errors[name]:.1g} ({name})')
-    return (f'Largest rounding errors at {INPUTS_OF_ERROR} inputs and {drive.speed:g} '
-            f'{linkage.input_coordinate.unit}/s, over the largest value of their sort: '
-            f'{", ".join(worst)}.')
-
-
-def _cost_in_words(scene: Scene) -> str:
-    """Return sentences on the computing time of a step, and at its rate the share of a core."""
-    cost = step_cost(scene)
-    computed = ('motion and loads' if scene.needs_loads else 'motion alone: no output needs loads'
-                if scene.linkage.has_loads else 'motion alone')
-    rate = (f', {100.0 * cost * scene.drive.rate:.2g} % of a core at {scene.drive.rate:g} Hz'
-            if scene.drive.source == 'timer' or scene.dynamics else '')
-    return (f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
-            'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
-            'one without costs nothing.')

@@ -64,7 +64,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _simulate(arguments: Namespace) -> int:
-    """Simulate a scene, write its bag if asked for, print a summary; BAD if it ended early."""
     from fourbar_ros.dynamics.simulation import REACHED
     from fourbar_ros.errors import BagError
     from fourbar_ros.scene.scene import load

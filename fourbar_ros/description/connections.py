@@ -71,14 +71,11 @@ def connections_of(mechanism: Any) -> tuple[Connection, ...]:
 
 
 def _end(point: Any, link: str, angle: float, slides: bool) -> Connection:
-    """Return the first or second joint of a dyad; a slide has an angle to the carrier's line."""
-    if slides:
-        return Connection(point.link, link, tuple(point[1:]), axis=direction(angle), turn=angle)
-    return Connection(point.link, link, tuple(point[1:]))
+    pin = Connection(point.link, link, tuple(point[1:]))
+    return pin._replace(axis=direction(angle), turn=angle) if slides else pin
 
 
 def _inner(dyad: Any) -> Connection:
-    """Return the connection of both links of a dyad; of a slide its carrier is the parent."""
     first, second = dyad.links
     if dyad.kind == 'RRR':
         return Connection(first, second, (dyad.length_1, 0.0), (dyad.length_2, 0.0))

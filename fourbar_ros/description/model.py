@@ -139,8 +139,13 @@ def model_of(scene: Scene) -> RobotModel:
     (holding, cut), position = tree_of(mechanism), start_of(scene)
     motion = mechanism.motion(position, 0.0, 0.0)
     joints = [_joint(scene, index, motion) for index in range(len(mechanism.JOINTS))]
+    size = max(map(abs, mechanism.lengths))
+    # of the rods: the scene's, or half the width of a bar
+    radii = (scene.values.get('bodies.rods.radius', nan),
+             0.5 * scene.values.get('bodies.rods.width', nan))
+    radius = next((radius for radius in radii if not isnan(radius)), 0.02 * size)
     shapes = shapes_of(mechanism, [(joint.connection, joint.travel) for joint in joints],
-                       scene.points.values(), _radius(scene))
+                       scene.points.values(), float(radius))
     frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
     frames[GROUND] = scene.frame_id
     masses = scene.linkage.bodies
@@ -176,7 +181,6 @@ def point_frame(scene: Scene, point: str) -> str:
 
 
 def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
-    """Return the joint of an index in JOINTS; ``motion``: of the start."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[index].coordinate, scene.joint_names[index]
     connection = connections_of(mechanism)[index]
@@ -193,17 +197,10 @@ def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
 
 def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate,
             is_driven: bool, start: float) -> tuple[float, float] | None:
-    """
-    Return (low, high) of a joint's coordinate, None if it may turn without end.
-
-    Those of the input are the ends of the range of its ``start``, in the same turn, so that the
-    start lies between them. A passive slide's are what it sweeps in that range, with a margin;
-    pins have none.
-    """
-    low, high = mechanism.range_around(start)
+    low, high = mechanism.range_around(start)       # in the same turn: start lies between
     if is_driven:
         return None if mechanism.turns_fully else (low, high)
-    if connection.axis is None:
+    if connection.axis is None:                     # a pin
         return None
     swept = min(output_ranges(mechanism, coordinate),
                 key=lambda swept: abs(mechanism.distance(swept.inputs[0], low)))
@@ -211,15 +208,6 @@ def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate
     low, high = max(swept.low, -far), min(swept.high, far)
     margin = MARGIN * (high - low)
     return low - margin, high + margin
-
-
-def _radius(scene: Scene) -> float:
-    """Return the radius [m] to draw rods with: the scene's, half a bar's width, or 2 % of size."""
-    for radius in (scene.values.get('bodies.rods.radius', nan),
-                   0.5 * scene.values.get('bodies.rods.width', nan)):
-        if not isnan(radius):
-            return float(radius)
-    return 0.02 * max(map(abs, scene.linkage.lengths))
 
 
 class NoDescription(FourBarError):

@@ -34,7 +34,6 @@ class Shape(NamedTuple):
 
 
 def _rod(start: Point, end: Point, radius: float) -> Shape:
-    """Return a round rod between two points of the plane."""
     (x, y), (u, v) = start, end
     return Shape('cylinder', {'radius': radius, 'length': hypot(u - x, v - y)},
                  (0.5 * (x + u), 0.5 * (y + v), 0.0, 0.0, 0.5 * pi, atan2(v - y, u - x)))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.description.model import inertia_of, ModelLink, RobotModel
+from fourbar_ros.description.model import inertia_of, RobotModel
 from fourbar_ros.description.shapes import Shape
 from fourbar_ros.description.xml import add, as_text, colour, comment, Element
 
@@ -29,7 +29,25 @@ def urdf(model: RobotModel) -> str:
     if model.frame.parent:
         _fix(robot, model.root, model.frame.parent, tuple(model.frame.xyz), tuple(model.frame.rpy))
     for index, link in enumerate(model.links):
-        _link(robot, link, index, model.size)
+        element = add(robot, 'link', name=link.frame)
+        if link.body:
+            mass, centre, (about_x, about_y, about_z) = inertia_of(link.body, model.size)
+            inertial = add(element, 'inertial')
+            add(inertial, 'origin', xyz=centre)
+            add(inertial, 'mass', value=mass)
+            add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0,
+                iyz=0.0)
+        _visuals(element, link.shapes, index)
+        joint, (x, y, angle) = link.joint, link.joint.at_zero
+        kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
+        element = add(robot, 'joint', name=joint.name, type=kind)
+        add(element, 'parent', link=link.parent)
+        add(element, 'child', link=link.frame)
+        add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
+        add(element, 'axis', xyz=joint.axis)
+        if joint.limits:
+            low, high = joint.limits
+            add(element, 'limit', lower=low, upper=high, effort=UNLIMITED, velocity=UNLIMITED)
     for closure in model.closures:
         connection = closure.connection
         comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these '
@@ -40,28 +58,6 @@ def urdf(model: RobotModel) -> str:
     for name, (frame, x, y) in model.points.items():
         _fixed(robot, name, frame, (x, y, 0.0))
     return as_text(robot)
-
-
-def _link(robot: Element, link: ModelLink, index: int, size: float) -> None:
-    """Add a moving link with mass and shapes, and the joint it hangs on."""
-    element = add(robot, 'link', name=link.frame)
-    if link.body:
-        mass, centre, (about_x, about_y, about_z) = inertia_of(link.body, size)
-        inertial = add(element, 'inertial')
-        add(inertial, 'origin', xyz=centre)
-        add(inertial, 'mass', value=mass)
-        add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0, iyz=0.0)
-    _visuals(element, link.shapes, index)
-    joint, (x, y, angle) = link.joint, link.joint.at_zero
-    kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
-    element = add(robot, 'joint', name=joint.name, type=kind)
-    add(element, 'parent', link=link.parent)
-    add(element, 'child', link=link.frame)
-    add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
-    add(element, 'axis', xyz=joint.axis)
-    if joint.limits:
-        low, high = joint.limits
-        add(element, 'limit', lower=low, upper=high, effort=UNLIMITED, velocity=UNLIMITED)
 
 
 def _fixed(robot: Element, name: str, frame: str, origin: tuple[float, float, float]) -> None:

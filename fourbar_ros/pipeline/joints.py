@@ -55,7 +55,6 @@ class TurnCounter:
     """
 
     def __init__(self, gap: float) -> None:
-        """Begin without a sample; after a pause above the gap [s] no rate is expected."""
         self._gap, self.wraps = nanoseconds(gap), False
         self._low, self._high = inf, -inf
         self._time, self._position, self._rate = 0, nan, nan     # of the newest sample
@@ -99,7 +98,6 @@ class SceneJoints:
 
     def __init__(self, scene: Scene, angles: Sequence[float] | None = None,
                  is_wrapped: bool = False) -> None:
-        """Look up once which values of a sample are those of each joint."""
         layout, shown = scene.layout, scene.joint_states
         index_of, joints = layout.index_of, layout.joints
         self.angles = list(first_angles(scene) if angles is None else angles)

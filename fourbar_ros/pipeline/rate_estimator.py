@@ -141,7 +141,6 @@ class RateEstimator:
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
                  turn: float = tau, length: float = 1.0, top_speed: float = nan) -> None:
-        """Begin without a sample; the gap and all stamps are kept in ns."""
         self._gap, self._jump, self._turn, self._length = nanoseconds(gap), jump, turn, length
         self._top_speed = top_speed
         self._samples: deque[_Sample] = deque(maxlen=window)
@@ -209,12 +208,8 @@ class RateEstimator:
         return self._estimate
 
     def _is_set_back(self, sample: _Sample) -> bool:
-        """
-        Return whether a sample older than the newest one shows that the clock was set back.
-
-        It does if it is the second late sample in a row, and later than the first; then the
-        estimate starts afresh from the first. A single late one was overtaken on its way.
-        """
+        # It is if this is the second late sample in a row, and later than the first; then the
+        # estimate starts afresh from the first. A single late one was overtaken on its way.
         before, self._late_sample = self._late_sample, sample
         if before is None or sample.time <= before.time:
             self.late += 1
@@ -228,11 +223,7 @@ class RateEstimator:
         self.restarts += 1
 
     def _append(self, sample: _Sample) -> None:
-        """
-        Keep a sample with its step from the last one [rad, m], if that is believed.
-
-        After a gap or a jump it is the first one again; else its distance from the fit is noted.
-        """
+        """Keep a sample with its step [rad, m], if that is believed; the first after a gap."""
         if not self._samples:
             self._samples.append(sample)
             return
@@ -247,23 +238,17 @@ class RateEstimator:
         is_steady = is_believed
         if isfinite(sample.velocity):                # positions need not tell the rate
             is_steady = abs(_without_turns(surprise, self._turn)) <= self._jump
-        if is_steady and 0 < sample.time - last.time <= self._gap:
-            self._note_scatter(t, step, sample.velocity)
-        else:
+        from_rates = isfinite(sample.velocity)
+        if not (is_steady and 0 < sample.time - last.time <= self._gap):
             self._restart()
-        self._samples.append(sample._replace(step=step if is_believed else nan))
-
-    def _note_scatter(self, t: float, step: float, velocity: float) -> None:
-        """Note how far a sample, ``t`` [s] and ``step`` after the last one, is from the fit."""
-        from_rates = isfinite(velocity)
-        if from_rates is not self._from_rates:
+        elif from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
         elif self._fit and (from_rates or self._fit.degree == 2):
-            y = velocity - self._samples[-1].velocity if from_rates else step
+            y = sample.velocity - last.velocity if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
+        self._samples.append(sample._replace(step=step if is_believed else nan))
 
     def _fitted(self, velocity: float) -> tuple[float, float]:
-        """Fit the samples; return velocity and acceleration at the newest one, NaN if unknown."""
         newest = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:

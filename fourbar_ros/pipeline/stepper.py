@@ -89,12 +89,7 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
 
 def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acceleration: float
             ) -> Evaluated:
-    """
-    Return (status, motion, loads) where some fields of the motion exist, without loads.
-
-    The input is evaluated as an array of length 1: an array has infinite or undefined fields where
-    a float raises. They become NaN.
-    """
+    # an array has infinite or undefined fields, here NaN, where a float raises
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     no_loads = _none_of(mechanism.LOADS)
     if isnan(motion.transmission_angle[0]):
@@ -155,7 +150,6 @@ class Stepper:
 
     def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
                  joints: SceneJoints | None = None) -> None:
-        """Prepare all that depends on the scene alone; no step has been made."""
         self._scene, self.mode = scene, mode_number(scene.linkage.mode)
         self._policy = scene.drive.out_of_range
         self.joints = joints or joints_of(scene)
@@ -233,7 +227,6 @@ class Stepper:
         return unknown + self.joints.of(unknown)
 
     def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
-        """Append the drive wrench and the joints, where the scene has them."""
         if self._drive_wrench:
             values += self._drive_wrench(values)
         return values + self.joints.of(values) if self.joints else values
@@ -242,9 +235,13 @@ class Stepper:
         """Return the values at the limit nearest to an input; rates and loads are NaN there."""
         mechanism = branch.mechanism
         if branch.limits is None:
-            branch.limits = [_first_assembled(mechanism, end, toward)
-                             for low, high in mechanism.input_ranges
-                             for end, toward in ((low, high), (high, low))]
+            branch.limits = []
+            for end, toward in (ends for low, high in mechanism.input_ranges
+                                for ends in ((low, high), (high, low))):
+                while (end != toward                # by rounding, a pose may be some floats inside
+                       and evaluate(mechanism, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE):
+                    end = nextafter(end, toward)
+                branch.limits.append(end)
         nearest = min(branch.limits,
                       key=lambda limit: abs(float(mechanism.distance(position, limit))))
         _, motion, loads = evaluate(mechanism, nearest, nan, nan, False)
@@ -327,17 +324,6 @@ def _equation(weightless: Mechanism, carried: float, mechanism: Mechanism, motio
     position, rate, acceleration = (getattr(motion, name) for name in mechanism.input_coordinate)
     return [*input_equation(mechanism, position, rate, weightless),
             getattr(loads, mechanism.drive_load) - carried * acceleration]
-
-
-def _first_assembled(mechanism: Mechanism, end: float, toward: float) -> float:
-    """
-    Return the first float from the end of a range at which the mechanism can be assembled.
-
-    By rounding that may be some floats inside.
-    """
-    while evaluate(mechanism, end, 0.0, 0.0, False)[0] == OUT_OF_RANGE and end != toward:
-        end = nextafter(end, toward)
-    return end
 
 
 def joints_of(scene: Scene, angles: Sequence[float] | None = None, is_wrapped: bool = False

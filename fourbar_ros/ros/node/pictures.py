@@ -16,7 +16,7 @@ from fourbar_ros.ros.messages import Message, Stamp
 from fourbar_ros.scene.base import quaternion_of
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import FRAME
-from geometry_msgs.msg import Transform, TransformStamped
+from geometry_msgs.msg import TransformStamped
 from rclpy.serialization import serialize_message
 
 if TYPE_CHECKING:      # run imports this file
