@@ -216,7 +216,10 @@ class BagWriter:
             if not isinstance(item, _Waiting):
                 self._about[item[0]] = item[1]
                 continue
-            if self._is_full(item.time):
+            part, now = self._part, item.time       # a step is not torn, and close() waits
+            if part.span and part.span[1] != now and not self._is_closed.is_set() and (
+                    self._split_size and part.size > self._split_size
+                    or self._split_duration and now - part.span[0] >= self._split_duration * 1e9):
                 self._next_part()
             self._part.add(item)
             self._bytes_out += len(item.data)
@@ -225,15 +228,6 @@ class BagWriter:
         self._part.flush()
         if is_first and self._part.span:        # rosbag2 plays from the start in metadata.yaml
             self._write_metadata()
-
-    def _is_full(self, now: int) -> bool:
-        """Return whether a message of this time [ns] goes into a new file; a step is not torn."""
-        part = self._part
-        if not part.span or part.span[1] == now or self._is_closed.is_set():    # close() waits
-            return False
-        return bool(
-            self._split_size and part.size > self._split_size
-            or self._split_duration and now - part.span[0] >= self._split_duration * 1e9)
 
     def _next_part(self) -> None:
         """Finish the file and go on in a new file; the thread that syncs waits for the disk."""

@@ -51,9 +51,63 @@ def add(verbs: Verbs) -> None:
     bag = common.add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: '
                           'work with a recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
-    for add_action in (_add_info, _add_recover, _add_recompute, _add_export, _add_plot,
-                       _add_diff, _add_scene):
-        add_action(actions)
+    info = _action(actions, 'info', _info, 'show what a bag contains and whether it is sound')
+    common.add_json(info)
+    info.add_argument('--check', action='store_true',
+                      help='read every message: verify checksums, and sequence numbers to find '
+                           'missing messages')
+
+    recover = _action(actions, 'recover', _recover, 'make a whole bag of a cut or damaged one',
+                      '. Every readable message is copied, verified by its checksum; the old bag '
+                      'is only read.')
+    recover.add_argument('-o', '--out', metavar='DIR',
+                         help='folder of the new bag; default NAME_recovered')
+
+    recompute = _action(
+        actions, 'recompute', _recompute, 'recompute every recorded output and compare',
+        '. Outputs follow from the driven motion and the scene, both of which are in the bag. '
+        'Bags of this version of the software differ by exactly 0; those of another version may '
+        'differ by rounding: accept that with --tolerance.')
+    common.add_json(recompute)
+    common.add_tolerance(recompute)
+    common.add_node(recompute)
+
+    export = _action(actions, 'export', _export, 'write the numbers in a bag as tables',
+                     ': CSV, NumPy (.npz) or Parquet.')
+    export.add_argument('-o', '--out', metavar='PATH', required=True,
+                        help='new folder for the tables, new .npz file, or new .csv or .parquet '
+                             'file for one topic, which - prints as CSV')
+    export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
+                        help='default: by the ending of PATH, csv for a folder; parquet requires '
+                             'pyarrow')
+    common.add_topics(export, 'export only these topics')
+    common.add_csv(export, 'units of the columns that measure the same: mm,deg,rpm; columns whose '
+                   'unit is known then have it in their head, others are as recorded')
+
+    plot = _action(actions, 'plot', _plot, 'plot fields over time or over another field',
+                   '; fields of the same unit share an axis. Requires matplotlib.')
+    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
+                      help='e.g. state.theta4 or /joint_states.position[crank]')
+    plot.add_argument('--x', metavar='TOPIC.FIELD',
+                      help='field of the horizontal axis, e.g. state.theta1; values of the same '
+                           'stamp belong together (default: time)')
+    common.add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
+                      help=common.PICTURE_HELP)
+
+    diff = _action(actions, 'diff', _diff, 'compare two bags message by message',
+                   ': those with the same stamp, field by field.')
+    diff.add_argument('second', metavar='OTHER', help=common.BAG_HELP)
+    common.add_tolerance(diff)
+    common.add_topics(diff, 'compare only these topics')
+    common.add_json(diff)
+
+    scene = _action(
+        actions, 'scene', _scene, 'print the scene of a bag as a parameter file',
+        ', for a node that the bag is to drive (drive.source: motion): see fourbar replay '
+        '--inputs-only.')
+    scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
+                       help='drive.source in the parameter file (default motion)')
+    common.add_node(scene)
 
 
 def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], text: str,
@@ -69,16 +123,6 @@ def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], t
 def _print(*tables: Table) -> None:
     for table in tables:
         make_console().print(table)
-
-
-# --- info ----------------------------------------------------------------------------------------
-
-def _add_info(actions: Verbs) -> None:
-    info = _action(actions, 'info', _info, 'show what a bag contains and whether it is sound')
-    common.add_json(info)
-    info.add_argument('--check', action='store_true',
-                      help='read every message: verify checksums, and sequence numbers to find '
-                           'missing messages')
 
 
 def _info(arguments: Namespace) -> int:
@@ -124,16 +168,6 @@ def _info(arguments: Namespace) -> int:
     return 0 if bag.is_sound else BAD
 
 
-# --- recover -------------------------------------------------------------------------------------
-
-def _add_recover(actions: Verbs) -> None:
-    recover = _action(actions, 'recover', _recover, 'make a whole bag of a cut or damaged one',
-                      '. Every readable message is copied, verified by its checksum; the old bag '
-                      'is only read.')
-    recover.add_argument('-o', '--out', metavar='DIR',
-                         help='folder of the new bag; default NAME_recovered')
-
-
 def _recover(arguments: Namespace) -> int:
     from fourbar_ros.bag.recovery import recover
     with reading(arguments.bag, 'recovering') as step:
@@ -146,19 +180,6 @@ def _recover(arguments: Namespace) -> int:
     if len(recovered.damage) > MOST_DAMAGE:
         print(f'damaged: and {len(recovered.damage) - MOST_DAMAGE} more places')
     return BAD if recovered.damage else 0
-
-
-# --- recompute -----------------------------------------------------------------------------------
-
-def _add_recompute(actions: Verbs) -> None:
-    recompute = _action(
-        actions, 'recompute', _recompute, 'recompute every recorded output and compare',
-        '. Outputs follow from the driven motion and the scene, both of which are in the bag. '
-        'Bags of this version of the software differ by exactly 0; those of another version may '
-        'differ by rounding: accept that with --tolerance.')
-    common.add_json(recompute)
-    common.add_tolerance(recompute)
-    common.add_node(recompute)
 
 
 def _recompute(arguments: Namespace) -> int:
@@ -206,22 +227,6 @@ def _differences(result: Recomputed, tolerance: float) -> Table:
     return table
 
 
-# --- export, plot, diff, scene -------------------------------------------------------------------
-
-def _add_export(actions: Verbs) -> None:
-    export = _action(actions, 'export', _export, 'write the numbers in a bag as tables',
-                     ': CSV, NumPy (.npz) or Parquet.')
-    export.add_argument('-o', '--out', metavar='PATH', required=True,
-                        help='new folder for the tables, new .npz file, or new .csv or .parquet '
-                             'file for one topic, which - prints as CSV')
-    export.add_argument('--format', choices=('csv', 'npz', 'parquet'),
-                        help='default: by the ending of PATH, csv for a folder; parquet requires '
-                             'pyarrow')
-    common.add_topics(export, 'export only these topics')
-    common.add_csv(export, 'units of the columns that measure the same: mm,deg,rpm; columns whose '
-                   'unit is known then have it in their head, others are as recorded')
-
-
 def _export(arguments: Namespace) -> int:
     from fourbar_ros.bag.tables import export
     left_out: list[str] = []
@@ -236,31 +241,10 @@ def _export(arguments: Namespace) -> int:
     return BAD if left_out else 0
 
 
-def _add_plot(actions: Verbs) -> None:
-    plot = _action(actions, 'plot', _plot, 'plot fields over time or over another field',
-                   '; fields of the same unit share an axis. Requires matplotlib.')
-    plot.add_argument('fields', metavar='TOPIC.FIELD', nargs='+',
-                      help='e.g. state.theta4 or /joint_states.position[crank]')
-    plot.add_argument('--x', metavar='TOPIC.FIELD',
-                      help='field of the horizontal axis, e.g. state.theta1; values of the same '
-                           'stamp belong together (default: time)')
-    common.add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
-               help=common.PICTURE_HELP)
-
-
 def _plot(arguments: Namespace) -> None:
     with reading(arguments.bag, 'reading') as step:
         lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
     print(arguments.out)
-
-
-def _add_diff(actions: Verbs) -> None:
-    diff = _action(actions, 'diff', _diff, 'compare two bags message by message',
-                   ': those with the same stamp, field by field.')
-    diff.add_argument('second', metavar='OTHER', help=common.BAG_HELP)
-    common.add_tolerance(diff)
-    common.add_topics(diff, 'compare only these topics')
-    common.add_json(diff)
 
 
 def _diff(arguments: Namespace) -> int:
@@ -286,16 +270,6 @@ def _diff(arguments: Namespace) -> int:
             table.add_row('', '', '', '', field, f'{apart:g}')
     _print(table)
     return 0 if is_same else BAD
-
-
-def _add_scene(actions: Verbs) -> None:
-    scene = _action(
-        actions, 'scene', _scene, 'print the scene of a bag as a parameter file',
-        ', for a node that the bag is to drive (drive.source: motion): see fourbar replay '
-        '--inputs-only.')
-    scene.add_argument('--drive', choices=('motion', 'timer'), default='motion',
-                       help='drive.source in the parameter file (default motion)')
-    common.add_node(scene)
 
 
 def _scene(arguments: Namespace) -> None:

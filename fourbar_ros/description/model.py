@@ -186,28 +186,21 @@ def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
     connection = connections_of(mechanism)[index]
     is_driven = coordinate == mechanism.input_coordinate
     ratio, offset = shown.ratios[index], shown.offsets[index]
-    limits = _limits(mechanism, connection, coordinate, is_driven,
-                     getattr(motion, mechanism.input_coordinate.position))
-    if limits:
-        low, high = sorted(ratio * end + offset for end in limits)
+    limits = None
+    if not mechanism.turns_fully if is_driven else connection.axis is not None:
+        # in the turn of the start, so that it lies between them
+        low, high = mechanism.range_around(getattr(motion, mechanism.input_coordinate.position))
+        if not is_driven:       # what the slide sweeps there, with a margin
+            swept = min(output_ranges(mechanism, coordinate),
+                        key=lambda swept: abs(mechanism.distance(swept.inputs[0], low)))
+            far = FAR * max(map(abs, mechanism.lengths))        # where links run to infinity
+            low, high = max(swept.low, -far), min(swept.high, far)
+            margin = MARGIN * (high - low)
+            low, high = low - margin, high + margin
+        low, high = sorted((ratio * low + offset, ratio * high + offset))
         limits = low, high
     return ModelJoint(name, connection, coordinate, ratio, offset, limits,
                       ratio * getattr(motion, coordinate.position) + offset, is_driven)
-
-
-def _limits(mechanism: Mechanism, connection: Connection, coordinate: Coordinate,
-            is_driven: bool, start: float) -> tuple[float, float] | None:
-    low, high = mechanism.range_around(start)       # in the same turn: start lies between
-    if is_driven:
-        return None if mechanism.turns_fully else (low, high)
-    if connection.axis is None:                     # a pin
-        return None
-    swept = min(output_ranges(mechanism, coordinate),
-                key=lambda swept: abs(mechanism.distance(swept.inputs[0], low)))
-    far = FAR * max(map(abs, mechanism.lengths))        # where links run to infinity
-    low, high = max(swept.low, -far), min(swept.high, far)
-    margin = MARGIN * (high - low)
-    return low - margin, high + margin
 
 
 class NoDescription(FourBarError):

@@ -10,7 +10,7 @@ back through ROS unchanged, else ROS serialises every message.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from importlib import import_module
 from math import nan
 from operator import itemgetter
@@ -148,7 +148,17 @@ def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: in
             offset = buffer.find(data, offset + 1)
     if -1 in (stamp_offset, status_offset) or {index for _, index in doubles} != set(used):
         return None
-    put_stamp, put_status, runs = _STAMP.pack_into, _STATUS.pack_into, list(_runs(sorted(doubles)))
+    # (pack_into, offset, function that picks values): one call writes a run of adjacent doubles
+    runs: list[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]] = []
+    doubles, begin = sorted(doubles), 0
+    for end in range(1, len(doubles) + 1):
+        if end == len(doubles) or doubles[end][0] != doubles[end - 1][0] + _DOUBLE.size:
+            indices = [index for _, index in doubles[begin:end]]
+            pick = (itemgetter(*indices) if len(indices) > 1
+                    else lambda values, index=indices[0]: (values[index],))
+            runs.append((Struct(f'<{len(indices)}d').pack_into, doubles[begin][0], pick))
+            begin = end
+    put_stamp, put_status = _STAMP.pack_into, _STATUS.pack_into
 
     def pack(stamp: Stamp, status: int, mode: int, values: Sequence[float]) -> bytes:
         put_stamp(buffer, stamp_offset, *stamp)
@@ -158,19 +168,6 @@ def _packing(serialise: Pack, has_status: bool, used: Collection[int], count: in
             put(buffer, offset, *pick(values))
         return bytes(buffer)
     return pack
-
-
-def _runs(doubles: Sequence[tuple[int, int]]
-          ) -> Iterator[tuple[Callable[..., None], int, Callable[[Sequence[float]], Any]]]:
-    """Yield (pack_into, offset, function that picks values) for each run of adjacent doubles."""
-    size, begin = _DOUBLE.size, 0
-    for end in range(1, len(doubles) + 1):
-        if end == len(doubles) or doubles[end][0] != doubles[end - 1][0] + size:
-            indices = [index for _, index in doubles[begin:end]]
-            pick = (itemgetter(*indices) if len(indices) > 1
-                    else lambda values, index=indices[0]: (values[index],))
-            yield Struct(f'<{len(indices)}d').pack_into, doubles[begin][0], pick
-            begin = end
 
 
 def _read_alike(kind: type[Message], serialised: bytes, packed: bytes) -> bool:

@@ -11,7 +11,6 @@ from fourbar_ros.pipeline.rate_estimator import gap_of
 from fourbar_ros.pipeline.wrenches import a_step_later, acting_of, ActingInput, in_silence, Wrench
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.topics import BASE, BASES, Topic, wrench_topic
@@ -29,7 +28,7 @@ class ActingInputs:
     another.
     """
 
-    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+    def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         self._node, self._stream, self._troubles = node, stream, troubles
         # {name: arrival of its newest message [ns] by the clock of silences}, without silent ones
         self._received: dict[str, int] = {}

@@ -26,7 +26,6 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Troubles, WAITING, Worker
 from fourbar_ros.scene.parameters import check_value, find_parameter
 from fourbar_ros.scene.settings import ParameterValues
 from fourbar_ros.scene.topics import Topic
@@ -51,8 +50,8 @@ SPIN = 0.2             # [s] so often at least the executor sees signals and tim
 class GuardedNode(Node):
     """A node that survives what is listed above; ``workers`` has a thread named CHANGES."""
 
-    troubles: Troubles
-    workers: dict[str, Worker]
+    troubles: entities.Troubles
+    workers: dict[str, entities.Worker]
     stream: Stream
 
     def declare_parameters(self, namespace: str, parameters: Any,
@@ -88,7 +87,7 @@ class GuardedNode(Node):
 
     def create_service(self, srv_type: type[Any], srv_name: str,
                        callback: Callable[[Message, Message], Message],
-                       worker_for: Callable[[Message], Worker] | None = None,
+                       worker_for: Callable[[Message], entities.Worker] | None = None,
                        **options: Any) -> Any:
         """
         Create a service; an exception in its callback is logged and does not end the node.
@@ -114,8 +113,8 @@ class GuardedNode(Node):
         def queue(arguments: tuple[Message, Message], header: Message) -> None:
             """Have a worker answer a request, or say at once that too many wait."""
             if not find_worker(arguments[0]).do(lambda: send(answer(*arguments), header)):
-                send(_without_answer(*arguments, 'RESULT_BUSY', f'{WAITING} requests wait for an '
-                                     'answer already: ask again later'), header)
+                send(_without_answer(*arguments, 'RESULT_BUSY', f'{entities.WAITING} requests wait '
+                                     'for an answer already: ask again later'), header)
         # The executor passes what the callback returns, the request and its response, to
         # send_response. That is replaced: it queues the answer.
         service = super().create_service(srv_type, srv_name, lambda *both: both, **options)

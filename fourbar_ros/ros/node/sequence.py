@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.rclpy_guard import with_info
 from fourbar_ros.scene.topics import Topic
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -66,7 +65,7 @@ class SequenceNumbers:
         self._heard.add(publisher)
 
 
-def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: Troubles,
+def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: entities.Troubles,
               is_reliable: bool = False, deadline: Callable[[Any], None] | None = None
               ) -> tuple[Subscription, SequenceNumbers]:
     """

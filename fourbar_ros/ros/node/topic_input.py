@@ -14,7 +14,6 @@ from fourbar_ros.pipeline.rate_estimator import estimator_of, estimator_settings
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import Reported
-from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
@@ -33,7 +32,7 @@ UNHEARD = 20           # messages without the driven joint after which a relay w
 class TopicInput:
     """One step for each input message, with its stamp; missing rates are estimated."""
 
-    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+    def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         self._node, self._stream, self._troubles = node, stream, troubles
         self._counts = troubles.counts
         troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
@@ -86,7 +85,23 @@ class TopicInput:
         estimator = self._estimator
         self._counts['lost'] = self._sequence.lost
         values: dict[str, Any] = {}
-        problems = self._who_else_sends()
+        name, heard = self._subscription.topic_name, self._sequence.heard()
+        is_ours = self._is_relay and name in self._stream.topics()
+        publishers = self._subscription.get_publisher_count() - is_ours
+        problems = []
+        # two publishers may send different joints, but not in two lists that hold the driven one
+        if publishers > 1 and (len(self._name_lists) > 1
+                               or heard - is_ours > 1 and not self._others_are_heard):
+            joint = (f' joint {self._settings.joint!r}'
+                     if self._settings.source == 'joint_state' else '')
+            problems.append(f'more than one publisher sends{joint} on {name}')
+        if is_ours and self._taken_joints:
+            problems.append(f'another publisher sends {", ".join(sorted(self._taken_joints))} on '
+                            f'{name}, which this node computes')
+        for problem in problems:
+            self._troubles.log(problem[:12], problem)
+        self._name_lists, self._taken_joints, self._others_are_heard = set(), set(), False
+        self._names = ()
         if not self._sequence.is_numbered:
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self._counts['of_other_joints'] and not self._counts['received']:
@@ -187,26 +202,6 @@ class TopicInput:
             self._troubles.count('turns_in_doubt', f'{what}: a pause in positions that wrap; '
                                  'it may have made turns')
         return position, velocity, acceleration
-
-    def _who_else_sends(self) -> list[str]:
-        name, heard = self._subscription.topic_name, self._sequence.heard()
-        is_ours = self._is_relay and name in self._stream.topics()
-        publishers = self._subscription.get_publisher_count() - is_ours
-        problems = []
-        # two publishers may send different joints, but not in two lists that hold the driven one
-        if publishers > 1 and (len(self._name_lists) > 1
-                               or heard - is_ours > 1 and not self._others_are_heard):
-            joint = (f' joint {self._settings.joint!r}'
-                     if self._settings.source == 'joint_state' else '')
-            problems.append(f'more than one publisher sends{joint} on {name}')
-        if is_ours and self._taken_joints:
-            problems.append(f'another publisher sends {", ".join(sorted(self._taken_joints))} on '
-                            f'{name}, which this node computes')
-        for problem in problems:
-            self._troubles.log(problem[:12], problem)
-        self._name_lists, self._taken_joints, self._others_are_heard = set(), set(), False
-        self._names = ()
-        return problems
 
     def _note_other_joints(self, message: Message) -> None:
         """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""

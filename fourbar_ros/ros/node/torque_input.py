@@ -11,7 +11,6 @@ from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, STATUS_NAMES
 from fourbar_ros.ros.messages import Message, sec_nanosec
 from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.clock_input import ClockInput, Reported
-from fourbar_ros.ros.node.entities import Troubles
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.scene import Scene
@@ -31,7 +30,7 @@ class TorqueInput(ClockInput):
     it is silent for ``drive.timeout``, the scene says whether it holds or is zero.
     """
 
-    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+    def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         self._scene: Scene | None = None             # of the last step
         self._mover: Mover                           # of that scene
         self._subscription = None

@@ -15,7 +15,6 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.entities import Abandoned, Troubles, Worker
 from fourbar_ros.ros.node.sequence import subscribe
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
@@ -120,10 +119,10 @@ def _column(message: Message, name: str, joint: int) -> Array | None:
 class Trajectories:
     """Converts trajectories by the scene in force, in a thread of its own."""
 
-    def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+    def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         self._stream, self._troubles = stream, troubles
         troubles.expect('trajectories', 'trajectories_refused', 'trajectories_lost')
-        self._worker = Worker('trajectories', node.get_logger().error, INPUT_DEPTH)
+        self._worker = entities.Worker('trajectories', node.get_logger().error, INPUT_DEPTH)
         self._publishers = {name: entities.publisher(node, topic)
                             for name, topic in TRAJECTORIES.items() if name not in ANSWERS}
         for name in ANSWERS:
@@ -158,7 +157,7 @@ class Trajectories:
         except FourBarError as error:
             self._refuse('trajectories_refused', f'{TRAJECTORIES[name].topic}: {error}')
             return
-        with suppress(Abandoned):
+        with suppress(entities.Abandoned):
             self._worker.check()             # else the node, and its publishers, may be gone
             self._publishers[answer_topic].publish(answer)
 
