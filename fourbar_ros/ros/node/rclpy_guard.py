@@ -113,8 +113,8 @@ class GuardedNode(Node):
         def queue(arguments: tuple[Message, Message], header: Message) -> None:
             """Have a worker answer a request, or say at once that too many wait."""
             if not find_worker(arguments[0]).do(lambda: send(answer(*arguments), header)):
-                send(_without_answer(*arguments, 'RESULT_BUSY', f'{entities.WAITING} requests wait '
-                                     'for an answer already: ask again later'), header)
+                send(_without_answer(*arguments, 'RESULT_BUSY', f'{entities.WAITING} requests '
+                                     'wait for an answer already: ask again later'), header)
         # The executor passes what the callback returns, the request and its response, to
         # send_response. That is replaced: it queues the answer.
         service = super().create_service(srv_type, srv_name, lambda *both: both, **options)
