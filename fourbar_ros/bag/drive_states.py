@@ -39,7 +39,6 @@ class DriveStates:
 
     @property
     def compared(self) -> int:
-        """Return how many states were compared."""
         return self.stepped + self.alone
 
     def change(self, scene: Scene) -> None:
@@ -101,11 +100,7 @@ class DriveStates:
         return max(apart)
 
     def _command_difference(self, status: int, command: float) -> float:
-        """
-        Return |torque in effect - torque by the topic and its policy| [N m]; 0 if not known.
-
-        ``command`` is recorded with each state; NaN for a drive without a torque topic.
-        """
+        """Return |torque in effect - torque by the topic and its policy| [N m]; 0 if not known."""
         if self._scene.drive.source != TORQUE.name:
             return 0.0 if isnan(command) else inf
         has_zero = self._scene.drive.when_silent == 'zero'

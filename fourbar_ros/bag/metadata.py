@@ -65,7 +65,6 @@ class _Plain(getattr(yaml, 'CSafeDumper', yaml.SafeDumper)):    # type: ignore[m
 
 
 def dumped(value: Any) -> str:
-    """Return a value as YAML."""
     return yaml.dump(value, Dumper=_Plain, sort_keys=False, width=2**30)
 
 
@@ -76,11 +75,7 @@ def loaded(text: str) -> Any:
 
 
 class FileContent(NamedTuple):
-    """
-    A file of a bag: name, topics and custom_data.
-
-    ``span``: log times of the first and last message [ns], None without messages.
-    """
+    """A file of a bag; ``span``: log times of the first and last message [ns], or None."""
 
     name: str
     topics: Sequence[TopicCount]

@@ -211,13 +211,9 @@ def _are_of(records: Array, names: Sequence[str]) -> Array:
 
 
 def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
-    """
-    Return whether the node sent an output because its input had stopped.
-
-    The status of the output says so; an output without a status is all NaN then. joint_states may
-    hold positions meanwhile, so velocities alone are checked.
-    """
+    """Return whether an output says that the input had stopped: by its status, or all NaN."""
     if 'status' in (record.dtype.names or ()):
         return bool(record['status'][0] == INPUT_TIMEOUT)
+    # joint_states may hold positions meanwhile
     fields = ('velocity',) if name == JOINT_STATES else scene.layout.fields[name]
     return all(np.isnan(record[field]).all() for field in fields)

@@ -558,11 +558,7 @@ def software_of(about: Mapping[str, str]) -> dict[str, str]:
 
 
 def _repeated(about: Mapping[str, str]) -> dict[str, int]:
-    """
-    Return {topic: sequence number of the first new message} of a later file of a split bag.
-
-    Version 1 began each file with the newest message of every topic, numbered as before.
-    """
+    """Return {topic: first new sequence number}: version 1 began a file with old messages."""
     try:
         sequences = json.loads(about['numbers'])
         return {topic: int(sequences[topic][0]) for topic in json.loads(about['repeats'])}

@@ -64,7 +64,6 @@ class Recomputed(NamedTuple):
 
     @property
     def largest(self) -> float:
-        """Return the largest of all differences."""
         return max((difference.largest for difference in self.differences), default=0.0)
 
     def problems(self, tolerance: float = 0.0) -> list[str]:
@@ -147,7 +146,6 @@ class Recomputation:
             self._drive_states.change(scene)
 
     def take(self, raw: Raw) -> None:
-        """Take the next message of the bag."""
         name = self._names[raw.topic]
         if name in self._topics:
             if name == outputs.JOINT_STATES and self._joints and not self._joints_have_begun:
@@ -252,7 +250,6 @@ class Recomputation:
         self._comparison.note(name, 'header.frame_id', 0.0 if is_same else inf)
 
     def finished(self) -> Recomputed:
-        """Return the result after the last message."""
         self._compare(len(self._motions))
         comparison, counts = self._comparison, self._comparison.counts
         compared = sum(counts.values())

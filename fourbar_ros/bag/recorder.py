@@ -299,11 +299,7 @@ class _File:
 
 
 class BagFile:
-    """
-    One file of a bag being written: ``size`` [bytes], ``span`` of log times [ns], or None.
-
-    ``about`` is the custom_data of the file.
-    """
+    """One file of a bag being written: ``size`` [bytes], ``span`` of log times [ns], or None."""
 
     def __init__(self, folder: Path, index: int, channels: Sequence[Channel],
                  about: Mapping[str, str]) -> None:

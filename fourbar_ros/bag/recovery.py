@@ -61,11 +61,7 @@ def beside(path: Path) -> Path:
 
 
 def _copied(bag: Bag, index: int, path: Path) -> FileContent:
-    """
-    Copy the readable records of a file to a new file; return the content of that.
-
-    A chunk stays a chunk. The custom_data say under ``lost`` which damage was met so far.
-    """
+    """Copy what can be read, chunk by chunk; custom_data say under ``lost`` what was damaged."""
     about = bag.about_of(index)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # {id in the old file: ..., new id}

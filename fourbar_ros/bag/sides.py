@@ -28,11 +28,7 @@ def modes_of(mechanism: Mechanism) -> range | None:
 
 
 def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
-    """
-    Return the mode whose branch closes, at an input, on the sides that a recorded mode says.
-
-    The recorded one where no pose is known.
-    """
+    """Return the mode whose branch closes on the sides of a mode; the mode where no pose is."""
     branch = mode
     with suppress(FourBarError):
         for dyad in range(_count_of(mechanism)):

@@ -117,11 +117,7 @@ def _tables(bag: Bag, topics: Collection[str], units: Mapping[str, str] | None
 
 
 def units_in(bag: Bag, topic: str) -> dict[str, str]:
-    """
-    Return {field: unit} by the comments in the definition of a topic's messages.
-
-    A field is named without the messages around it; where some of a name differ, it has no unit.
-    """
+    """Return {field: unit} by the comments in the definition of messages, where all agree."""
     units: dict[str, str] = {}
     for field, unit in FIELD.findall(bag.definition_of(topic)):
         if units.setdefault(field, unit) != unit:

@@ -125,7 +125,6 @@ class RobotModel(NamedTuple):
 
     @property
     def joints(self) -> list[ModelJoint]:
-        """Return the joints of the tree, in the order of the links."""
         return [link.joint for link in self.links]
 
 
@@ -176,7 +175,6 @@ def frame_of(scene: Scene, link: str) -> str:
 
 
 def point_frame(scene: Scene, point: str) -> str:
-    """Return the name of the frame of a point."""
     return f'{scene.joint_states.prefix}{point}'
 
 

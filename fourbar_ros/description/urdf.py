@@ -19,7 +19,6 @@ UNLIMITED = 1e9        # URDF wants an effort and a rate that a limited joint do
 
 
 def urdf(model: RobotModel) -> str:
-    """Return the URDF of a model."""
     robot = Element('robot', name=model.name)
     comment(robot, model.title)
     if model.frame.parent:

@@ -28,12 +28,10 @@ def add(parent: Element, tag: str, text: str = '', /,
 
 
 def comment(parent: Element, text: str) -> None:
-    """Add a comment."""
     parent.append(ElementTree.Comment(f' {text.replace("--", "-")} '))
 
 
 def as_text(root: Element) -> str:
-    """Return a document."""
     ElementTree.indent(root)
     return ('<?xml version="1.0"?>\n'
             + ElementTree.tostring(root, encoding='unicode', short_empty_elements=True) + '\n')

@@ -286,11 +286,7 @@ def estimator_settings(scene: Scene) -> tuple[float, ...]:
 
 
 def estimator_of(scene: Scene) -> RateEstimator:
-    """
-    Return the :class:`RateEstimator` of a scene, for its node and for recomputing a bag.
-
-    Where positions must count their turns, no step is taken for a turn.
-    """
+    """Return the :class:`RateEstimator` of a scene: where turns count, no step is a turn."""
     drive, linkage = scene.drive, scene.linkage
     is_slide = linkage.is_driven_by_slide
     return RateEstimator(drive.window, gap_of(drive.timeout), drive.jump,

@@ -35,14 +35,8 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
     """
     Write a simulated run as the bag that its node would have recorded; return its path.
 
-    ``progress`` is called with the number of samples written so far.
-
-    Raises
-    ------
-    BagError
-        It exists, or cannot be written; or the run goes into an assembly mode that the messages
-        cannot tell.
-
+    ``progress`` is called with the number of samples written so far. Raises BagError if the bag
+    exists or cannot be written, or the run goes into a mode that messages cannot tell.
     """
     scene, run = simulated.scene, simulated.run
     changes = (run.modes != scene.linkage.mode).nonzero()[0]

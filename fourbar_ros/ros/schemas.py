@@ -24,11 +24,7 @@ def channel(topic: Topic, name: str) -> Channel:
 
 
 def type_hash(type_name: str) -> str:
-    """
-    Return the RIHS01 hash of 'package/msg/Name', which tells definitions of one name apart.
-
-    It identifies the installed definition (REP 2011), as rosbag2 writes it.
-    """
+    """Return the RIHS01 hash (REP 2011) of the installed definition of a package/msg/Name."""
     hashes = json.loads(_installed_file(type_name, 'json'))['type_hashes']
     return str(next(item['hash_string'] for item in hashes if item['type_name'] == type_name))
 

@@ -21,12 +21,7 @@ OUT_OF_PLANE = 0.1     # share of a base's motion out of the linkage's plane tha
 
 
 class ActingInputs:
-    """
-    The wrench topics of a scene, one for each loaded link, and the topic of its base.
-
-    When a topic is silent for its timeout, what the scene says acts instead: the last message or
-    another.
-    """
+    """The topics of wrenches and base of a scene, which says what acts when one is silent."""
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         self._node, self._stream, self._troubles = node, stream, troubles

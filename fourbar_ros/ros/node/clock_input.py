@@ -40,7 +40,6 @@ class ClockInput:
                                         clock=self._clock)
 
     def stop(self) -> None:
-        """Make no more steps."""
         self._node.destroy_timer(self._timer)
 
     def age(self) -> float:

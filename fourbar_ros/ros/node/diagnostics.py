@@ -42,12 +42,7 @@ class Diagnostics:
         self._publisher.publish(message)
 
     def status(self) -> DiagnosticStatus:
-        """
-        Return the health of the node since the last call: level, problems, values by name.
-
-        A count that has grown is a problem (WARN) unless it is HARMLESS; an ERROR is a bag that
-        is not written.
-        """
+        """Return level, problems and values since the last call; ERROR is a bag not written."""
         node, stream, source = self._node, self._stream, self._input
         scene, now = stream.scene, time.monotonic()
         input_values, problems = source.report()     # first: it brings its counts up to date

@@ -123,11 +123,7 @@ def _overrides(node: Node, entity: str, topic: Topic) -> QoSOverridingOptions:
 
 
 def clock_of(node: Node) -> tuple[Clock, Callable[[], int]]:
-    """
-    Return the clock of silences and samples, and the function that reads it [ns].
-
-    With use_sim_time it is the simulation's, else a steady one, read without objects of rclpy.
-    """
+    """Return the clock of silences and samples, simulated or steady, and its reading [ns]."""
     if not node.get_parameter('use_sim_time').value:
         return Clock(clock_type=ClockType.STEADY_TIME), time.monotonic_ns
     clock = node.get_clock()
@@ -169,11 +165,7 @@ class Abandoned(FourBarError):
 
 
 class Worker:
-    """
-    A named thread that does one job after the other; ``waiting`` of them may wait for it.
-
-    ``tell(text)`` is called when a job has raised: a fault of ours, or a client that is gone.
-    """
+    """A thread that does one job after the other; ``tell(text)``: when a job has raised."""
 
     def __init__(self, name: str, tell: Callable[[str], object], waiting: int = WAITING) -> None:
         self._jobs: Queue[Callable[[], object] | None] = Queue(waiting)

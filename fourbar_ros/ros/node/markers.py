@@ -40,11 +40,7 @@ def size_of(mechanism: Mechanism) -> float:
 
 
 def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None]:
-    """
-    Return the function (stamp, values) -> MarkerArray, None where the pose is not known.
-
-    ``values``: of a sample, in the order of the scene's layout.
-    """
+    """Return the function (stamp, values) -> MarkerArray, None where the pose is not known."""
     mechanism, groups = scene.linkage, scene.layout.groups
     largest: dict[str, float] = {}                       # force and moment so far
 
@@ -85,22 +81,14 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
 
 def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longest: float
              ) -> float:
-    """
-    Return the scale at which the largest of a kind so far is ``longest`` [m]; 0 if all are zero.
-
-    ``largest`` keeps it.
-    """
+    """Return the scale at which the largest so far, kept, is ``longest`` [m]; 0 for zeros."""
     largest[kind] = max(largest.get(kind, 0.0), *sizes)
     return longest / largest[kind] if largest[kind] != 0.0 else 0.0
 
 
 def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str, float]
            ) -> list[Marker]:
-    """
-    Return the arrows of the forces at the joints, shaking force, shaking moment and drive.
-
-    None at a toggle, where loads are unbounded (NaN).
-    """
+    """Return the arrows of forces and moments; none at a toggle, where loads are NaN."""
     frame, size = scene.frame_id, size_of(scene.linkage)
     forces = [*(force._replace(name=f'force {force.name}')
                 for force in pictures.forces_of(diagram, loads)),
@@ -122,11 +110,7 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str
 
 def marker(frame: str, group: str, index: int, kind: int, colour: Colour, scale: Iterable[float],
            points: Iterable[MarkerPoint] = (), opacity: float = 1.0) -> Marker:
-    """
-    Return a marker of a kind (``Marker.LINE_LIST``, say) through points, ``scale`` in [m].
-
-    RViz replaces an older one of the same group (its namespace) and index.
-    """
+    """Return a marker of a kind (``Marker.LINE_LIST``, say) through points, ``scale`` in [m]."""
     result = Marker(ns=group, id=index, type=kind, action=Marker.ADD,
                     color=ColorRGBA(r=colour[0], g=colour[1], b=colour[2], a=opacity))
     result.header.frame_id = frame
@@ -150,5 +134,4 @@ def spheres(frame: str, group: str, index: int, points: Iterable[MarkerPoint], s
 
 
 def point(x: float, y: float, z: float = 0.0) -> Point:
-    """Return a Point message of numpy's or Python's floats."""
     return Point(x=float(x), y=float(y), z=float(z))

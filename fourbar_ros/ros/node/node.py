@@ -170,13 +170,7 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
     rclpy has declared them as they came. They are read and declared again with type and text from
     the table: so an unknown name is an error instead of being ignored, and ``3`` and ``40mm`` are
     good for a double. ``arguments``: of the command line, with the parameter files, beside which
-    the tables of forces stand.
-
-    Raises
-    ------
-    InvalidParameter
-        A value is not allowed; the message names the parameter, its value and the allowed ones.
-
+    the tables of forces stand. Raises InvalidParameter for a value that is not allowed.
     """
     every = {name: parameter.value
              for name, parameter in node.get_parameters_by_prefix('').items()}

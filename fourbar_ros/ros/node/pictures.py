@@ -63,12 +63,7 @@ def static_frame(scene: Scene) -> TFMessage:
 # --- TF: the frame of each link in that of its parent, as in the URDF; frames of points ----------
 
 def frames_maker(scene: Scene) -> Make:
-    """
-    Return the function (stamp, values) -> TFMessage, None where a position is not known.
-
-    ``values`` in the order of the scene's layout. The message is made once; a step sets the
-    stamps and the frames of links, each by the coordinate of the joint it hangs on.
-    """
+    """Return the function (stamp, values) -> TFMessage, None where a position is not known."""
     from tf2_msgs.msg import TFMessage  # only scenes that name tf
     model, index_of = model_of(scene), scene.layout.index_of
     message = TFMessage()

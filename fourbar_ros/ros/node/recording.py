@@ -41,16 +41,11 @@ class Recording:
 
     @property
     def active(self) -> bool:
-        """Return whether messages are being recorded."""
         bag = self._bag
         return bag is not None and not bag[0].error
 
     def begin(self, scene: Scene, start: Callable[[str], object]) -> None:
-        """
-        Start the bag that a scene wants, by ``start(name)``; add a number to a name in use.
-
-        If that fails the node runs all the same; the log and the diagnostics give the reason.
-        """
+        """Start the bag that a scene wants, by ``start(name)``; if that fails the node runs on."""
         from fourbar_ros.bag.metadata import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
@@ -64,17 +59,10 @@ class Recording:
 
     def open(self, scene: Scene, name: str = '') -> Bag:
         """
-        Create a bag with a channel for the input and each output of a scene; do not record yet.
+        Create a bag for the input and each output of a scene; do not record yet.
 
-        Waits for the disk, so it must not run during a step.
-
-        Raises
-        ------
-        BagError
-            One is being recorded, or the new one cannot be written.
-        MissingPackage
-            The mcap library is not installed.
-
+        Waits for the disk, so it must not run during a step. Raises BagError if another one is
+        being recorded or this one cannot be written, MissingPackage without the mcap library.
         """
         try:
             from fourbar_ros.bag.recorder import BagWriter
@@ -134,11 +122,7 @@ class Recording:
         return bag and bag[0]
 
     def close(self, writer: BagWriter, why: str) -> Path:
-        """
-        Close a detached bag, note ``why`` in it, and return its path; waits for the disk.
-
-        Raises BagError for a bag that ended by an error before, which the recorder has logged.
-        """
+        """Close a detached bag; return its path; BagError if it ended by an error before."""
         path = writer.close(why)
         self._node.get_logger().info(f'recorded {path}')
         return path
@@ -159,11 +143,7 @@ class Recording:
 
 
 def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, str]:
-    """
-    Return the metadata of a bag: scene, node, versions; ``topics``: {short name: full name}.
-
-    Raises BagError for a scene larger than a bag may have.
-    """
+    """Return the metadata of a bag, ``topics``: {short name: full name}; BagError if large."""
     from fourbar_ros.bag import sides
     from fourbar_ros.bag.origin import bounded
     from fourbar_ros.pipeline import joints, rate_estimator  # only bags need both
@@ -175,11 +155,7 @@ def about_of(scene: Scene, topics: Mapping[str, str], node: str) -> dict[str, st
 
 
 def directory_of(scene: Scene) -> Path:
-    """
-    Return the absolute folder for the bags of a scene; ``~`` is the user's home.
-
-    BagError if it is relative to a removed one.
-    """
+    """Return the absolute folder for bags; BagError if it is relative to a removed one."""
     try:
         return Path(os.path.expanduser(scene.recording.directory)).absolute()
     except FileNotFoundError:

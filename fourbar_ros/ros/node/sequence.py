@@ -36,7 +36,6 @@ class SequenceNumbers:
         self._next, self._heard = [], set()
 
     def heard(self) -> int:
-        """Return how many publishers sent since the last call."""
         heard, self._heard = self._heard, set()
         return len(heard)
 
@@ -68,11 +67,7 @@ class SequenceNumbers:
 def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: entities.Troubles,
               is_reliable: bool = False, deadline: Callable[[Any], None] | None = None
               ) -> tuple[Subscription, SequenceNumbers]:
-    """
-    Subscribe to a topic as bytes; return the subscription and the counter of its lost messages.
-
-    ``deadline``: rclpy's callback for missed ones.
-    """
+    """Subscribe to bytes; return the subscription and the counter of its lost messages."""
     sequence = SequenceNumbers(lambda: made.get_publisher_count())
     events = SubscriptionEventCallbacks(matched=lambda _: sequence.forget())
     if deadline:

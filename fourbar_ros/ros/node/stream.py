@@ -39,12 +39,7 @@ Make = Callable[[Stamp, Sequence[float]], Message]      # None where the pose is
 
 
 class Stream:
-    """
-    The steps of a node: each evaluates one pose of the input and sends the outputs.
-
-    ``run`` is in force. Steps run one at a time; a run, a wrench and a recording change between
-    two of them.
-    """
+    """The steps of a node, one at a time; what is in force changes between two of them."""
 
     def __init__(self, node: Node, run: RunningScene, recording: Recording,
                  troubles: Troubles) -> None:
@@ -63,30 +58,22 @@ class Stream:
 
     @property
     def scene(self) -> Scene:
-        """Return the scene in force."""
         return self.run.scene
 
     @property
     def is_recording(self) -> bool:
-        """Return whether messages are being recorded."""
         return self._recording.active
 
     def now(self) -> Stamp:
-        """Return the time of the node's clock."""
         return messages.sec_nanosec(self._node.get_clock().now().nanoseconds)
 
     def topics(self) -> list[str]:
-        """Return the full names of the topics that the node publishes."""
         return [self._publishers[name].topic for name in self.run.topics]
 
     # --- changes --------------------------------------------------------------------------------
 
     def swap(self, run: RunningScene) -> None:
-        """
-        Let another run be in force; publish and record its scene.
-
-        Raises InvalidParameter, and changes nothing, for other outputs than those of an open bag.
-        """
+        """Let another run be in force; InvalidParameter for other outputs than an open bag has."""
         outputs = run.scene.outputs
         with self._lock:
             if self.is_recording and outputs != self.scene.outputs:
@@ -157,11 +144,7 @@ class Stream:
         self._recording.write([(topic, data)])
 
     def record_input(self, topic: str, message: Message) -> None:
-        """
-        Record an input as ROS has read it, if a bag is open.
-
-        It reads bytes that others refuse, as a text without its final zero.
-        """
+        """Record an input as ROS has read it, which takes bytes that others refuse."""
         if self.is_recording:
             self.record(topic, bytes(serialize_message(message)))
 

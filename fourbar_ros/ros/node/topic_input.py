@@ -72,7 +72,6 @@ class TopicInput:
         self._counts['deadlines_missed'] += info.total_count_change
 
     def stop(self) -> None:
-        """Unsubscribe."""
         self._node.destroy_timer(self._timer)
         self._node.destroy_subscription(self._subscription)
 

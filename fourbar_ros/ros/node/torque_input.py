@@ -52,7 +52,6 @@ class TorqueInput(ClockInput):
         return nan if self._received is None else (self._time() - self._received) * 1e-9
 
     def report(self) -> Reported:
-        """Return (values, problems) for the diagnostics."""
         if self._values is None:
             return {}, []
         return ({'drive': STATUS_NAMES[self._status],

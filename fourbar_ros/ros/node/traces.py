@@ -29,7 +29,6 @@ LETTER, SPACING = 0.6, 1.5      # width of a letter and distance of lines, over 
 
 
 def message(scene: Scene) -> MarkerArray:
-    """Return the MarkerArray of a scene."""
     return MarkerArray(markers=[*paths(scene), *limits(scene), *extrema(scene)])
 
 
