@@ -199,12 +199,7 @@ class Recomputation:
             self._changes.append(time)
 
     def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> outputs.Motions:
-        """
-        Return the next motions with the values that their outputs should have.
-
-        Each motion is computed alone, as in the node: arrays may differ in the last bit.
-        ``first``: index of the first motion in the bag.
-        """
+        """Return motions, each computed alone as in the node: arrays may differ in a last bit."""
         stepper, rows = self._stepper, []
         passes = len(self._scene.linkage.modes_passed) > 1      # toggles
         is_holding = 'hold' in (self._scene.drive.out_of_range,

@@ -254,10 +254,10 @@ def _diff(arguments: Namespace) -> int:
         topics = diff(first, second, arguments.topics, step)
     is_same = all(topic.is_same(tolerance) for topic in topics)
     if arguments.json:
-        print(common.json_line({'first': first, 'second': second, 'tolerance': tolerance,
-                         'same': is_same, 'topics': [
-                             {**topic._asdict(), 'same': topic.is_same(tolerance)}
-                             for topic in topics]}))
+        print(common.json_line({
+            'first': first, 'second': second, 'tolerance': tolerance, 'same': is_same,
+            'topics': [{**topic._asdict(), 'same': topic.is_same(tolerance)}
+                       for topic in topics]}))
         return 0 if is_same else BAD
     table = make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
                             'largest difference>'))

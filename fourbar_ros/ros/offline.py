@@ -88,7 +88,7 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
         status, values = stepper.step(*motion, wanted, mode)
         outputs = [name for name in scene.topics
                    if status == OK or not any(isnan(values[index])
-                                                 for index in scene.needed_for(name))]
+                                              for index in scene.needed_for(name))]
         drive_status = node_step.SILENT if is_silent else node_step.OK
         contents = {DRIVE_STATE.name: (drive_status, drive_values),
                     DRIVEN.name: (OK, driven), **dict.fromkeys(outputs, (status, values))}

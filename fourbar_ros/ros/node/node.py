@@ -67,8 +67,8 @@ class FourBarNode(GuardedNode):
             from fourbar_ros.ros.node.torque_input import TorqueInput
             self.input = TorqueInput(self, self.stream, self.troubles)
         else:
-            from fourbar_ros.ros.node.topic_input import TopicInput
-            self.input = TopicInput(self, self.stream, self.troubles)
+            from fourbar_ros.ros.node import topic_input
+            self.input = topic_input.TopicInput(self, self.stream, self.troubles)
         self.acting = self.trajectories = None
         if scene.acting:
             from fourbar_ros.ros.node.acting import ActingInputs  # where a scene needs it
@@ -243,9 +243,8 @@ def descriptor(parameter: Parameter) -> msg.ParameterDescriptor:
     ranges = []
     if parameter.type == 'integer' and parameter.high < inf:
         ranges = [msg.IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
-    return msg.ParameterDescriptor(name=parameter.name, type=_ROS_TYPES[parameter.type],
-                               read_only=not parameter.live, integer_range=ranges,
-                               description=parameter.text + unit,
-                               # to rclpy an empty list is one of bytes
-                               dynamic_typing=parameter.type in ('strings', 'doubles'),
-                               additional_constraints=parameter.allowed)
+    return msg.ParameterDescriptor(
+        name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=not parameter.live,
+        integer_range=ranges, description=parameter.text + unit,
+        dynamic_typing=parameter.type in ('strings', 'doubles'),  # an empty list is one of bytes
+        additional_constraints=parameter.allowed)
