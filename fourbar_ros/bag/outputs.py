@@ -103,7 +103,10 @@ class OutputComparison:
             arrays = self._bag.arrays(topic, [data for *_, data in waiting]) if waiting else ()
             for rows, records in arrays:
                 if name == JOINT_STATES and not self._origin.in_order:
-                    are_ours = _are_of(records, self._scene.names_shown)
+                    fields, names = names_in(records), self._scene.names_shown
+                    are_ours = np.full(len(records), len(fields) == len(names))
+                    for field, joint in zip(fields, names):
+                        are_ours &= records[field] == joint.encode()
                     rows, records = rows[are_ours], records[are_ours]
                     if not len(rows):
                         continue
@@ -199,15 +202,6 @@ def _rows(value: Any, count: int) -> Array:
 def names_in(records: Array) -> list[str]:
     """Return the fields of JointStates that hold the names of the joints; [] for other types."""
     return [field for field in records.dtype.names or () if field.startswith('name[')]
-
-
-def _are_of(records: Array, names: Sequence[str]) -> Array:
-    fields, are_ours = names_in(records), np.ones(len(records), bool)
-    if len(fields) != len(names):
-        return ~are_ours
-    for field, name in zip(fields, names):
-        are_ours &= records[field] == name.encode()
-    return are_ours
 
 
 def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:

@@ -220,7 +220,14 @@ class BagWriter:
             if part.span and part.span[1] != now and not self._is_closed.is_set() and (
                     self._split_size and part.size > self._split_size
                     or self._split_duration and now - part.span[0] >= self._split_duration * 1e9):
-                self._next_part()
+                part.about['dropped'] = str(self.dropped)
+                part.finish(SPLIT)
+                self._before.append(part.content())
+                self._part = BagFile(self.path, len(self._before), self._channels, self._about)
+                self._ended.append(part)            # the thread that syncs waits for the disk
+                self._write_metadata()
+                if len(self._ended) > MOST_FILES:   # the disk is slower than the splits
+                    self._sync()
             self._part.add(item)
             self._bytes_out += len(item.data)
             if index % BITE == 0:
@@ -228,18 +235,6 @@ class BagWriter:
         self._part.flush()
         if is_first and self._part.span:        # rosbag2 plays from the start in metadata.yaml
             self._write_metadata()
-
-    def _next_part(self) -> None:
-        """Finish the file and go on in a new file; the thread that syncs waits for the disk."""
-        old = self._part
-        old.about['dropped'] = str(self.dropped)
-        old.finish(SPLIT)
-        self._before.append(old.content())
-        self._part = BagFile(self.path, len(self._before), self._channels, self._about)
-        self._ended.append(old)
-        self._write_metadata()
-        if len(self._ended) > MOST_FILES:       # the disk is slower than the splits
-            self._sync()
 
     def _finish(self, why: str) -> None:
         self._flush()

@@ -16,7 +16,6 @@ from fourbar_ros.spreadsheet import STDOUT
 from fourbar_ros.terminal import make_console, make_table
 
 if TYPE_CHECKING:      # a verb imports the rest when it runs
-    from fourbar_ros.bag.recomputation import Recomputed
     from rich.table import Table
 
 MOST_DAMAGE = 50        # lines on damage that are printed one by one
@@ -196,8 +195,18 @@ def _recompute(arguments: Namespace) -> int:
             'stepped': result.stepped, 'other_branch': result.other_branch,
             'differences': [difference._asdict() for difference in result.differences]}))
     else:
+        table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
+        for topic in dict.fromkeys(difference.topic for difference in result.differences):
+            of_topic = [each for each in result.differences if each.topic == topic]
+            shown = [each for each in of_topic if each.largest > arguments.tolerance]
+            for difference in shown:
+                table.add_row(topic, difference.field, str(difference.messages),
+                              f'{difference.largest:g}')
+            if not shown:       # a row for all
+                table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
+                              f'{max(each.largest for each in of_topic):g}')
         if result.differences:
-            _print(_differences(result, arguments.tolerance))
+            _print(table)
         print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '
               f'difference {result.largest:g}' + ('; the bag is cut' if result.is_cut else ''))
         if result.stepped:
@@ -210,21 +219,6 @@ def _recompute(arguments: Namespace) -> int:
         for problem in problems:
             print(f'bad: {problem}')
     return BAD if problems else 0
-
-
-def _differences(result: Recomputed, tolerance: float) -> Table:
-    """Return a table of the fields beyond the tolerance; of other topics, one row for all."""
-    table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
-    for topic in dict.fromkeys(difference.topic for difference in result.differences):
-        of_topic = [difference for difference in result.differences if difference.topic == topic]
-        shown = [difference for difference in of_topic if difference.largest > tolerance]
-        for difference in shown:
-            table.add_row(topic, difference.field, str(difference.messages),
-                          f'{difference.largest:g}')
-        if not shown:
-            table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
-                          f'{max(difference.largest for difference in of_topic):g}')
-    return table
 
 
 def _export(arguments: Namespace) -> int:

@@ -80,7 +80,16 @@ def _check(arguments: Namespace) -> None:
         f'A step computes {computed}: {cost * 1e6:.1f} us on this machine{rate}. Each topic '
         'with a subscriber or a recorder costs more than that (see docs/bench/node.md), each '
         'one without costs nothing.')
-    for paragraph in (*received, outputs, *not_created, _changed_table(scene), cost_in_words):
+    changed = make_table('parameters that differ from their default',
+                         ('parameter', 'value', 'unit'))
+    for name, value in scene.values.items():
+        parameter = of_name(name)
+        if value != parameter.default and value == value:       # NaN: not given
+            text = str(value)
+            if isinstance(value, list) and len(value) > LONG:
+                text = f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
+            changed.add_row(name, text, unit_in(parameter, scene.values))
+    for paragraph in (*received, outputs, *not_created, changed, cost_in_words):
         console.print()
         console.print(paragraph)
     if not arguments.error:
@@ -117,19 +126,6 @@ def _topics_table(title: str, topics: Iterable[Topic]) -> Table:
     return make_table(title, ('name', 'topic', 'type', ''), [
         (topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
         for topic in topics])
-
-
-def _changed_table(scene: Scene) -> Table:
-    table = make_table('parameters that differ from their default',
-                       ('parameter', 'value', 'unit'))
-    for name, value in scene.values.items():
-        parameter = of_name(name)
-        if value != parameter.default and value == value:
-            text = str(value)
-            if isinstance(value, list) and len(value) > LONG:
-                text = f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
-            table.add_row(name, text, unit_in(parameter, scene.values))
-    return table
 
 
 def step_cost(scene: Scene) -> float:

@@ -14,14 +14,8 @@ from math import isfinite, isinf, isnan, nan, nextafter
 from types import MappingProxyType
 from typing import cast, NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import (
-    FourBarError,
-    InvalidParameter,
-    Locked,
-    OutOfRange,
-    Toggle,
-    UnknownForce,
-)
+from fourbar_ros import errors
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.numerics.number_types import REAL
@@ -74,15 +68,15 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
             return OK, motion, loads
         if isinf(motion.condition):     # a flat position
             return _partly(TOGGLE, mechanism, *inputs)
-    except OutOfRange:
+    except errors.OutOfRange:
         return OUT_OF_RANGE, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
-    except Toggle:
+    except errors.Toggle:
         return _partly(TOGGLE, mechanism, *inputs)
-    except Locked:
+    except errors.Locked:
         return LOCKED, mechanism.motion(*inputs), _none_of(mechanism.LOADS)
-    except UnknownForce:
+    except errors.UnknownForce:
         return LOADS_UNKNOWN, mechanism.motion(*inputs), _none_of(mechanism.LOADS)
-    except InvalidParameter:     # numbers overflow
+    except errors.InvalidParameter:     # numbers overflow
         pass
     return INVALID_INPUT, mechanism.unknown(*inputs), _none_of(mechanism.LOADS)
 

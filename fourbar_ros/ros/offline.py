@@ -19,7 +19,6 @@ from fourbar_ros.ros.node.recording import about_of
 from fourbar_ros.ros.node.stream import drive_layout, writer_of
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
-from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.simulated import SimulatedScene
 from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, Topic, TORQUE
 from rclpy.serialization import serialize_message
@@ -77,7 +76,13 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)
     if scene.drive.source == TORQUE.name and not is_silent:
-        first.append((TORQUE.name, _torque(scene, simulated.torque)))
+        command = resolve(TORQUE.type)()         # a torque [N m], or a force [N] of a slide
+        command.header.stamp = to_stamp(BEGIN)
+        if scene.linkage.is_driven_by_slide:
+            command.wrench.force.x = simulated.torque
+        else:
+            command.wrench.torque.z = simulated.torque
+        first.append((TORQUE.name, serialize_message(command)))
     inputs = [layout.index_of[name] for name in scene.linkage.input_coordinate]
     offsets = (simulated.run.time * 1e9).round().astype('int64').tolist()
     for offset, mode, drive_values in zip(offsets, modes, simulated.drive_values()):
@@ -97,14 +102,3 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
             (name, makers[name](stamp, status, mode, values))
             for name, (status, values) in contents.items()]
         first = []
-
-
-def _torque(scene: Scene, torque: float) -> bytes:
-    """Return the message that commands a constant torque [N m], or force [N] of a slide."""
-    message = resolve(TORQUE.type)()
-    message.header.stamp = to_stamp(BEGIN)
-    if scene.linkage.is_driven_by_slide:
-        message.wrench.force.x = torque
-    else:
-        message.wrench.torque.z = torque
-    return bytes(serialize_message(message))

@@ -106,7 +106,18 @@ class TopicInput:
         if self._is_relay and self._counts['of_other_joints'] and not self._counts['received']:
             problems.append(f'joint {self._settings.joint!r} never came')
         elif not self._counts['received'] and self.age() > SILENT:
-            problems.append(f'no input yet: {self._why_no_input()}')
+            policy = self._troubles.incompatible.get(self._topic.name)
+            if policy and self._node.count_publishers(name):
+                why = f'the publisher of {name} has an incompatible {policy}'
+            elif self._subscription.get_publisher_count():
+                why = f'the publisher of {name} is silent'
+            else:
+                published, why = self._stream.topics(), f'{name} has no publisher'
+                if topics := [topic for topic, types in self._node.get_topic_names_and_types()
+                              if self._topic.type in types and topic != name
+                              and self._node.count_publishers(topic) > published.count(topic)]:
+                    why += f'; {self._topic.type} comes on {", ".join(sorted(topics))}'
+            problems.append(f'no input yet: {why}')
         if isnan(estimator.lag) or not self._estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
@@ -117,21 +128,6 @@ class TopicInput:
         if estimator.is_noise:
             problems.append('the estimated acceleration is noise')
         return values, problems
-
-    def _why_no_input(self) -> str:
-        """Return why nothing comes: from the publisher, or since the type is on other topics."""
-        name = self._subscription.topic_name
-        policy = self._troubles.incompatible.get(self._topic.name)
-        if policy and self._node.count_publishers(name):
-            return f'the publisher of {name} has an incompatible {policy}'
-        if self._subscription.get_publisher_count():
-            return f'the publisher of {name} is silent'
-        published = self._stream.topics()
-        topics = [topic for topic, types in self._node.get_topic_names_and_types()
-                  if self._topic.type in types and topic != name
-                  and self._node.count_publishers(topic) > published.count(topic)]
-        return f'{name} has no publisher' + (
-            f'; {self._topic.type} comes on {", ".join(sorted(topics))}' if topics else '')
 
     def _receive(self, data: bytes) -> None:
         try:
