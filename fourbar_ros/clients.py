@@ -48,15 +48,8 @@ class LockStep:
     """
     Steps a node from a simulator's loop.
 
-    Parameters
-    ----------
-    node : str
-        Name of the node, with its namespace.
-    outputs : sequence of str
-        Topics to wait for, by their names in ``outputs``.
-    patience : float
-        How long an answer may take [s].
-
+    ``node``: name with namespace; ``outputs``: topics to wait for, by their names in ``outputs``;
+    ``patience``: how long an answer may take [s].
     """
 
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),

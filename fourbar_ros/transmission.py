@@ -86,16 +86,11 @@ def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
 
 class Transmission:
     """
-    A mechanism between a drive and an output.
+    A mechanism between a drive and an output; without masses, efforts are of massless links.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        Without masses, efforts are those of massless links.
-    start : float
-        An input: it chooses the branch, as one position of the output belongs to several inputs.
-        There an angle of the output is between -pi and pi: from there its turns count.
-
+    The input ``start`` chooses the branch, as one position of the output belongs to several
+    inputs. There an angle of the output is between -pi and pi: from there its turns count.
+    Errors are those of :func:`branch_of`.
     """
 
     def __init__(self, mechanism: Mechanism, start: float):

@@ -103,20 +103,9 @@ class Bag:
     """
     A bag to be read, any number of times.
 
-    Parameters
-    ----------
-    path : str or Path
-        Folder of a bag, split or not, or an .mcap file.
-    progress : callable, optional
-        Called with the count of bytes read so far.
-
-    Attributes
-    ----------
-    files : list of Path
-        The .mcap files: several in a split bag.
-    damage : list of str
-        What the last reading could not read, with file, byte and reason; counts that disagree.
-
+    ``path``: folder of a bag, split or not, or an .mcap file; ``progress`` is called with the
+    count of bytes read so far. ``files``: the .mcap files, several in a split bag; ``damage``:
+    what the last reading could not read, with file, byte and reason, and counts that disagree.
     """
 
     def __init__(self, path: str | Path, progress: Progress | None = None) -> None:

@@ -48,34 +48,16 @@ class BagWriter:
     """
     One bag being written; :meth:`write` from any thread, :meth:`close` when done.
 
-    Raises BagError if the name is taken or leaves the directory, or if that cannot be written.
+    The bag is directory/name; an empty name takes a fresh one from the clock. Raises BagError if
+    the name is taken or leaves the directory, or if that cannot be written: an existing bag is
+    never touched. ``about`` is kept as custom_data. Beyond ``split_size`` bytes or
+    ``split_duration`` seconds (0: never) the bag goes on in a new file. ``tell`` gets a line of
+    text when recording stops by itself and when messages are first dropped; ``clock`` returns the
+    log time [ns], by default one that never goes back.
 
-    Parameters
-    ----------
-    directory, name : str
-        The bag is directory/name; an empty name takes a fresh one from the clock. An existing bag
-        is never touched.
-    channels : list of Channel
-    about : dict of str
-        Kept with the bag as custom_data.
-    split_size, split_duration : float
-        The bag goes on in a new file beyond so many bytes or seconds; 0: never.
-    tell : callable, optional
-        Called with one line of text when recording stops by itself and when messages are first
-        dropped.
-    clock : callable, optional
-        Returns the log time [ns]; the default clock never goes back.
-
-    Attributes
-    ----------
-    path : Path
-        The folder of the bag.
-    accepted, dropped : int
-        Messages that are or will be in the bag, and that found the queue full. The dropped ones
-        leave gaps in the sequence numbers of their channels.
-    error : str
-        Why recording stopped by itself; empty while it goes on.
-
+    ``path``: the folder of the bag. ``accepted``, ``dropped``: messages that are or will be in the
+    bag, and that found the queue full, which leaves gaps in the sequence numbers of channels.
+    ``error``: why recording stopped by itself; empty while it goes on.
     """
 
     def __init__(self, directory: str | os.PathLike[str], name: str, channels: Sequence[Channel],

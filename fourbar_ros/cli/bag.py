@@ -7,16 +7,12 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from datetime import datetime
 import sys
-from typing import TYPE_CHECKING
 
 from fourbar_ros.cli import common
 from fourbar_ros.cli.common import BAD, reading, Verbs
 from fourbar_ros.optional import lab
 from fourbar_ros.spreadsheet import STDOUT
 from fourbar_ros.terminal import make_console, make_table
-
-if TYPE_CHECKING:      # a verb imports the rest when it runs
-    from rich.table import Table
 
 MOST_DAMAGE = 50        # lines on damage that are printed one by one
 DESCRIPTION = """\
@@ -119,11 +115,6 @@ def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], t
     return parser
 
 
-def _print(*tables: Table) -> None:
-    for table in tables:
-        make_console().print(table)
-
-
 def _info(arguments: Namespace) -> int:
     from fourbar_ros.bag.overview import info
     from fourbar_ros.bag.reader import software_of
@@ -161,7 +152,8 @@ def _info(arguments: Namespace) -> int:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
                        '' if topic.missing is None else str(topic.missing))
-    _print(about, topics)
+    make_console().print(about)
+    make_console().print(topics)
     if not bag.is_finished or bag.damage:
         print('fourbar bag recover makes a whole bag of what can be read')
     return 0 if bag.is_sound else BAD
@@ -206,7 +198,7 @@ def _recompute(arguments: Namespace) -> int:
                 table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
                               f'{max(each.largest for each in of_topic):g}')
         if result.differences:
-            _print(table)
+            make_console().print(table)
         print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '
               f'difference {result.largest:g}' + ('; the bag is cut' if result.is_cut else ''))
         if result.stepped:
@@ -262,7 +254,7 @@ def _diff(arguments: Namespace) -> int:
                       str(topic.only_second), field, f'{apart:g}')
         for field, apart in worst[1:]:
             table.add_row('', '', '', '', field, f'{apart:g}')
-    _print(table)
+    make_console().print(table)
     return 0 if is_same else BAD
 
 

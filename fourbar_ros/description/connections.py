@@ -19,21 +19,10 @@ class Connection(NamedTuple):
     """
     Which two links a joint connects, and where.
 
-    With the coordinate q of the joint, the angle of the child is that of the parent plus ``turn``,
-    plus q of a joint that turns. A joint that slides has moved on the child from its point on the
-    parent by q along ``axis``.
-
-    Parameters
-    ----------
-    parent, child : str
-        Names of links, or :data:`GROUND`.
-    on_parent, on_child : tuple of 2 floats
-        The joint, along each link from its first joint and across to its left [m].
-    axis : tuple of 2 floats, optional
-        Unit vector of a joint that slides, in the frame of the parent; None: it turns.
-    turn : float
-        Angle from the parent to the child, of a joint that turns at q = 0 [rad].
-
+    Joints are at ``on_parent`` and ``on_child``, along each link from its first joint and across
+    to its left [m]. With the coordinate q of the joint, the angle of the child is that of the
+    parent plus ``turn`` [rad], plus q of a joint that turns. A joint that slides has moved on the
+    child from its point on the parent by q along ``axis``, a unit vector in the parent's frame.
     """
 
     parent: str

@@ -119,24 +119,13 @@ class RateEstimator:
     """
     Fills in missing velocity and acceleration of the input.
 
-    Parameters
-    ----------
-    window : int
-        Number of newest samples that are fitted, 3 or more.
-    gap : float
-        A longer pause [s], or a longer step back of the clock, starts afresh.
-    jump : float
-        A larger step between two samples [rad, m], or a step that differs by more from the one
-        expected at the velocity before, starts afresh. Of a step between samples with velocities
-        only the difference counts, without whole turns.
-    turn : float
-        A turn of the input [rad]; infinite for one that has none.
-    length : float
-        Unit of the input [rad, m]: an acceleration of velocity^2/length always matters.
-    top_speed : float
-        Given if positions wrap after a turn: no velocity is larger [rad/s]. Whole turns are taken
-        off a step; one that takes so long that it could be a quarter turn starts afresh.
-
+    It fits the ``window`` newest samples, 3 or more. A pause, or a step back of the clock, above
+    ``gap`` [s] starts afresh, and so does a step between two samples above ``jump`` [rad, m], or
+    one that differs by more from the step expected at the velocity before (of samples with
+    velocities only the latter, without whole turns). ``turn``: of the input [rad], infinite
+    without one. ``length``: unit of the input [rad, m], an acceleration of velocity^2/length
+    always matters. ``top_speed`` [rad/s] is given if positions wrap after a turn: whole turns are
+    taken off a step; one that takes so long that it could be a quarter turn starts afresh.
     """
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,

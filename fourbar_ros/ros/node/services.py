@@ -8,7 +8,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.arguments import FARTHEST, rate_of_input
 from fourbar_ros.pipeline import stepper
@@ -35,15 +34,13 @@ def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> 
                 'start_recording': start_recording, 'stop_recording': stop_recording}
     for name in stream.scene.node.services:
         service = SERVICES[name]
+
+        def worker_for(request: Message, names: Sequence[str] = service.workers) -> Worker:
+            """Return the thread that answers: proofs have one, so nothing quick waits for them."""
+            return workers[names[getattr(request, 'certify', False)]]
         node.create_service(resolve(service.type), service.service,
                             partial(handlers[name], stream),
-                            partial(_worker_for, workers, service.workers)
-                            if service.workers else None)
-
-
-def _worker_for(workers: Mapping[str, Worker], names: Sequence[str], request: Message) -> Worker:
-    """Return the thread that answers: proofs have their own, so nothing quick waits for one."""
-    return workers[names[getattr(request, 'certify', False)]]
+                            worker_for if service.workers else None)
 
 
 def evaluate_one(stream: Stream, request: Message, response: Message) -> Message:
@@ -91,17 +88,11 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
 
 def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, status: int,
                  values: Sequence[float]) -> Message:
-    """
-    Fill the state, the loads and the list of named values of an Evaluate response.
-
-    ``values`` in the order of the scene's layout. Messages of an older version, if such are
-    installed, have no list.
-    """
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)
         filler(output, message, scene.layout)(stamp, status, mode, values)
-    if hasattr(response, 'values'):
+    if hasattr(response, 'values'):      # messages of an older version may be installed
         from fourbar_ros.mechanisms.quantities import fields_of
         named_value, index_of = resolve('fourbar_msgs/msg/NamedValue'), scene.layout.index_of
         response.values = [named_value(name=name, unit=quantity.unit, value=values[index_of[name]])
@@ -165,17 +156,19 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
 
 
 def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ...], float]:
-    """
-    Return (quantities, modes, velocity [rad/s or m/s]) of the request.
-
-    A velocity of zero stands for the speed of the timer drive. Raises InvalidParameter or
-    UnknownQuantity, for :func:`search` to report.
-    """
+    """Return (quantities, modes, velocity [rad/s or m/s]) of the request, or raise."""
     from fourbar_ros.mechanisms.quantities import select
     linkage = scene.linkage
     timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
     velocity = request.velocity if request.velocity != 0.0 else timer_speed
-    modes = _modes(request, linkage)
+    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
+             request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
+    if request.mode not in modes:
+        raise InvalidParameter('mode', request.mode,
+                               'must be 0 (of the scene), 1, 2 or 3 (both)')
+    if unknown := [mode for mode in modes[request.mode] if mode not in linkage.modes]:
+        raise InvalidParameter('mode', unknown[0], 'must be 0 (of the scene)'
+                               + ''.join(f' or {mode}' for mode in linkage.modes))
     if rate_of_input('velocity', velocity) == 0.0:
         raise InvalidParameter('velocity', velocity, 'must not be zero (zero stands for the speed '
                                'of the timer drive, if there is one)')
@@ -185,20 +178,7 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
     missing = [quantity.name for quantity in quantities if quantity.is_load]
     if missing and not linkage.has_loads:
         raise InvalidParameter(missing[0], None, linkage.why_no_loads)
-    return quantities, modes, velocity
-
-
-def _modes(request: Message, linkage: Mechanism) -> tuple[int, ...]:
-    """Return the assembly modes that a request means; raise InvalidParameter for one not there."""
-    modes = {request.MODE_OF_SCENE: (linkage.mode,), request.MODE_CROSSED: (1,),
-             request.MODE_OPEN: (2,), request.MODE_BOTH: tuple(linkage.modes)}
-    if request.mode not in modes:
-        raise InvalidParameter('mode', request.mode,
-                               'must be 0 (of the scene), 1, 2 or 3 (both)')
-    if missing := [mode for mode in modes[request.mode] if mode not in linkage.modes]:
-        raise InvalidParameter('mode', missing[0], 'must be 0 (of the scene)'
-                               + ''.join(f' or {mode}' for mode in linkage.modes))
-    return modes[request.mode]
+    return quantities, modes[request.mode], velocity
 
 
 def _message(extremum: Extremum) -> Message:
