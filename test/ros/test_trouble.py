@@ -223,7 +223,7 @@ def test_frames_that_two_nodes_move_are_told(client, tmp_path):
     said = [process.stderr.readline() for _ in range(4)]      # how each moves, and the warning
     process.terminate()
     assert process.wait(PATIENCE) == 0
-    warned, = (line for line in said if 'keeps them apart' in line)
+    warned, = (line for line in said if 'keep them apart' in line)
     assert 'frames coupler_link, crank_link, output_link: also of right' in warned
 
 
