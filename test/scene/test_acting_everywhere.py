@@ -8,110 +8,33 @@ and forces by virtual work. All doors then give the numbers of ``loads``: bits w
 with floats, rounding where they compute with arrays.
 """
 import csv
-from itertools import product
 import json
-from math import isnan, pi, radians
+from math import isnan, radians
 
 from fourbar_lab.export.model import GeneratedModel
+from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.study import from_document
 from fourbar_ros import load_scene, point_motion
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.extrema import find_extrema, OverInput
 from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, OK, Stepper, Wanted
 from fourbar_ros.scene import scene
 import numpy as np
 import pytest
+from support.acting import ACTING, BACK, CASES, COUNT, given, inputs_of, KINDS, RUBBING, values_of
 from support.exported import Code, COMPILERS, differences, of_python, random_inputs
 from support.samples import some
-from support.scenes import file_of, PAPER, RODS, TIP
+from support.scenes import file_of, PAPER, RODS
 
 EPS = 2.0**-52
-COUNT = 60              # inputs of a scene
-BODIES = {'bodies.crank.mass': 1.2, 'bodies.crank.inertia': 2e-2, 'bodies.crank.cg_along': 0.1,
-          'bodies.coupler.mass': 0.7, 'bodies.coupler.inertia': 1e-2,
-          'bodies.coupler.cg_along': 0.3, 'bodies.output.mass': 0.9,
-          'bodies.output.inertia': 3e-2, 'gravity.y': -9.81}
-KINDS = {
-    'four_bar': {**PAPER, **RODS, **TIP, 'gravity.x': 1.0, 'gravity.y': -9.81},
-    'slider_crank': {'linkage.kind': 'slider_crank', 'linkage.a1': 0.4, 'linkage.a2': 1.2,
-                     'linkage.offset': 0.1, **TIP, **BODIES},
-    'cylinder': {'linkage.kind': 'inverted_slider', 'linkage.a1': 1.2, 'linkage.a4': 1.6,
-                 'linkage.input': 'slide', 'linkage.range': [1.0, 1.8], **TIP, **BODIES},
-    'scotch_yoke': {'linkage.kind': 'scotch_yoke', 'linkage.a1': 0.3, **TIP, **BODIES}}
-
-
-def given(family, name, **numbers):
-    """Return the parameters of a spring or a force by its name; __ is a dot."""
-    return {f'{family}.{name}.{field.replace("__", ".")}': value
-            for field, value in numbers.items()}
-
-
-BACK = {'first__along': 1.5, 'first__across': 0.7, 'second__link': 'output',
-        'second__across': 0.1}
-ACTING = {
-    'linear': given('springs', 's', stiffness=800.0, free_length=0.4, **BACK),
-    'preload': given('springs', 's', stiffness=500.0, free_length=0.4, preload=120.0, **BACK),
-    'constant': given('springs', 's', preload=90.0, **BACK),
-    'zero free length': given('springs', 's', stiffness=700.0, **BACK),
-    'damper': given('springs', 's', damping=60.0, **BACK),
-    'between links': given('springs', 's', first__link='crank', first__across=0.2,
-                           second__link='output', second__along=-0.3, stiffness=900.0,
-                           free_length=0.3, damping=9.0, preload=-20.0),
-    'torsion': given('torsion_springs', 't', first='crank', second='coupler', stiffness=25.0,
-                     free_angle=0.4, damping=1.5),
-    'table over the input': given(
-        'forces', 'f', link='output', along=0.3, acts='x', direction=0.3, factor=-2.0,
-        values=[5.0, 80.0, -30.0, 5.0]),
-    'table over an angle': given(
-        'forces', 'f', link='coupler', along=0.4, across=-0.1, acts='across', over='beta',
-        places=[-180.0, -60.0, 20.0, 90.0, 180.0], values=[3.0, 40.0, -60.0, 8.0, 3.0],
-        place_unit='deg', periodic=True),
-    'lines over a way': given(
-        'forces', 'f', link='coupler', along=0.5, acts='y', over='tip.x', interpolation='linear',
-        places=[-0.5, 0.2, 0.4, 1.1], values=[0.0, -900.0, 500.0, 20.0]),
-    'couple over a way': given(
-        'forces', 'f', link='crank', acts='couple', over='tip.y',
-        places=[-0.3, 0.1, 0.25, 0.9], values=[80.0, -300.0, 500.0, -200.0])}
-ACTING['all'] = {**ACTING['preload'], **ACTING['torsion'], **ACTING['lines over a way'],
-                 **given('springs', 'd', first__across=-0.6, second__link='coupler',
-                         second__along=0.2, damping=35.0),
-                 **{name.replace('.f.', '.g.'): value
-                    for name, value in ACTING['table over the input'].items()}}
-CASES = [f'{kind}, {acting}' for kind, acting in product(KINDS, ACTING)
-         if not (kind == 'scotch_yoke' and acting == 'table over an angle')]   # no angle turns
-
-
-def values_of(case):
-    """Return the parameters of a scene at constant speed on which something acts."""
-    kind, acting = case.split(', ')
-    values = {**KINDS[kind], **ACTING[acting], 'drive.source': 'timer',
-              'drive.speed': 0.3 if kind == 'cylinder' else 7.0, 'outputs': ['loads']}
-    if kind == 'cylinder' and 'forces.f.over' in values:
-        values['forces.f.over'] = values['forces.f.over'].replace('beta', 'theta4')
-    for name in [name for name in values if name.endswith('.acts')]:
-        if name.replace('.acts', '.places') not in values:      # a table over the input
-            values |= ({name.replace('.acts', '.places'): [0.9, 1.2, 1.5, 1.9]}
-                       if kind == 'cylinder' else
-                       {name.replace('.acts', '.places'): [0.0, 2.0, 4.0, 2.0 * pi],
-                        name.replace('.acts', '.periodic'): True})
-    return values
-
-
-def inputs_of(linkage, speed):
-    """Return (input, rate, acceleration) all over the first range, shape (n, 3)."""
-    low, high = linkage.input_ranges[0]
-    rng = np.random.default_rng(57)
-    inputs = rng.uniform((low + 0.02 * (high - low), -9.0 * speed, -50.0),
-                         (high - 0.02 * (high - low), 9.0 * speed, 50.0), (COUNT, 3))
-    inputs[::4, 1:] = speed, 0.0
-    return inputs
-
-
 # each kind and all that acts at least once
 QUICK = [*CASES[::len(ACTING) + 1], *CASES[-1:], *(f'{kind}, all' for kind in KINDS),
          *(f'four_bar, {acting}' for acting in list(ACTING)[::2])]
 every = some('case', CASES, QUICK)
+with_friction = some('case', [*CASES, *RUBBING], [*QUICK, *RUBBING])
 
 
 @every
@@ -131,7 +54,7 @@ def test_the_drive_is_that_of_lagrange(case):
     assert apart > 1e-3                                     # it matters
 
 
-@every
+@with_friction
 def test_arrays_and_the_node_give_what_single_inputs_give(case):
     """The node bits, arrays at most 4 eps of the largest term a digit of the condition."""
     there = scene.from_values(values_of(case))
@@ -154,7 +77,7 @@ def test_arrays_and_the_node_give_what_single_inputs_give(case):
     assert np.isfinite(motions[0]).all()
 
 
-@every
+@with_friction
 def test_a_table_and_show_give_the_loads(case, tmp_path, capsys):
     """CSV the values of arrays, and the pose of show those of floats, to the bit."""
     file, out = file_of(values_of(case), tmp_path), tmp_path / 'loads.csv'
@@ -179,8 +102,32 @@ def test_a_table_and_show_give_the_loads(case, tmp_path, capsys):
     assert {linkage.drive_load} <= {one['quantity'] for one in record['extrema']}
 
 
+@with_friction
+def test_a_study_row_is_what_the_search_finds(case, tmp_path):
+    """Extrema and root mean square of the drive and of a reaction, 1e-10 of the largest value."""
+    file = file_of(values_of(case), tmp_path)
+    there = load_scene(file)
+    linkage, speed = there.linkage, there.drive.speed
+    names = [linkage.drive_load, linkage.REACTIONS[1].magnitude]
+    study = from_document({
+        'scene': file.name, 'method': 'grid', 'keep': 'all',
+        'vary': {'drive.speed': {'list': [speed, 0.5 * speed]}},
+        'quantities': [f'{name}.{part}' for name in names
+                       for part in ('max', 'min', 'extrema', 'rms')]}, tmp_path)
+    columns = compute(study, 0).columns
+    assert columns['drive.speed'].tolist() == [speed, 0.5 * speed]
+    for name in names:
+        extrema = find_extrema(linkage, name, speed)
+        over = OverInput(linkage, name, speed, extrema=extrema)
+        most, least = over.most.value, over.least.value
+        size = max(abs(most), abs(least))
+        assert columns[f'{name}.extrema'][0] == len(extrema) > 0
+        for part, value in (('max', most), ('min', least), ('rms', over.rms)):
+            assert abs(columns[f'{name}.{part}'][0] - value) <= 1e-10 * size, (name, part)
+
+
 @pytest.mark.skipif(not COMPILERS, reason='no C compiler')
-@every
+@with_friction
 def test_generated_code_has_the_bits_of_python(case, tmp_path):
     there = scene.from_values(values_of(case))
     code = Code(there, tmp_path, 'acting')
