@@ -44,24 +44,4 @@ if TYPE_CHECKING:
 
 __version__ = '2.0.0'
 
-__all__ = [
-    'CROSSED', 'OPEN', 'Applied', 'Base', 'Bodies', 'Body', 'DriveFriction', 'External', 'FourBar',
-    'FourBarError', 'InvalidParameter', 'InvertedSlider', 'JointFriction', 'Loads', 'Locked',
-    'Mechanism', 'MissingBodies', 'Motion', 'MovingJointFourBar', 'OutOfRange', 'ScotchYoke',
-    'SliderCrank', 'Toggle', 'find_extrema', 'flat_bar', 'load_scene', 'point_motion', 'round_rod',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.errors': (
-        'FourBarError, InvalidParameter, Locked, MissingBodies, OutOfRange, Toggle'),
-    'fourbar_ros.extrema.find': 'find_extrema',
-    'fourbar_ros.mechanics.bodies': 'Applied, Base, Bodies, Body, External',
-    'fourbar_ros.mechanics.rods': 'flat_bar, round_rod',
-    'fourbar_ros.mechanisms.four_bars': 'FourBar, Loads, Motion, MovingJointFourBar',
-    'fourbar_ros.mechanisms.friction': 'DriveFriction, JointFriction',
-    'fourbar_ros.mechanisms.mechanism': 'Mechanism',
-    'fourbar_ros.mechanisms.parts': 'CROSSED, OPEN',
-    'fourbar_ros.mechanisms.points': 'point_motion',
-    'fourbar_ros.mechanisms.sliders': 'InvertedSlider, ScotchYoke, SliderCrank',
-    'fourbar_ros.scene.scene': 'load as load_scene',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

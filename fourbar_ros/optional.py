@@ -3,9 +3,11 @@
 """Optional packages: one line tells how to install a missing one."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import ast
+from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
 import sys
 from typing import Any
 
@@ -74,27 +76,26 @@ def demo() -> int:
 
 # --- names of a public face, imported when they are asked for ------------------------------------
 
-def lazily(package: str, where: Mapping[str, str]
-           ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+def lazily(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """
-    Return ``__getattr__`` and ``__dir__`` for a package that imports names on first use (PEP 562).
+    Return ``__getattr__``, ``__dir__`` and ``__all__`` of a package (PEP 562).
 
-    ``where`` gives the public names of each module as an import statement writes them:
-    ``{'package.scene': 'Scene, load as load_scene'}``. So ``import fourbar_ros`` takes no time,
-    and only what a program uses loads numpy and others.
+    Its public names are those that it imports for type checkers, ``if TYPE_CHECKING``: editors
+    find them there, and a program loads numpy and others only with the first name that needs them.
     """
-    homes = {}      # {public name: (module, its name there)}
-    for module, names in where.items():
-        for name, _, public in (entry.partition(' as ') for entry in names.split(', ')):
-            homes[public or name] = module, name
+    text = Path(str(sys.modules[package].__file__)).read_text(encoding='utf-8')
+    guarded = next(node for node in ast.parse(text).body if isinstance(node, ast.If))
+    origins = {alias.asname or alias.name: (str(line.module), alias.name)
+               for line in guarded.body if isinstance(line, ast.ImportFrom)
+               for alias in line.names}
 
     def get_attribute(name: str) -> Any:
-        if name not in homes:
+        if name not in origins:
             raise AttributeError(f'module {package!r} has no attribute {name!r}')
-        module, its_name = homes[name]
-        return getattr(import_module(module), its_name)
+        module, name_there = origins[name]
+        return getattr(import_module(module), name_there)
 
     def list_names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *homes})
+        return sorted({*vars(sys.modules[package]), *origins})
 
-    return get_attribute, list_names
+    return get_attribute, list_names, sorted(origins)

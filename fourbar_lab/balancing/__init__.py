@@ -31,14 +31,4 @@ if TYPE_CHECKING:
     from fourbar_lab.balancing.loads import BalanceError, Loads
     from fourbar_lab.balancing.result import Change, changes, scene_text
 
-__all__ = [
-    'Balance', 'BalanceError', 'Change', 'Counterweight', 'Loads', 'Places', 'changes', 'front',
-    'full_force_balance', 'least_peak', 'least_rms', 'scene_text',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.balancing.cone':
-        'Balance, Counterweight, front, full_force_balance, least_peak, least_rms, Places',
-    'fourbar_lab.balancing.loads': 'BalanceError, Loads',
-    'fourbar_lab.balancing.result': 'Change, changes, scene_text',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

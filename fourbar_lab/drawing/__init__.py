@@ -18,8 +18,4 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_lab.drawing.collineation import collineation_axis, CollineationAxis
 
-__all__ = ['CollineationAxis', 'collineation_axis']
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.drawing.collineation': 'collineation_axis, CollineationAxis',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

@@ -10,8 +10,4 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_lab.export.files import generate, Generated
 
-__all__ = ['Generated', 'generate']
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.export.files': 'generate, Generated',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

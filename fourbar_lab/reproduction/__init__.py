@@ -18,9 +18,4 @@ if TYPE_CHECKING:
     from fourbar_lab.reproduction.documents import Row, Section, summary
     from fourbar_lab.reproduction.paper import reproduce
 
-__all__ = ['Row', 'Section', 'reproduce', 'summary']
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.reproduction.documents': 'Row, Section, summary',
-    'fourbar_lab.reproduction.paper': 'reproduce',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

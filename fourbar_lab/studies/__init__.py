@@ -29,20 +29,4 @@ if TYPE_CHECKING:
     from fourbar_lab.studies.study import Study, StudyError
     from fourbar_lab.studies.tolerance_analysis import Toleranced, tolerances
 
-__all__ = [
-    'Chunk', 'Derivatives', 'Extrema', 'Results', 'Sensitivity', 'Study', 'StudyError', 'Summary',
-    'Toleranced', 'cluster', 'compute', 'derivatives_of', 'find_extrema_many', 'processes',
-    'read_study', 'run', 'sensitivities', 'study_of', 'tolerances',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_lab.studies.chunks': 'Chunk, compute',
-    'fourbar_lab.studies.derivatives': 'Derivatives, sensitivities, Sensitivity',
-    'fourbar_lab.studies.duals': 'derivatives_of',
-    'fourbar_lab.studies.engine': 'cluster, processes, run',
-    'fourbar_lab.studies.many': 'Extrema, find_extrema_many',
-    'fourbar_lab.studies.results': 'Results, Summary',
-    'fourbar_lab.studies.study':
-        'from_document as study_of, read as read_study, Study, StudyError',
-    'fourbar_lab.studies.tolerance_analysis': 'Toleranced, tolerances',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from fourbar_ros.errors import BagError
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
@@ -25,19 +24,6 @@ if TYPE_CHECKING:
     from fourbar_ros.bag.recorder import BagWriter
     from fourbar_ros.bag.recovery import recover, Recovered
     from fourbar_ros.bag.tables import export
+    from fourbar_ros.errors import BagError
 
-__all__ = [
-    'Bag', 'BagError', 'BagWriter', 'Channel', 'Difference', 'Info', 'Recomputed', 'Recovered',
-    'TopicDiff', 'diff', 'export', 'info', 'recompute', 'records', 'recover',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.bag.comparison': 'diff, TopicDiff',
-    'fourbar_ros.bag.tables': 'export',
-    'fourbar_ros.bag.overview': 'Info, info',
-    'fourbar_ros.bag.metadata': 'Channel',
-    'fourbar_ros.bag.reader': 'Bag, records',
-    'fourbar_ros.bag.recomputation': 'Difference, recompute, Recomputed',
-    'fourbar_ros.bag.recorder': 'BagWriter',
-    'fourbar_ros.bag.recovery': 'recover, Recovered',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

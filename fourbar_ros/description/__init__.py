@@ -17,10 +17,4 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_ros.description.formats import describe
 
-__all__ = [
-    'describe',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.description.formats': 'describe',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

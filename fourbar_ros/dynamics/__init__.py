@@ -53,26 +53,4 @@ if TYPE_CHECKING:
     )
     from fourbar_ros.mechanisms.force_table import ForceTable
 
-__all__ = [
-    'EVENT', 'LIMIT', 'NOT_CHECKED', 'NOT_CONVERGED', 'REACHED', 'STOPPED', 'Attachment',
-    'ConstantTorque', 'DCMotor', 'Distance', 'Drive', 'Equation', 'Equilibrium', 'Flywheel',
-    'ForceTable', 'InductionMotor', 'LinkAngle', 'MotorLine', 'PositionForce', 'Run',
-    'RunState', 'Shaft', 'SpeedController', 'Spring', 'System', 'TorqueTable', 'TorsionSpring',
-    'Way', 'equilibria', 'flywheel_for', 'free_period', 'simulate',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.mechanisms.elements':
-        'Attachment, Distance, LinkAngle, PositionForce, Spring, TorsionSpring, Way',
-    'fourbar_ros.dynamics.equation': 'Equation',
-    'fourbar_ros.dynamics.flywheel': 'Flywheel, flywheel_for',
-    'fourbar_ros.mechanisms.force_table': 'ForceTable',
-    'fourbar_ros.dynamics.simulation':
-        'EVENT, LIMIT, NOT_CHECKED, NOT_CONVERGED, REACHED, Run, RunState, '
-        'simulate, STOPPED',
-    'fourbar_ros.dynamics.sources':
-        'ConstantTorque, DCMotor, Drive, InductionMotor, MotorLine, Shaft, SpeedController, '
-        'TorqueTable',
-    'fourbar_ros.dynamics.statics': 'Equilibrium, equilibria, free_period',
-    'fourbar_ros.dynamics.system': 'System',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

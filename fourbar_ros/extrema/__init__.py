@@ -31,14 +31,4 @@ if TYPE_CHECKING:
         UnknownQuantity,
     )
 
-__all__ = [
-    'Extremum', 'OutputRange', 'OverInput', 'Quantity', 'UnknownQuantity',
-    'find_extrema', 'known_quantities', 'output_ranges', 'point_acceleration', 'point_speed',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.extrema.find': 'Extremum, find_extrema',
-    'fourbar_ros.extrema.over_input': 'output_ranges, OutputRange, OverInput',
-    'fourbar_ros.mechanisms.quantities':
-        'Function as Quantity, known_quantities, point_acceleration, point_speed, UnknownQuantity',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)

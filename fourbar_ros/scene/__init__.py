@@ -20,14 +20,4 @@ if TYPE_CHECKING:
     from fourbar_ros.scene.scene import from_values, load, Scene
     from fourbar_ros.scene.simulated import simulate_scene
 
-__all__ = [
-    'Scene', 'SceneError', 'find', 'from_values', 'load', 'read_values', 'simulate_scene',
-    'warnings_of',
-]
-
-__getattr__, __dir__ = lazily(__name__, {
-    'fourbar_ros.scene.files': 'find, read_values, SceneError',
-    'fourbar_ros.scene.linkage': 'warnings_of',
-    'fourbar_ros.scene.scene': 'from_values, load, Scene',
-    'fourbar_ros.scene.simulated': 'simulate_scene',
-})
+__getattr__, __dir__, __all__ = lazily(__name__)
