@@ -171,7 +171,7 @@ class LockStep:
         return to_stamp(self._asked)
 
     def _be_alone(self, publisher: Any) -> None:
-        """Raise Late if others keep sending on a topic too: answers could be to their messages."""
+        """Raise Late if others send on a topic too: answers could be to their messages."""
         end = clock.monotonic() + self._patience
         while (publishers := self._client.count_publishers(publisher.topic_name) - 1) > 0:
             if clock.monotonic() > end:

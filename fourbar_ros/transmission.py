@@ -67,11 +67,7 @@ class Trajectory(NamedTuple):
 
 def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
                acceleration: ArrayLike | None = 0.0, effort: ArrayLike | None = 0.0) -> Trajectory:
-    """
-    Return a :class:`Trajectory` of numbers and arrays, which are broadcast; all finite.
-
-    Where acceleration or effort is None, the answer has none.
-    """
+    """Return a :class:`Trajectory` of numbers and arrays, broadcast, finite; None stays None."""
     columns = {name: np.atleast_1d(np.asarray(values, float))
                for name, values in zip(Trajectory._fields, (position, rate, acceleration, effort))
                if values is not None}
@@ -185,7 +181,6 @@ class Transmission:
         raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows')
 
     def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
-        """Return the message that a sample lies 'beyond' or 'at' an end of the branch."""
         assert self.branch.ends
         of_output = coordinate == self._output
         second = self._input if of_output else self._output

@@ -82,7 +82,6 @@ class Places:
     """
 
     def __init__(self, loads: Loads, radii: dict[str, float]):
-        """Check the radii; the counterweights change ``loads``."""
         for link, radius in radii.items():
             if link not in loads.links:
                 raise InvalidParameter('link', link, f'must be one of {", ".join(loads.links)}')
@@ -259,11 +258,7 @@ def least_peak(sites: Places, name: str, mass: float) -> Balance:
 
 
 def peak(loads: Loads, name: str, moments: Array) -> tuple[float, Array]:
-    """
-    Return the largest magnitude of a load of inertia [N or N m], and the inputs of its extrema.
-
-    ``numbers``: (m, m x, m y, J) of all links.
-    """
+    """Return the largest magnitude of a load of inertia [N or N m], and where it is extreme."""
     weightless = loads.balanced(moments).weightless
     field, = {component.removesuffix('_x').removesuffix('_y') for component in loads.group(name)}
     extrema = find_extrema(weightless, (field,), loads.rate, conditions=False)

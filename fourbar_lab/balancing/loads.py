@@ -65,7 +65,6 @@ class Loads:
     """
 
     def __init__(self, mechanism: Mechanism, rate: float):
-        """Refuse mechanisms that no mass can balance; collect the moments of all links."""
         if not isinstance(mechanism, Mechanism):
             raise InvalidParameter('mechanism', mechanism, 'must be a mechanism, as a FourBar is')
         if mechanism.bodies is None:
@@ -173,11 +172,7 @@ class Loads:
         return root
 
     def rms(self, name: str, moments: Array) -> float:
-        """
-        Return the root mean square [N or N m] of a load with these moments of all links.
-
-        NaN if it does not settle, as where the load has no bound.
-        """
+        """Return the root mean square [N or N m] of a load; NaN if it does not settle."""
         def squares(x: Array) -> Array:
             load = self.matrices(x, name) @ moments
             return np.asarray((load * load).sum(axis=0))[None]
@@ -187,10 +182,6 @@ class Loads:
         return float(np.sqrt(mean))
 
     def balanced(self, moments: Array) -> Mechanism:
-        """
-        Return the mechanism with ``moments`` of its links: (m, m x, m y, J), shape (4 links,).
-
-        Weight, springs and forces, which balancing leaves out, act on it as before.
-        """
+        """Return the mechanism with ``moments`` of its links; weight and springs act as before."""
         bodies = [body_of(of_link) for of_link in moments.reshape(-1, MOMENTS)]
         return replace(self.mechanism, bodies=self.mechanism.BODIES(*bodies))

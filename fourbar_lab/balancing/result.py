@@ -71,11 +71,7 @@ def scene_values(scene: Scene, moments: Array) -> dict[str, float]:
 
 
 def scene_text(scene: Scene, balance: Balance, how: str) -> str:
-    """
-    Return a scene file of the balanced mechanism; comments list its counterweights.
-
-    ``how``: the first words of these comments.
-    """
+    """Return a scene file with the counterweights; its first comment begins with ``how``."""
     head = [f'# {how}; the bodies below include these counterweights, from the first joint:']
     head += [f'#   {weight.link}: {weight.mass:.9g} kg at along {weight.along:.9g} m, '
              f'across {weight.across:.9g} m' for weight in balance.counterweights]

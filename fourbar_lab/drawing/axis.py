@@ -69,11 +69,7 @@ def axis_angle(linkage: Mechanism, motion: parts.NamedFields) -> Array:
 
 
 def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: str = '') -> None:
-    """
-    Draw a linkage in a pose with its collineation axis, in blue, and the lines that make it.
-
-    The axis passes through the poles P13 and P24, each where two of the four other lines cross.
-    """
+    """Draw a linkage in a pose with its collineation axis, in blue, and the lines that make it."""
     joints = np.array(list(picture.diagram_of(linkage, motion).joints.values()))
     size, middle = max(np.ptp(joints, axis=0)), 0.5 * (joints.min(axis=0) + joints.max(axis=0))
     reach = NEAR * np.array([size, size])

@@ -56,11 +56,7 @@ class CollineationAxis(NamedTuple):
 
     @property
     def angle(self) -> Array:
-        """
-        Return the angle l from the coupler line to the axis, in (-pi/2, pi/2] [rad].
-
-        NaN where there is no axis: in a flat position, and in a parallelogram.
-        """
+        """Return the angle l from coupler line to axis, (-pi/2, pi/2] [rad]; NaN without axis."""
         sense = np.where(self.along < 0.0, -1.0, 1.0)
         is_none = (np.asarray(self.along) == 0.0) & (np.asarray(self.across) == 0.0)
         return np.where(is_none, np.nan, np.arctan2(sense * self.across, sense * self.along))[()]

@@ -106,7 +106,6 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
 
 
 def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
-    """Return curves in SI with their columns in other units."""
     units = tuple(shown_units.get(unit, unit) for unit in curves.units)
     return curves._replace(units=units, values=np.array(
         [in_unit(*column) for column in zip(curves.values, curves.units, units)]),
@@ -116,11 +115,7 @@ def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
 
 def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
                 acceleration: float = 0.0, shown_units: Mapping[str, str] = UNITS) -> Curves:
-    """
-    Return the effort of the drive over the speed of the input, from one speed to another.
-
-    InvalidParameter if speed or acceleration are so large that it overflows.
-    """
+    """Return the effort of the drive over the speed; InvalidParameter if it overflows."""
     unit = linkage.input_coordinate.unit
     force = 'N' if linkage.is_driven_by_slide else 'N m'
     steps = np.linspace(*speeds, SPEEDS).tolist()
@@ -174,11 +169,7 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
 
 
 def write_table(curves: Curves, path: Path, style: CsvStyle) -> None:
-    """
-    Write a table as a CSV file, or ``-``, standard output.
-
-    CannotDraw for another suffix, or if it cannot be written.
-    """
+    """Write a table as CSV to a file, or ``-`` for standard output; CannotDraw if it cannot be."""
     if path != STDOUT and path.suffix != '.csv':
         raise CannotDraw(f'{path}: must end in .csv, or be - for standard output')
     with nullcontext() if path == STDOUT else writing(path):
@@ -194,11 +185,7 @@ def rows_of(curves: Curves) -> tuple[list[str], list[list[float]]]:
 
 
 def readable(values: Array, marked: Sequence[float]) -> Array:
-    """
-    Return the values of a curve without those that would make all others a flat line, as NaN.
-
-    A curve that grows without bound at toggles is cut off above its usual values and its extrema.
-    """
+    """Return the values of a curve, NaN where it grows without bound, far above all others."""
     sizes = np.abs(values)
     typical = float(np.nanmedian(sizes))
     bound = max([NEAR * typical, *(1.2 * abs(value) for value in marked)])

@@ -75,11 +75,7 @@ def make_paths_figure(mechanism: Mechanism, points: Points) -> Figure:
 
 def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0
                        ) -> Figure:
-    """
-    Return a figure of the forces on the ground as vectors over a cycle; CannotDraw without masses.
-
-    ``linkage`` is the scene's in the assembly mode wanted.
-    """
+    """Return a figure of the forces on the ground over a cycle; CannotDraw without masses."""
     if not linkage.has_loads:
         raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
     steps = [linkage.loads(inputs, speed, acceleration)

@@ -139,11 +139,7 @@ def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel
 
 
 def save(figure: Figure, path: str | Path) -> Path:
-    """
-    Write a figure as .svg, .pdf or .png (also without a suffix) and return the path.
-
-    One figure gives the same bytes each time, so an SVG has no date.
-    """
+    """Write a figure as .svg, .pdf or .png (also without a suffix) and return the path."""
     import matplotlib
     path = Path(path)
     if not path.suffix:

@@ -120,11 +120,7 @@ def _upright(name: str) -> str:
 
 def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[str, float]
                  ) -> list[str]:
-    """
-    Return a line for each absolute angle and slide: position, rate, acceleration.
-
-    ``unit`` of lengths: (text, size in [m]).
-    """
+    """Return a line for each angle and slide; ``unit`` of lengths: (text, size in [m])."""
     lines = []
     for coordinate in mechanism.DRAWN:
         symbol, of_rate, of_acceleration = _symbols(coordinate)
@@ -139,11 +135,7 @@ def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[st
 
 
 def load_lines(loads: parts.NamedFields, labels: Labels, torque: str) -> list[str]:
-    """
-    Return lines of text: a force at each joint, the drive, guide and shaking loads.
-
-    ``torque``: symbol of the driving torque.
-    """
+    """Return lines of text: force at each joint, drive, guide, shaking; ``torque``: its symbol."""
     lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
                                     f'= {significant(getattr(loads, name))} N')))
              for name, symbol in labels.forces.items()]

@@ -137,7 +137,6 @@ def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,
                  diagram: picture.Diagram) -> None:
-    """Draw the torque as a turning arrow about the driven joint, away from the links."""
     radius, sense, joints = 0.45 * sheet.inch, 1.0 if torque > 0.0 else -1.0, diagram.joints
     centre = joints.get(mechanism.input, np.zeros(2))       # O1, or a joint that moves
     away = centre - np.mean(list(joints.values()), axis=0)

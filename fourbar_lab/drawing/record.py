@@ -90,7 +90,6 @@ def _output(linkage: Mechanism, coordinate: parts.Coordinate) -> LinkageRecord:
 
 
 def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
-    """Return {coordinate: value} of a dead point, and whether the links are stretched there."""
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
     values = counted(linkage, point[0]), *point[1:]
     record: LinkageRecord = {coordinate.position: value
@@ -101,11 +100,7 @@ def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
 
 
 def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
-    """
-    Return the extrema of the transmission angle; of a machine, of those of all of its dyads.
-
-    The worst is farther from 90 degrees.
-    """
+    """Return the extrema of the transmission angle, of a machine those of all of its dyads."""
     names = [name for name in quantities.positions(linkage, linkage.input)
              if name.startswith(ANGLE)]
     asked = [name for name in names if name != ANGLE] or names
@@ -121,11 +116,7 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
 
 
 def _inertia(linkage: Mechanism) -> LinkageRecord:
-    """
-    Return least, largest and mean inertia at the input and where they are.
-
-    In [kg m^2], of a driven slide [kg]; infinite where it grows without bound at an end.
-    """
+    """Return least, largest and mean inertia at the input [kg m^2 or kg] and where they are."""
     inertia = OverInput(linkage, 'inertia')
     least, most = inertia.least, inertia.most
     assert least and most           # it is no angle
@@ -187,7 +178,6 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
 def _effort(linkage: Mechanism, speed: float, acceleration: float,
             within: tuple[float, float] | None, extrema: Sequence[Extremum] | None
             ) -> LinkageRecord:
-    """Return effort and cycle of the drive, and the pin that transmits the largest force."""
     pins = {reaction.magnitude: reaction.joint for reaction in linkage.REACTIONS
             if not reaction.couple}
     if extrema is None:
@@ -235,11 +225,7 @@ def _locks(linkage: Mechanism, speed: float, acceleration: float,
 
 
 def _at_rest(linkage: Mechanism, position: float) -> LinkageRecord:
-    """
-    Return the drives between which a linkage stays, and where its output goes with its input.
-
-    ``way``: 1 forward with it, -1 backward, 0 at a dead point.
-    """
+    """Return the drives [N m or N] between which a linkage stays, and the way of its output."""
     lower, upper = linkage.holding(position)
     output = linkage.outputs[0].coordinate
     rate, usual = (getattr(linkage.motion(x, 1.0), output.rate) for x in (

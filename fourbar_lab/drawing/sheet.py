@@ -44,7 +44,6 @@ class Sheet:
     """
 
     def __init__(self, axes: Axes, points: Sequence[Array] | Array, title: str) -> None:
-        """Scale the axes so that all points fit in them with room for labels around."""
         every = np.asarray(points)
         low, high = every.min(axis=0), every.max(axis=0)
         box = axes.get_position()
@@ -98,11 +97,7 @@ class Sheet:
 
     def _room(self, point: Array, half: Array, lines: Array, written: list[tuple[Array, Array]]
               ) -> tuple[float, float]:
-        """
-        Return how free a point is for a label of this half size, to compare: the more the better.
-
-        First the overlap with labels and edges (negative, 0: none), then the distance to lines.
-        """
+        """Return how free a point is for a label: overlap (0: none), then distance to lines."""
         gaps = [(np.abs(point - centre) - half - size).max() for centre, size in written]
         low = self.low + (0.0, SCALE * self.inch)
         edges = np.minimum(point - half - low, self.high - point - half).min()

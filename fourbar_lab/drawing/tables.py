@@ -85,7 +85,6 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
 
 
 def _masses(linkage: Mechanism, properties: LinkageRecord) -> list[tuple[str, str]]:
-    """Return rows (name, text) of the bodies, and of what they are together."""
     rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
                    f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
                    if (body['mass'], body['inertia']) != (0.0, 0.0) else 'no mass in the scene')
@@ -115,7 +114,6 @@ def _dyad_at(linkage: Mechanism, end: float) -> str:
 
 
 def _transmission_angle(driven: Coordinate, name: str, angle: LinkageRecord) -> tuple[str, str]:
-    """Return the row (name, text) of a transmission angle: least to most, and where worst."""
     words = in_degrees(angle['most'])
     if angle['least'] < angle['most']:
         words = (f'{degrees(angle["least"]):.4f} to {words}; worst deviation from 90 deg: '
@@ -190,7 +188,6 @@ def drive_in_words(linkage: Mechanism, drive: LinkageRecord, speed: float,
 
 
 def _cycle(linkage: Mechanism, cycle: LinkageRecord) -> str:
-    """Return the work of a cycle as text: what the loads take, and friction."""
     words = f'{cycle["work"]:.6g} J'
     if linkage.friction:
         words += f' = {cycle["without_friction"]:.6g} J without friction + ' + (
@@ -203,7 +200,6 @@ def _cycle(linkage: Mechanism, cycle: LinkageRecord) -> str:
 
 
 def _at_rest(linkage: Mechanism, rest: LinkageRecord) -> str:
-    """Return between which drives a mechanism stays at rest as text, and what moves it on."""
     driven, unit = linkage.input_coordinate, 'N' if linkage.is_driven_by_slide else 'N m'
     at = shown(driven, rest['at'])
     if not linkage.friction:

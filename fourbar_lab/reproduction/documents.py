@@ -48,11 +48,7 @@ class Row(NamedTuple):
 
 
 class Section(NamedTuple):
-    """
-    An example or a table of a document.
-
-    ``figure``: name of a drawing of :mod:`fourbar_lab.reproduction.page`, or ''.
-    """
+    """An example or table of a document; ``figure``: its drawing in :mod:`.page`, or ''."""
 
     title: str
     rows: list[Row]

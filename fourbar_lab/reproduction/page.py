@@ -120,7 +120,6 @@ def paper_figure_4() -> Captioned:
 
 def _circled(panels: Mapping[str, Sequence[tuple[str, Array, Array]]],
              circles: Sequence[Sequence[tuple[float, float]]]) -> Figure:
-    """Return a Figure of panels over theta1 [rad], with circles at points of each."""
     figure = make_panels(panels, r'$\theta_1$ [rad]', '')
     for axes, points in zip(figure.axes, circles):
         axes.plot(*zip(*points), 'o', ms=6, mfc='none', mec='k')
@@ -146,7 +145,6 @@ def page(sections: Sequence[Section], when: str) -> str:
 
 
 def _section(section: Section) -> str:
-    """Return a section as HTML: its table, numbered reasons below, and its figure."""
     def row(tag: str, cells: Sequence[str]) -> str:
         return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
 

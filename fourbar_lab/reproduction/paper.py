@@ -136,11 +136,7 @@ def eq_9() -> Section:
 
 
 def literal_moment(motion: NamedFields, loads: NamedFields) -> Scalar:
-    """
-    Return T14 + r34 x F34 [N m] with the arm r34 of the paper's Fig. 2.
-
-    That arm runs from the centre of gravity of link 3 to joint 4.
-    """
+    """Return T14 + r34 x F34 [N m] with the arm r34 of Fig. 2, from CG3 to joint 4."""
     along = published.THIN_RODS.output.cg_along
     moment: Scalar = (along * (motion.cos_y * loads.f43_y - motion.sin_y * loads.f43_x)
                       - loads.driving_torque)

@@ -158,11 +158,7 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
 
 def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
            ends: Array | None = None) -> Turns:
-    """
-    Return the extrema of quantities of all designs, from ``count`` samples of a turn.
-
-    ``ends``: between which loads alone are smooth, as :meth:`Designs.ends`.
-    """
+    """Return the extrema of quantities of all designs; ``ends``: as of :meth:`Designs.ends`."""
     with_loads = any(quantity.is_load for quantity in quantities)
     names = (tuple([quantity.name for quantity in quantities])
              if all(map(is_published, quantities)) else None)

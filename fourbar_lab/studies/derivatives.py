@@ -146,7 +146,6 @@ class Derivatives:
                 linkage.LOADS(*fields[count:]) if fields[count:] else NoLoads())
 
     def _quantity(self, name: str, x: Any) -> Any:
-        """Return a quantity as a dual at inputs x, which may be a dual."""
         return self._duals([flat(self._trace.part(2))[[*self.quantities].index(name)]], x)[0]
 
     def of(self, name: str, x: Array) -> tuple[Array, Array]:
@@ -213,7 +212,6 @@ class _OfMeasure:
         self._sizes = np.where(sizes > 0.0, sizes, 1.0)
 
     def sensitivity(self) -> Sensitivity:
-        """Return the derivatives, NaN by parameters where there is none."""
         slopes = self._where_links_close()
         leaves = self._derivatives.leaves_branch
         if leaves.any() and self._measure.part != kinds.CHANGE_POINT:

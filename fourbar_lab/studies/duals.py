@@ -28,7 +28,6 @@ def derivatives_of(dual: Any) -> Mapping[str, Any]:
 
 
 def _by_partials(name: str) -> Function:
-    """Return an operation on duals, from its derivatives by each argument."""
     def call(*arguments: Any) -> Any:
         values = [*map(value_of, arguments)]
         value, by = ARRAYS[name](*values), dict[str, Any]()
@@ -48,7 +47,6 @@ def _of_values(name: str) -> Function:
 
 
 def _choice(condition: Any, first: Any, second: Any) -> Any:
-    """Return the first value where the condition holds, else the second, with derivatives."""
     where, by_first, by_second = ARRAYS['where'], derivatives_of(first), derivatives_of(second)
     value = where(condition, value_of(first), value_of(second))
     by = {name: where(condition, by_first.get(name, 0.0), by_second.get(name, 0.0))

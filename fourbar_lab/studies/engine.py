@@ -135,7 +135,6 @@ def encode(study: Study, chunk: int) -> bytes:
 
 
 def _about(study: Study, **results: Any) -> str:
-    """Return the text that a part carries: the study and the versions, counts and failures."""
     return json.dumps({'made_with': made_with(), 'study': asdict(study), **results})
 
 
@@ -168,7 +167,6 @@ def about(part: Path) -> dict[str, Any]:
 
 
 def _begin(study: Study, folder: Path, resume: bool) -> None:
-    """Make the folder, or check that the parts in it are of this study and may be resumed."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for path in folder.glob('.part-*'):                 # of a run that was killed

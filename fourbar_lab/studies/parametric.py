@@ -84,11 +84,7 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
 def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
                 slides: Iterable[tuple[str, Point, tuple[Scalar, Scalar]]] = ()
                 ) -> tuple[Element, ...]:
-    """
-    Return the springs and forces of a scene with numbers of any arithmetic, not checked.
-
-    ``slides``: of a machine, as :func:`.slides_in` with such lengths.
-    """
+    """Return springs and forces in any arithmetic; ``slides`` as :func:`.slides_in`."""
     def made(record: _Record, name: str, *fields: str, **derived: Any) -> _Record:
         """Return a record with the parameters NAME.FIELD and with derived values."""
         return _with(record, **{field: values[f'{name}.{field}'] for field in fields}, **derived)

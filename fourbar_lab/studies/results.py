@@ -41,7 +41,6 @@ class Results:
     """
 
     def __init__(self, folder: str | Path):
-        """Read the heads of the parts, but no results yet."""
         from pyarrow import dataset
         self.folder = Path(folder)
         files = parts(self.folder)

@@ -172,7 +172,6 @@ def first_scene(study: Study, drawn: dict[str, Array]) -> Scene:
 
 
 def _bound(measure: Measure, value: Yaml) -> Bound:
-    """Return the constraint of {least: VALUE, most: VALUE}, or of the types that are allowed."""
     entry = f'constraints.{measure.name}'
     if measure.part == CLASS:
         texts = value if isinstance(value, list) else [value]

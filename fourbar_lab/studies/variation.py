@@ -149,11 +149,7 @@ def _checked(entry: str, kind: str, sizes: Yaml, centre: Yaml) -> tuple[float, .
 
 
 def unit_points(method: str, rows: tuple[int, int], seed: int, levels: tuple[Array, ...]) -> Array:
-    """
-    Return rows (first, after last) of a study as points in [0, 1], shape (rows, parameters).
-
-    ``levels`` on a grid: the p of each parameter.
-    """
+    """Return some rows of a study as points in [0, 1], shape (rows, parameters)."""
     start, stop = rows
     if method == 'grid':
         # the digits of a row in a mixed base: with 2 and 3 levels, row 4 = 1 * 3 + 1 is (1, 1)

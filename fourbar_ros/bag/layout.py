@@ -30,7 +30,6 @@ class MessageLayout:
     """
 
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
-        """Walk through a message by its definition; raises BagError if they do not fit."""
         self._store, self._data, self._offset = store, data, HEADER
         if len(data) < HEADER or data[0] or data[1] > 1:
             raise BagError(f'{type_name}: not a CDR message')
@@ -105,12 +104,7 @@ class MessageLayout:
 
 def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
            known: list[MessageLayout]) -> Iterator[tuple[Array, Array]]:
-    """
-    Yield (rows, records) of serialised messages of a type, layout by layout.
-
-    ``rows`` are indices in the list of messages, ascending; ``records`` is a structured array.
-    ``known``: the layouts of this type that were met so far; new layouts are added.
-    """
+    """Yield (indices, records) of messages by layout; new layouts are added to ``known``."""
     sizes = np.fromiter(map(len, messages), np.int64, len(messages))
     for size in np.unique(sizes).tolist():
         rows = np.flatnonzero(sizes == size)

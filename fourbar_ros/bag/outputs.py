@@ -205,7 +205,6 @@ def names_in(records: Array) -> list[str]:
 
 
 def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
-    """Return whether an output says that the input had stopped: by its status, or all NaN."""
     if 'status' in (record.dtype.names or ()):
         return bool(record['status'][0] == INPUT_TIMEOUT)
     # joint_states may hold positions meanwhile

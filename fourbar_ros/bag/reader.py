@@ -193,11 +193,7 @@ class Bag:
     # --- messages -------------------------------------------------------------------------------
 
     def raw(self, topics: Collection[str] | None = None, start: int = 0) -> Iterator[Raw]:
-        """
-        Yield every message in the order of writing.
-
-        ``topics``: only these; ``start``: only from this log time [ns] on.
-        """
+        """Yield every message in the order of writing, of some topics, from a log time [ns] on."""
         self.damage, self._messages = [], {}
         for index, file in enumerate(self.files):
             repeated = _repeated(self.about_of(index)) if index else {}
@@ -230,11 +226,7 @@ class Bag:
             yield Record(raw.topic, raw.time, self.decode(raw))
 
     def columns(self, topics: Collection[str] | None = None) -> Iterator[Columns]:
-        """
-        Yield :class:`Columns`: the messages of each topic, many messages in each.
-
-        Messages whose texts or sequences differ in length come in different Columns.
-        """
+        """Yield the messages of each topic, those whose texts are of equal length together."""
         waiting: dict[str, list[Raw]] = {}
         for raw in self.raw(topics):
             of_topic = waiting.setdefault(raw.topic, [])
@@ -387,11 +379,7 @@ class Bag:
 
 def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0
             ) -> Iterator[Record]:
-    """
-    Yield every :class:`Record` of a bag; arguments as of :meth:`Bag.raw`.
-
-    After the last record that can be read, BagError names the damage.
-    """
+    """Yield every record of a bag, as :meth:`Bag.raw`; at its end BagError names any damage."""
     bag = Bag(path)
     yield from bag.records(topics, start)
     bag.refuse_damage()
@@ -482,14 +470,12 @@ def _unpacked(chunk: Chunk) -> list[McapRecord]:
 
 
 def _unzipped(data: bytes, most: int) -> bytes:
-    """Return data that zstd packed; refuse to make more than ``most`` bytes of it."""
     if zstandard.frame_content_size(data) > most:
         raise ValueError(f'packed data of more than {most} bytes')
     return bytes(zstandard.decompress(data, most))
 
 
 def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
-    """Return the record of a kind whose content, without the head, is between two bytes."""
     if opcode == Opcode.MESSAGE:        # most are
         channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
         return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)

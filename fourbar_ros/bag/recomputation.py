@@ -232,7 +232,6 @@ class Recomputation:
         return outputs.Motions(first, later, self._changes, *arrays)
 
     def _compare(self, count: int) -> None:
-        """Compare the outputs of the first ``count`` motions; outputs of later motions wait."""
         first = self._motion_count - len(self._motions)       # motions before them in the bag
         block, self._motions = self._motions[:count], self._motions[count:]
         self._comparison.compare(self._evaluated(first, block))

@@ -229,7 +229,6 @@ class BagWriter:
         metadata.write(self.path, metadata.of_files([*self._before, self._part.content()]))
 
     def _look(self) -> None:
-        """Stop if the file was lost; finish the bag while the disk still has room for that."""
         try:
             there = os.stat(self._part.path)
         except FileNotFoundError:

@@ -61,7 +61,6 @@ def beside(path: Path) -> Path:
 
 
 def _copied(bag: Bag, index: int, path: Path) -> FileContent:
-    """Copy what can be read, chunk by chunk; custom_data say under ``lost`` what was damaged."""
     about = bag.about_of(index)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # {id in the old file: ..., new id}

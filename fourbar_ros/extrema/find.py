@@ -218,7 +218,6 @@ class Search:
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
-        """Make samplers of the quantities, by complex steps and by differences."""
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         every_pieces = linkage.pieces
         if linkage.friction and any(quantity.is_load for quantity in quantities):
@@ -248,12 +247,7 @@ class Search:
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
-        """
-        Return the extrema of each quantity, in the order of the quantities.
-
-        ``with_conditions``: compute their condition numbers too, else NaN. ``more``: inputs of
-        further samples, in the unit of the input.
-        """
+        """Return the extrema of each quantity; ``more``: further inputs to sample."""
         extrema: list[list[PathExtremum]] = [[] for _ in self._quantities]
         for sampler, rows, paths in self._groups:
             for path in paths:
@@ -306,7 +300,6 @@ class Search:
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
-    """Return the lowest and the highest input of a search [rad or m]."""
     try:
         low, high = (finite('within', value) for value in within)
     except (TypeError, ValueError):
@@ -470,7 +463,6 @@ def _greatest(values: dict[int, float], tolerance: float) -> set[int]:
 
 
 def _error(extremum: PathExtremum) -> float:
-    """Return a bound of the error of a value."""
     if not isfinite(extremum.value):
         return 0.0
     return max(extremum.noise, 4 * EPS * (16 + _condition(extremum)) * abs(extremum.value))

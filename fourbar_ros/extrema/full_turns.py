@@ -144,11 +144,7 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
 
 
 class Roots(NamedTuple):
-    """
-    Extrema of all quantities of all mechanisms in one list, sorted by mechanism, quantity, place.
-
-    Each field has shape (roots,).
-    """
+    """Extrema of all mechanisms, arrays (roots,), sorted by mechanism, quantity, input."""
 
     x: Array            # first guesses [rad]
     bend: Array         # how the slope rises there: the second derivative

@@ -149,7 +149,6 @@ class OverInput:
 
     @property
     def _is_constant(self) -> bool:
-        """Return whether it is one constant all over the input, or its rounding."""
         return ({extremum.kind for extremum in self.extrema} == {CONSTANT}
                 and len({extremum.value for extremum in self.extrema}) == 1)
 

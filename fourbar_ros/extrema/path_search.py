@@ -82,11 +82,7 @@ class PathExtremum(NamedTuple):
 
 def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[PathExtremum]:
-    """
-    Return the extrema of all quantities of a sampler along one path, its ends among them.
-
-    ``more``: inputs of further samples.
-    """
+    """Return all extrema along a path, its ends among them; ``more``: further inputs to sample."""
     samples = sampler.along(path)
     constant = _constant_values(sampler, samples)
     start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
@@ -271,7 +267,6 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     def solved(which: Array) -> Array:
-        """Return the roots in some of the brackets."""
         return newton_roots(newton, which, *(v[which] for v in (xa, xb, fa, guess)))
 
     root = solved(np.arange(row.size)) if row.size else xa

@@ -95,7 +95,6 @@ class Sampler:
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], poles: Sequence[float] = ()) -> None:
-        """Make the function of motion and loads of real and complex arrays."""
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads:
@@ -148,11 +147,7 @@ class Sampler:
                             values)
 
     def by_lengths(self, x: Array, row: Array) -> Array:
-        """
-        Return by how much quantity ``row[i]`` at x[i] changes with relative changes of lengths.
-
-        Shape (n, lengths): its derivatives by the logarithms of lengths.
-        """
+        """Return derivatives of quantity ``row[i]`` at x[i] by log(lengths), (n, lengths)."""
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
         by_lengths: Array = self._with(columns).values(
@@ -243,11 +238,7 @@ class Sampler:
             return here, here * turn / (there - here)
 
     def exact(self, x: Array, row: Array) -> Array:
-        """
-        Return quantity ``row[i]`` at x[i] from many digits; NaN of functions, and where it is 0/0.
-
-        It takes milliseconds each: for the few that rounding errors leave undecided.
-        """
+        """Return quantity ``row[i]`` at x[i] in many digits, ms each; NaN of functions and 0/0."""
         recorded = (self.linkage.record_with_loads if self._has_loads
                     else self.linkage.record_of_motion)
         names = self.linkage.MOTION._fields + self.linkage.LOADS._fields

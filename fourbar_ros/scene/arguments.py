@@ -46,7 +46,6 @@ class Parser(argparse.ArgumentParser):
         return namespace, rest
 
     def _not_understood(self, word: str) -> str:
-        """Return the error for a word, with the nearest option."""
         known = [option for action in self._actions for option in action.option_strings]
         return f'{word!r} is not understood' + (nearest(word.split('=')[0], known)
                                                 if word.startswith('--') else '')

@@ -26,22 +26,14 @@ class Dynamics(NamedTuple):
     rate: float
 
     def system(self, mechanism: Mechanism) -> System:
-        """
-        Return the equation of motion of a mechanism with this drive.
-
-        A base whose motion comes from a topic does nothing before its first message.
-        """
+        """Return the equation of motion; an unknown base does nothing before its first message."""
         if isinstance(mechanism.gravity, UnknownBase):
             mechanism = mechanism.with_base(Base())
         return System(mechanism, self.position, self.rate, self.drive)
 
 
 def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
-    """
-    Return the Dynamics of a scene whose motion follows from torque.
-
-    InvalidParameter names the parameter and the allowed values.
-    """
+    """Return the Dynamics of a scene that torque moves; InvalidParameter names the parameter."""
     if mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
@@ -80,11 +72,7 @@ def _source(values: ParameterValues) -> Law:
 
 
 def _shaft(values: ParameterValues) -> Shaft | None:
-    """
-    Return the elastic shaft between drive and input; None without ``shaft.stiffness``: rigid.
-
-    InvalidParameter for damping of a rigid shaft, or an elastic one on a motor without inertia.
-    """
+    """Return the elastic shaft between drive and input; None for a rigid one."""
     if isnan(values['shaft.stiffness']):
         if values['shaft.damping'] != 0.0:
             raise InvalidParameter('shaft.damping', values['shaft.damping'],

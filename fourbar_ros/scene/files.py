@@ -43,11 +43,7 @@ def folder() -> Path:
 
 
 def find(name: str | Path) -> Path:
-    """
-    Return the path of a scene: a file, or the name of a supplied one, e.g. ``paper``.
-
-    Raises SceneError with the known names if neither exists.
-    """
+    """Return the path of a scene: a file, or a supplied one by name, as paper; or SceneError."""
     path = Path(name)
     is_folder = path.is_dir()       # perhaps with code that was generated from the scene
     if path.exists() and not is_folder or path.parent != Path('.') or path.suffix:
@@ -194,7 +190,6 @@ def read_table(path: Path) -> TableColumns:
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Return (line number, cells) of the rows of a CSV file without empty rows and # comments."""
     try:
         with path.open(encoding='utf-8-sig', newline='') as file:
             reader = csv.reader(file)
@@ -226,11 +221,7 @@ def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, A
 
 
 def sections(path: str | Path) -> dict[str, YamlTree]:
-    """
-    Return {node or pattern of nodes: tree of parameters} of a ROS 2 parameter file.
-
-    Raises SceneError if the text is not a parameter file.
-    """
+    """Return {node or pattern of nodes: tree of parameters} of a parameter file, or SceneError."""
     text, document = document_of(path, RosYaml)
     trees = dict(_sections(document)) if isinstance(document, dict) else {}
     if not trees:
@@ -291,11 +282,7 @@ def _sections(tree: dict[Any, Any], prefix: str = '') -> Iterator[tuple[str, Yam
 
 
 def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> YamlTree:
-    """
-    Return a nested dict with its keys joined by dots: {'a': {'b': 1}} as {'a.b': 1}.
-
-    Raises SceneError for a duplicate name; ``path`` is the file that it names.
-    """
+    """Return {'a.b': 1} of {'a': {'b': 1}}; SceneError for a name twice in the file ``path``."""
     flat: YamlTree = {}
     for key, value in tree.items():
         below = (flatten(value, path, f'{prefix}{key}.') if isinstance(value, dict)
@@ -308,11 +295,7 @@ def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Ya
 
 
 def as_text(values: ParameterValues) -> str:
-    """
-    Return a flat dict of parameters as the text of a ROS 2 parameter file for any node.
-
-    NaN stands for "not given" and is left out; numbers have all digits.
-    """
+    """Return a flat dict as the text of a ROS 2 parameter file for any node, without NaN."""
     tree: YamlTree = {}
     for name, value in values.items():
         if value != value:

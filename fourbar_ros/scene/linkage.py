@@ -37,11 +37,7 @@ _newest: dict[str, Machine] = {}
 
 
 def linkage_of(values: ParameterValues) -> Mechanism:
-    """
-    Return the mechanism of a scene, by all its parameters.
-
-    InvalidParameter names the parameter, also where the mechanism names an argument of its class.
-    """
+    """Return the mechanism of a scene; InvalidParameter names parameters as the scene does."""
     _check_lengths(values)
     make = _machine if values['linkage.kind'] == MACHINE else _of_kind
     try:
@@ -60,7 +56,6 @@ def linkage_of(values: ParameterValues) -> Mechanism:
 
 
 def _check_lengths(values: ParameterValues) -> None:
-    """Refuse a scene without a length of its kind of mechanism, or with a length of another."""
     name = values['linkage.kind']
     lengths = [] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS]
     for length in LENGTHS:
@@ -74,7 +69,6 @@ def _check_lengths(values: ParameterValues) -> None:
 
 
 def _of_kind(values: ParameterValues) -> Mechanism:
-    """Return the mechanism of a scene that names a kind: lengths, bodies, gravity, forces."""
     name = values['linkage.kind']
     kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
     for only in ('linkage.dyads', 'linkage.output'):
@@ -248,7 +242,6 @@ def _elements(scene: Scene) -> Iterator[str]:
 
 
 def _friction(scene: Scene) -> Iterator[str]:
-    """Yield a line for each coefficient of dry friction above 1."""
     for joint, friction in scene.linkage.friction:
         coefficient = getattr(friction, 'coefficient', 0.0)
         if coefficient > 1.0:

@@ -56,14 +56,8 @@ class FieldMap(NamedTuple):
         return (nan,) * len(self.index_of)
 
     def expected(self, output: str, values: Sequence[float] | Array) -> dict[str, Any]:
-        """
-        Return {field: number or tuple of numbers} of one output message.
-
-        ``values`` stand in the order of ``index_of``; of shape (values, n) they give arrays for n
-        messages.
-        """
+        """Return {field: number or tuple} of one output message; arrays of values (values, n)."""
         def pick(source: Source | None) -> Any:
-            """Return the value of a name, a tuple of them for a tuple."""
             if isinstance(source, tuple):
                 return tuple(map(pick, source))
             return PASSIVE_EFFORT if source is None else values[self.index_of[source]]
@@ -142,11 +136,7 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
 
 
 def driven_of(message: Any, joint: str = '') -> Any:
-    """
-    Return (position, velocity, acceleration) from a Motion or of a joint of a JointState.
-
-    A rate that the message does not have is NaN. None if it does not have the joint.
-    """
+    """Return (position, velocity, acceleration), unknown rates NaN; None without the joint."""
     if not hasattr(message, 'name'):
         return message.position, message.velocity, message.acceleration
     try:
@@ -163,9 +153,5 @@ def nanoseconds(seconds: float) -> int:
 
 
 def is_time(sec: int | Array, nanosec: int | Array) -> Any:
-    """
-    Return whether a stamp is a valid time; element by element for arrays.
-
-    A node takes the time of arrival in place of an invalid stamp, and of 0.
-    """
+    """Return whether a stamp is a valid time, element by element for arrays."""
     return (sec >= 0) & (nanosec < 10**9)

@@ -84,11 +84,7 @@ def _parameters_of(family: str, member: str) -> list[Parameter]:
 # --- check ---------------------------------------------------------------------------------------
 
 def check(values: ParameterValues) -> dict[str, Any]:
-    """
-    Return all parameters with defaults filled in, each in its own type.
-
-    Raises InvalidParameter for the first unknown, missing or bad one.
-    """
+    """Return all parameters in their types, with defaults; InvalidParameter for a bad one."""
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
         if name not in PARAMETERS and (_of_member(name) is None or (    # only machines have dyads
@@ -112,11 +108,7 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
-    """
-    Return why a scene cannot have a parameter, with the name that was probably meant.
-
-    ``is_machine``: the scene is of the kind that has dyads.
-    """
+    """Return why a scene cannot have a parameter, with the name that was probably meant."""
     family, *rest = name.split('.')
     is_member = member_of(name) is not None
     if family in FAMILIES and len(rest) > 1 and not is_member:
@@ -148,11 +140,7 @@ def _below(group: str, known: Iterable[str]) -> list[str]:
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
-    """
-    Return (family, name) of all members of a scene, whose missing parameters get defaults.
-
-    All links of the mechanism are members of bodies and external, mentioned or not.
-    """
+    """Return (family, name) of all members; all links are of bodies and external."""
     mentioned: dict[str, list[str]] = {family: [] for family in FAMILIES}
     if is_machine:
         mentioned['dyads'] = _names(values.get('linkage.dyads'))
@@ -166,7 +154,6 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
 
 
 def _links_of_machine(values: ParameterValues) -> list[str]:
-    """Return the names of all moving links of a machine: of its dyads, of its drive."""
     driver = str(values.get('linkage.input'))
     cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
                 *_names([values.get('cylinder.base.link')])]

@@ -282,11 +282,7 @@ class Scene:
 
 
 def from_values(values: ParameterValues) -> Scene:
-    """
-    Return the Scene of a flat dict of parameters, ``{'linkage.a1': 0.4, ...}``.
-
-    InvalidParameter names the parameter, its value and the allowed values.
-    """
+    """Return the Scene of {'linkage.a1': 0.4, ...}; InvalidParameter says which value is bad."""
     return _build(check(values))
 
 

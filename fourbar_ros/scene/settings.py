@@ -86,7 +86,6 @@ class Parameter(NamedTuple):
 
 
 def _group(name: str, parameters: Iterable[Parameter]) -> list[Parameter]:
-    """Return the parameters of a group, which are written without its name."""
     return [parameter._replace(name=f'{name}.{parameter.name}') for parameter in parameters]
 
 
@@ -397,7 +396,6 @@ PARAMETERS = _table(
 # --- families ------------------------------------------------------------------------------------
 
 def _having(dimension: str) -> str:
-    """Return the kinds of dyads that have a dimension, as text."""
     return ', '.join(kind for kind, names in DIMENSIONS.items() if dimension in names)
 
 

@@ -25,11 +25,7 @@ if TYPE_CHECKING:      # run imports this file
 
 
 def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:
-    """
-    Return {name: function} of the pictures of a step, {name: bytes} of the latched ones.
-
-    FourBarError for one that cannot be drawn.
-    """
+    """Return {name: function} of moving pictures, {name: bytes} of latched; or FourBarError."""
     makers: dict[str, Make] = {}
     latched: dict[str, Message] = {}
     if FRAME.name in scene.pictures:

@@ -44,11 +44,7 @@ def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> 
 
 
 def evaluate_one(stream: Stream, request: Message, response: Message) -> Message:
-    """
-    Answer Evaluate: state and loads at one input, or in ``message`` why there are none.
-
-    Mode 0 is the scene's mode. The step of the stream is not touched: all is computed anew.
-    """
+    """Answer Evaluate, computed anew: state and loads at one input, or why there are none."""
     scene = stream.scene
     modes = scene.linkage.modes
     if request.mode and request.mode not in modes:
@@ -126,11 +122,7 @@ def stop_recording(stream: Stream, _: object, response: Message) -> Message:
 
 def search(scene: Scene, request: Message, check: Callable[[], None], response: Message
            ) -> Message:
-    """
-    Fill and return the response to a request of FindExtrema; errors are answers too.
-
-    ``check()`` is called between pieces of the work; an error that it raises ends the search.
-    """
+    """Fill the response to FindExtrema; an error of ``check()``, called meanwhile, ends it."""
     from fourbar_ros.extrema.find import find_extrema
     from fourbar_ros.mechanisms.quantities import UnknownQuantity
     extrema: list[Extremum] = []

@@ -42,7 +42,6 @@ class TorqueInput(ClockInput):
                 TORQUE, self._take, partial(troubles.count, 'malformed')), troubles)
 
     def stop(self) -> None:
-        """Make no more steps; unsubscribe."""
         super().stop()
         if self._subscription:
             self._node.destroy_subscription(self._subscription)
