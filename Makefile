@@ -37,7 +37,7 @@ help:
 	@echo '  make clean      remove .venv build install log'
 	@echo
 	@echo 'Each target first sets up what is missing: minutes the first time, seconds later.'
-	@echo 'PYTHON=python3.12 selects the interpreter (3.10 to 3.13).'
+	@echo 'PYTHON=python3.12 selects the interpreter (3.11 to 3.13).'
 	@echo 'A sourced ROS 2 is used; otherwise ROS 2 Jazzy is installed from PyPI into .venv.'
 	@echo 'In your own shell:  . scripts/env.sh   then  fourbar --help,  fourbar_node,  python'
 

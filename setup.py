@@ -8,6 +8,13 @@ from setuptools import find_packages, setup
 
 NAME, LAB = 'fourbar_ros', 'fourbar_lab'
 HERE = Path(__file__).resolve().parent      # colcon runs it through a link
+DYNAMICS = ['scipy>=1.11,<2']
+BAG = ['mcap>=1.5,<2', 'zstandard', 'rosbags>=0.11,<1']
+PLOT = ['matplotlib']
+STUDY = ['pyarrow>=15', 'distributed', *DYNAMICS]
+BALANCE = ['clarabel>=0.9', *DYNAMICS]
+LIVE = ['nicegui>=3.5,<4', 'starlette']
+PROOF = ['python-flint']
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = {f'{NAME}.config{sub.replace("/", ".")}': f'config{sub}' for sub in (
     '', '/classics', '/studies')}
@@ -26,18 +33,20 @@ setup(
         *[(f'share/{NAME}/{path}', glob(f'{path}/*.*')) for path in SCENES.values()],
         ('share/' + NAME + '/launch', glob('launch/*.launch.py')),
     ],
-    python_requires='>=3.10',
+    python_requires='>=3.11',
     # What is installed here is pinned in scripts/constraints.txt.
-    install_requires=['numpy>=1.26,<3', 'scipy>=1.11,<2', 'mcap>=1.5,<2',
-                      'zstandard', 'rosbags>=0.11,<1', 'pyyaml>=6,<7', 'rich>=13,<15'],
+    install_requires=['numpy>=1.26,<3', 'pyyaml>=6,<7', 'rich>=13,<16'],
     extras_require={
+        'dynamics': DYNAMICS,
+        'bag': BAG,
+        'plot': PLOT,
+        'study': STUDY,
+        'balance': BALANCE,
+        'live': LIVE,
+        'proof': PROOF,
+        'all': [*BAG, *PLOT, *STUDY, *BALANCE, *LIVE, *PROOF],
         'parquet': ['pyarrow'],
-        'plot': ['matplotlib'],
         'completion': ['argcomplete>=3'],
-        'proof': ['python-flint'],
-        'balance': ['clarabel>=0.9'],
-        'study': ['pyarrow>=15', 'distributed'],
-        'live': ['nicegui>=3.5,<4', 'starlette'],
         # tests, benchmarks, the pictures of the docs
         'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
                  'mcap-ros2-support>=0.6,<1', 'foxglove-sdk', 'matplotlib', 'python-flint',
@@ -81,10 +90,10 @@ setup(
         'Intended Audience :: Science/Research',
         'Operating System :: OS Independent',
         'Programming Language :: Python :: 3',
-        'Programming Language :: Python :: 3.10',
         'Programming Language :: Python :: 3.11',
         'Programming Language :: Python :: 3.12',
         'Programming Language :: Python :: 3.13',
+        'Programming Language :: Python :: 3.14',
         'Topic :: Scientific/Engineering :: Physics',
         'Typing :: Typed',
     ],

@@ -39,13 +39,18 @@ runs() {
 }
 
 runs 0 fourbar --version
+echo "  $(du -sm --exclude=__pycache__ --exclude='pip*' --exclude='setuptools*' --exclude=pkg_resources \
+  "$work"/venv/lib/python*/site-packages | cut -f1) MB"
 runs 0 fourbar show paper --at 60
 grep -q '856.3641368' out || fail 'show paper: not the shaking force of 60 degrees'
+for scene in "$work"/source/config/*.yaml; do runs 0 fourbar show "$(basename "$scene" .yaml)"; done
 runs 0 fourbar scene check cylinder
 runs 0 fourbar reproduce
-runs 0 fourbar simulate motor --until 0.5
-runs 1 fourbar bag info x
-for command in 'fourbar record start' 'fourbar replay x' 'fourbar draw paper --at 60 -o x.png' \
+runs 0 fourbar table engine f41 -o engine.csv
+runs 0 fourbar describe paper -o paper.urdf
+runs 0 fourbar generate paper -o code
+for command in 'fourbar bag info x' 'fourbar simulate motor --until 0.5' 'fourbar record start' 'fourbar replay x' \
+  'fourbar draw paper --at 60 -o x.png' 'fourbar study x.yaml -o x' 'fourbar balance paper' 'fourbar live paper' \
   fourbar_node 'fourbar_demo paper'; do
   runs 1 $command
   grep -qE 'requires .*: (pip install|source a ROS 2)' err || { cat err >&2; fail "$command does not say what to install"; }
@@ -64,6 +69,12 @@ assert about['Summary'] and about.get_all('Classifier') and 'fourbar_ros' in (ab
 from importlib.resources import files
 assert (files('fourbar_ros') / 'py.typed').is_file()
 PY
+
+step 'with bags and motion from torque'
+"$pip" -q install "$wheel[bag,dynamics]"
+runs 1 fourbar bag info x
+grep -q 'no such' err || { cat err >&2; fail 'bag info x'; }
+runs 0 fourbar simulate motor --until 0.5
 
 step 'with pictures'
 "$pip" -q install "$wheel[plot]"

@@ -47,9 +47,9 @@ if [ -n "${ROS_DISTRO:-}" ] && [[ ":${AMENT_PREFIX_PATH:-}:" != *":$root/.venv:"
 fi
 if [ "$ros" = wheels ]; then
   unset PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH CMAKE_PREFIX_PATH _ROS_WHEELS_BOOTSTRAP_COMPLETE
-  fits='import sys; sys.exit(not ((3, 10) <= sys.version_info < (3, 14) and sys.platform == "linux"))'
+  fits='import sys; sys.exit(not ((3, 11) <= sys.version_info < (3, 14) and sys.platform == "linux"))'
   # without PYTHON the one chosen before, or the first that the wheels fit
-  for candidate in ${PYTHON:-"$py" python3 python3.12 python3.11 python3.13 python3.10 /usr/bin/python3}; do
+  for candidate in ${PYTHON:-"$py" python3 python3.12 python3.11 python3.13 /usr/bin/python3}; do
     if "$candidate" -c "$fits" 2>/dev/null; then python=$candidate; break; fi
   done
 fi
@@ -63,7 +63,7 @@ identity=$(printf '%s\n' "$root" "$ros" "$about")
 if [ "$(cat $stamps/identity 2>/dev/null)" != "$identity" ] || [ -e $stamps/unfinished ]; then
   if [ -e .venv ]; then echo '.venv is half done, or of another folder, Python or ROS: making it anew'; fi
   if [ "$ros" = wheels ] && { ! "$base" -c "$fits" || [ "$(uname -m)" != x86_64 ]; }; then
-    die "ROS 2 Jazzy has wheels for CPython 3.10 to 3.13 on Linux x86_64, and this is $about on $(uname -sm)." \
+    die "ROS 2 Jazzy has wheels for CPython 3.11 to 3.13 on Linux x86_64, and this is $about on $(uname -sm)." \
       'Name another with  make PYTHON=python3.12 ...  or source a ROS 2 of your own first.'
   fi
   include=$("$base" -c 'import venv, ensurepip, sysconfig; print(sysconfig.get_path("include"))' 2>/dev/null || true)
@@ -81,7 +81,7 @@ fi
 
 # ---- what goes into it: of setup.py, in the versions of constraints.txt
 
-extras=(run plot) constraints=scripts/constraints.txt text=packages
+extras=(run dynamics bag plot) constraints=scripts/constraints.txt text=packages
 if [ "$ros" = wheels ]; then
   extras+=(ros) text='ROS 2 Jazzy and packages (over 100 MB)'
 else            # its messages are compiled against its numpy

@@ -8,7 +8,7 @@ Stat. Comput. 5, 1984), which scipy calls PCHIP: it has a continuous derivative,
 needs it, and never leaves the range of the two values. Or it is a straight line. At a place that
 stands twice it jumps, and each side is a curve by itself.
 
-The coefficients are scipy's; a single value from them takes a tenth of a call of scipy's object.
+The coefficients are those of scipy's object to the bit, whose import takes longer than all else.
 """
 from __future__ import annotations
 
@@ -22,7 +22,6 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.optional import MissingPackage
 import numpy as np
 
 MOST_POINTS = 10_000   # a scene lists them as text
@@ -49,8 +48,7 @@ class ForceTable:
     is_linear : bool
         Straight lines between points, not cubic polynomials.
 
-    Raises InvalidParameter, which names the first wrong point, counted from 1, and MissingPackage
-    without scipy.
+    Raises InvalidParameter, which names the first wrong point, counted from 1.
 
     Examples
     --------
@@ -199,9 +197,26 @@ class ForceTable:
         if self.is_linear:
             zero = np.zeros(places.size - 1)
             return np.array([zero, zero, np.diff(values) / np.diff(places), values[:-1]])
-        try:
-            from scipy.interpolate import PchipInterpolator
-        except ModuleNotFoundError as error:
-            raise MissingPackage('a table of forces', error) from error
-        curve: Array = PchipInterpolator(places, values).c
-        return curve
+        widths = np.diff(places)
+        lines = np.diff(values) / widths        # slopes of the straight lines
+        if lines.size == 1:
+            slopes = np.repeat(lines, 2)
+        else:       # the weighted harmonic mean of both lines; level where they turn back
+            before, after = 2.0 * widths[1:] + widths[:-1], widths[1:] + 2.0 * widths[:-1]
+            mean = (before / lines[:-1] + after / lines[1:]) / (before + after)
+            inner = np.where(np.sign(lines[1:]) * np.sign(lines[:-1]) > 0.0, 1.0 / mean, 0.0)
+            slopes = np.concatenate([[_end_slope(*widths[:2], *lines[:2])], inner,
+                                     [_end_slope(*widths[:-3:-1], *lines[:-3:-1])]])
+        bend = (slopes[:-1] + slopes[1:] - 2.0 * lines) / widths
+        return np.array([bend / widths, (lines - slopes[:-1]) / widths - bend, slopes[:-1],
+                         values[:-1]])
+
+
+def _end_slope(width: float, next_width: float, line: float, next_line: float) -> float:
+    """Return the slope at an end, of a parabola through three points that does not overshoot."""
+    slope = ((2.0 * width + next_width) * line - width * next_line) / (width + next_width)
+    if np.sign(slope) != np.sign(line):
+        return 0.0
+    if np.sign(line) != np.sign(next_line) and abs(slope) > 3.0 * abs(line):
+        return 3.0 * line
+    return slope
