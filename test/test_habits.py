@@ -71,4 +71,4 @@ def test_what_is_installed_is_pinned():
     pinned = set(re.findall('^([^#=]+)==', text('scripts/constraints.txt'), re.M))
     asked = requirements('ros', 'plot', 'test', 'docs', 'lint')
     assert asked <= pinned, asked - pinned
-    assert pinned <= asked | requirements('run'), pinned - asked
+    assert pinned <= asked | requirements('run', 'bag', 'dynamics'), pinned - asked
