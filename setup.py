@@ -24,7 +24,7 @@ setup(
     version=re.search("__version__ = '(.+)'", (HERE / NAME / '__init__.py').read_text())[1],
     packages=[*find_packages(include=[NAME, NAME + '.*', LAB, LAB + '.*']), *SCENES],
     package_dir=SCENES,
-    package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*'],
+    package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*', 'js/*'],
                   f'{LAB}.live': ['*.js', '*.css'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv', '*.rviz', '*.json', '*.xml'])},
     data_files=[

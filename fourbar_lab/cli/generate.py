@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""``fourbar generate``: a scene as C code or an FMU."""
+"""``fourbar generate``: a scene as C code, JavaScript or an FMU."""
 from __future__ import annotations
 
 from argparse import Namespace
@@ -15,20 +15,21 @@ examples:
   fourbar generate paper -o code --outputs theta4 omega4 driving_torque --parameters a1 a2
   fourbar generate jansen -o code --parameters       all numbers folded in
   fourbar generate paper -o fmu --as fmu2            for Simulink, OpenModelica, fmi_adapter
+  fourbar generate paper -o web --as js              a module for a web page or Node
 
-The results have the bits of the node, with the same libm. docs/generated.md has the rest.
+The results of C have the bits of the node, with the same libm. docs/generated.md has the rest.
 """
 
 
 def add(verbs: Verbs) -> None:
-    verb = add_verb(verbs, 'generate', 'write a scene as C code or an FMU',
-                    'Write the formulas of a scene, for its input, as C99, or as an FMU for '
-                    'co-simulation.', EPILOG)
+    verb = add_verb(verbs, 'generate', 'write a scene as C code, JavaScript or an FMU',
+                    'Write the formulas of a scene, for its input, as C99, as a module of '
+                    'JavaScript, or as an FMU for co-simulation.', EPILOG)
     add_scene(verb)
     verb.add_argument('-o', '--out', metavar='DIR', type=Path, required=True,
                       help='folder to write to; made if it is not there')
-    verb.add_argument('--as', dest='format', choices=('c', 'fmu2'), default='c',
-                      help='C, or an FMU of FMI 2.0; default: c')
+    verb.add_argument('--as', dest='format', choices=('c', 'fmu2', 'js'), default='c',
+                      help='C, an FMU of FMI 2.0, or JavaScript; default: c')
     verb.add_argument('--outputs', metavar='FIELD', nargs='+',
                       help='fields of motion and loads, POINT.FIELD of points; default: all, of '
                            'an FMU all with a unit')

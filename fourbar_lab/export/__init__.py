@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as C or an FMU, with the bits of the node; as MJCF."""
+"""A scene as C or an FMU, with the bits of the node; as JavaScript, as MJCF."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING

@@ -12,7 +12,7 @@ from textwrap import wrap
 
 from fourbar_lab.export.drive import DriveCode, tables
 from fourbar_lab.export.model import GeneratedModel, struct_of
-from fourbar_lab.export.statements import filled, lines_of, literal, snippet, Statements
+from fourbar_lab.export.statements import C, filled, lines_of, literal, snippet, Statements, Texts
 from fourbar_ros import __version__
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
@@ -38,42 +38,18 @@ class Code:
         """Write the formulas, once of motion alone (key False), once with loads (key True)."""
         trace = model.trace
         self.model, self.name, self.writer = model, model.name, Statements()
-        self.kept: dict[int, int] = {}       # steps of prepared values -> indices in k of C
-        # the C expression of each step that no input changes: a number of this scene, ...
-        self._texts = {index: literal(value) for index, value
-                       in enumerate(trace.constants(model.data)) if value is not None}
-        # ... or what depends on tunable parameters: a field, or a result of such fields
-        tuned = {trace.count + entry.slot: f'from->{entry.field}' for entry in model.tunable}
-        computed = set[int]()
-        for index, step in enumerate(trace.steps):
-            if not (step.is_given or index in trace.varies) and tuned.keys() & step.arguments:
-                computed.add(index)
-                tuned[index] = f'd{index}'
-        self._texts |= tuned
-        self._tuned = tuned.keys()
+        self._text_of = Texts(trace, model.data, {
+            trace.count + entry.slot: f'from->{entry.field}' for entry in model.tunable}, C)
         self.lines = {with_loads: self.writer.lines(
-            trace, model.needed(with_loads), model.refusing(with_loads), self._name_of)
+            trace, model.needed(with_loads), model.refusing(with_loads), self._text_of)
             for with_loads in ((False, True) if model.loads else (False,))}
         self.operations = {with_loads: sum(text.startswith('const') for text in lines)
                            for with_loads, lines in self.lines.items()}
         self._functions = [self._function(with_loads) for with_loads in self.lines]
-        self.preparation = list[str]()       # what all statements above need of parameters alone
-        for index in trace.needed(self.kept):
-            if index in computed:
-                step = trace.steps[index]
-                self.preparation += self.writer.define(f'd{index}', step,
-                                                       [self._texts[i] for i in step.arguments])
-        self.preparation += [f'made->k[{i}] = {self._texts[index]};'
-                             for index, i in self.kept.items()]
+        # what all statements above need of parameters alone
+        self.preparation = [*self._text_of.preparation(self.writer), *(
+            f'made->k[{i}] = {text};' for i, text in enumerate(self._text_of.prepared))]
         self.drive = DriveCode(model, self.writer) if model.moves_by_torque else None
-
-    def _name_of(self, index: int) -> str:
-        """Return the C name of the result of a step in statements that vary with the inputs."""
-        if index in self.model.trace.varies:
-            return f'{"x" if index < self.model.trace.count else "v"}{index}'
-        if index not in self._tuned:
-            return self._texts[index]
-        return f'k[{self.kept.setdefault(index, len(self.kept))}]'
 
     # --- header ---------------------------------------------------------------------------------
 
@@ -94,7 +70,7 @@ class Code:
                                  for i, text in statuses_of(model.mechanism).items()),
             'RECORDS': '\n'.join(text for which, named, about in records
                                  for text in struct_of(f'{name}_{which}', named, about)),
-            'KEPT': max(1, len(self.kept)), 'MOTION_AT': self._signature(False),
+            'KEPT': max(1, len(self._text_of.kept)), 'MOTION_AT': self._signature(False),
             'OF_BOTH': loads if model.loads else '',
             'SET_MODE': modes if model.signs else '',
             'DRIVE': self.drive.declarations() if self.drive else '',
@@ -142,7 +118,7 @@ class Code:
         unused = ['(void)from;'] if not (model.tunable and self.preparation) else []
         bounds = [f'from->{entry.field} {bound} 0.0' for entry in model.tunable
                   if (bound := model.bound_of(entry.name))]
-        count = max(1, len(self.kept))
+        count = max(1, len(self._text_of.kept))
         preparation = [*unused, *(self.preparation or ['made->k[0] = 0.0;'])]
         if bounds:
             are_good = '\n        && '.join(bounds)
@@ -201,7 +177,7 @@ class Code:
         other results are NaN. ``*closes`` gets the transmission angle: NaN out of range;
         ``*condition`` is infinite at a flat position.
         """
-        model, of = self.model, self._name_of
+        model, of = self.model, self._text_of
         loads = model.loads if with_loads else ()
         results = *model.motion, *loads
         statements = [

@@ -1,6 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Steps of a trace as statements of C, one an operation, so that none can be contracted."""
+"""
+Steps of a trace as statements of C or JavaScript.
+
+One statement an operation, so that C contracts none.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,13 +12,13 @@ from functools import cache
 from importlib.resources import files
 from math import isfinite
 import re
+from typing import NamedTuple
 
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import flat, Step, Trace
 
-_FORMS = {'add': '{} + {}', 'sub': '{} - {}', 'mul': '{} * {}', 'truediv': '{} / {}',
-          'neg': '-{}', 'gt': '{} > {}', 'lt': '{} < {}', 'pow': 'power({}, {})',
-          'hypot': 'hypot_of({}, {})'}
+_OF_BOTH = {'add': '{} + {}', 'sub': '{} - {}', 'mul': '{} * {}', 'truediv': '{} / {}',
+            'neg': '-{}', 'gt': '{} > {}', 'lt': '{} < {}'}
 # operations that refuse an input by their last argument, as floats of Python do: its test in C
 JUDGED = {'sqrt': '{} < 0.0', 'truediv': '{} == 0.0'}
 ALL_JUDGED = JUDGED | {'sin': 'is_infinite({})', 'cos': 'is_infinite({})'}
@@ -25,8 +29,8 @@ _SNIPPETS = {'pow': 'power', 'hypot': 'hypot', 'exact_sum': 'exact_sum',
 
 @cache
 def snippet(file: str, name: str = '') -> str:
-    """Return a named text of a C file of this package, or the text above all names."""
-    text = (files(__package__) / 'c' / file).read_text(encoding='utf-8')
+    """Return a named text of a .c or .js file of this package, or the text above all names."""
+    text = (files(__package__) / file.rpartition('.')[2] / file).read_text(encoding='utf-8')
     first, *named = re.split(r'(?m)^// --- (\w+)\n', text)
     return {'': first, **dict(zip(named[::2], named[1::2]))}[name]
 
@@ -41,19 +45,87 @@ def lines_of(texts: Iterable[str]) -> str:
     return ''.join([f'  {text}\n' for text in texts])
 
 
-def literal(value: float) -> str:
-    """Return a number as C and C++ read it, to the last bit."""
-    if value != value:
-        return 'NAN'
-    text = repr(float(value)) if isfinite(value) else f'{"-" * (value < 0)}HUGE_VAL'
-    return f'({text})' if text.startswith('-') else text
+class Language(NamedTuple):
+    """How a language writes the statements; operations without a form are calls of their name."""
+
+    forms: Mapping[str, str]        # {operation: its text}
+    double: str                     # how the definition of a number begins, of a truth
+    truth: str
+    of_list: Sequence[str]          # the statements of an operation of many numbers
+    refusal: str                    # of the inputs, by a test
+    nan: str
+    infinity: str
+
+    def literal(self, value: float) -> str:
+        """Return a number as the language reads it, to the last bit."""
+        if value != value:
+            return self.nan
+        text = repr(float(value)) if isfinite(value) else f'{"-" * (value < 0)}{self.infinity}'
+        return f'({text})' if text.startswith('-') else text
+
+
+C = Language(
+    _OF_BOTH | {'pow': 'power({}, {})', 'hypot': 'hypot_of({}, {})'}, 'const double', 'const int',
+    ('double {name};', '{{ const double terms[] = {{{terms}}}; '
+                       '{name} = {operation}({count}, terms); }}'),
+    'refused |= {};', 'NAN', 'HUGE_VAL')
+JS = Language(
+    _OF_BOTH | {'pow': 'power({}, {})', 'hypot': 'hypot({}, {})', 'fabs': 'Math.abs({})',
+                **{name: f'Math.{name}({{}})' for name in ('sin', 'cos', 'sqrt')},
+                'atan2': 'Math.atan2({}, {})'}, 'const', 'const',
+    ('const {name} = {operation}({terms});',), 'if ({}) return refuse(to);', 'NaN', 'Infinity')
+literal = C.literal
+
+
+class Texts:
+    """
+    The text of the result of each step: a literal, what follows from parameters, a variable.
+
+    ``parameters``: {index of a datum that can change: its text}; ``data``: all data. Called with
+    an index it gives the text in statements that vary with the inputs. What these need of
+    parameters alone is computed once, and kept as k[0], k[1], ...
+    """
+
+    def __init__(self, trace: Trace, data: Sequence[float], parameters: Mapping[int, str],
+                 language: Language) -> None:
+        self.trace, self.kept = trace, dict[int, int]()
+        self._computed = set[int]()
+        tuned = dict(parameters)
+        for index, step in enumerate(trace.steps):
+            if not (step.is_given or index in trace.varies) and tuned.keys() & step.arguments:
+                self._computed.add(index)
+                tuned[index] = f'd{index}'
+        self._tuned = tuned.keys()
+        # the rest of what no input changes are numbers of this scene
+        self._texts = {index: language.literal(value) for index, value
+                       in enumerate(trace.constants(data)) if value is not None} | tuned
+
+    def __call__(self, index: int) -> str:
+        """Return the text of the result of a step in statements that vary with the inputs."""
+        if index in self.trace.varies:
+            return f'{"x" if index < self.trace.count else "v"}{index}'
+        if index not in self._tuned:
+            return self._texts[index]
+        return f'k[{self.kept.setdefault(index, len(self.kept))}]'
+
+    def preparation(self, writer: Statements) -> list[str]:
+        """Return the definitions, from parameters alone, of all that was asked for so far."""
+        return [line for index in self.trace.needed(self.kept) if index in self._computed
+                for line in writer.define(f'd{index}', self.trace.steps[index], [
+                    self._texts[i] for i in self.trace.steps[index].arguments])]
+
+    @property
+    def prepared(self) -> list[str]:
+        """Return the texts of k[0], k[1], ... after the preparation."""
+        return [self._texts[index] for index in self.kept]
 
 
 class Statements:
-    """Writes statements, and keeps the C texts, sizes and functions that these call."""
+    """Writes statements, and keeps the texts, sizes and functions that these call."""
 
-    def __init__(self) -> None:
-        self.used = set[str]()              # names of C texts of this package
+    def __init__(self, language: Language = C) -> None:
+        self.language = language
+        self.used = set[str]()              # names of texts of this package
         self.most_terms = 0                 # of a sum
         self.called: list[Function] = []    # functions of Python: the i-th is ``called_i``
 
@@ -63,7 +135,7 @@ class Statements:
         Return the statements of all that varies with the inputs, in order.
 
         ``needed``: indices of steps whose results are wanted; ``refusing``: indices of steps that
-        refuse some inputs, wanted or not; ``name_of`` gives the name in C of the result of a step;
+        refuse some inputs, wanted or not; ``name_of`` gives the name of the result of a step;
         ``refused`` is {operation: test of its last argument that refuses the inputs}.
         """
         lines, needed = list[str](), set(needed)
@@ -74,7 +146,7 @@ class Statements:
                                      True, step.arguments[0] in trace.varies)
             if step.operation in refused:
                 last = name_of(step.arguments[-1])
-                refusal = f'refused |= {refused[step.operation].format(last)};'
+                refusal = self.language.refusal.format(refused[step.operation].format(last))
                 # a number of the scene refuses nothing, unless it is zero
                 if (last[0] in 'vxk' or last == '0.0') and refusal not in lines:
                     lines.append(refusal)
@@ -83,19 +155,19 @@ class Statements:
     def define(self, name: str, step: Step, operands: Sequence[str], is_flag: bool = False,
                is_chosen_by_flag: bool = False) -> list[str]:
         """
-        Return the C definition of the result of a step; ``operands``: names of its arguments.
+        Return the definition of the result of a step; ``operands``: names of its arguments.
 
-        ``is_flag``: the result of a comparison is an int, not 1.0 or 0.0; ``is_chosen_by_flag``:
-        the condition of a choice is such an int.
+        ``is_flag``: the result of a comparison is a truth, not 1.0 or 0.0; ``is_chosen_by_flag``:
+        the condition of a choice is such a truth.
         """
-        operation, kind = step.operation, 'double'
+        operation, language = step.operation, self.language
+        kind, forms = language.double, language.forms
         if operation in _SNIPPETS:
             self.used.add(_SNIPPETS[operation])
         if operation in _OF_LISTS:
             self.most_terms = max(self.most_terms, len(operands))
-            return [f'double {name};',
-                    f'{{ const double terms[] = {{{", ".join(operands)}}}; '
-                    f'{name} = {operation}({len(operands)}, terms); }}']
+            return [text.format(name=name, operation=operation, terms=', '.join(operands),
+                                count=len(operands)) for text in language.of_list]
         if operation == 'where':
             condition = operands[0] if is_chosen_by_flag else f'{operands[0]} > 0.0'
             text = f'{condition} ? {operands[1]} : {operands[2]}'
@@ -105,12 +177,12 @@ class Statements:
             text = f'called_{self.called.index(step.value)}({operands[0]})'
         else:
             call = f'{operation}({", ".join(operands)})'
-            text = _FORMS[operation].format(*operands) if operation in _FORMS else call
+            text = forms[operation].format(*operands) if operation in forms else call
         if operation in ('gt', 'lt') and is_flag:
-            kind = 'int'
+            kind = language.truth
         elif operation in ('gt', 'lt'):
             text = f'{text} ? 1.0 : 0.0'
-        return [f'const {kind} {name} = {text};']
+        return [f'{kind} {name} = {text};']
 
     def function(self, name: str, trace: Trace) -> str:
         """

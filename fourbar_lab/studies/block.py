@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from math import tau
 
 from fourbar_lab.studies import measures as kinds
-from fourbar_lab.studies import parametric
 from fourbar_lab.studies.measures import Extent, Measure, Measures
 from fourbar_lab.studies.study import first_scene, Study
 from fourbar_ros.errors import InvalidParameter
@@ -29,6 +28,7 @@ from fourbar_ros.mechanisms.pieces import ends_of_turns
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene import parametric
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np

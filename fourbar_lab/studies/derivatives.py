@@ -22,7 +22,6 @@ from math import isfinite, isnan, nan, pi
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies import measures as kinds
-from fourbar_lab.studies import parametric
 from fourbar_lab.studies.duals import derivatives_of, Dual, DUALS, value_of
 from fourbar_lab.studies.measures import ANGLE, Design, Measure, Measures
 from fourbar_ros.errors import InvalidParameter
@@ -37,6 +36,7 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import run
 from fourbar_ros.numerics.trace import flat, Trace
+from fourbar_ros.scene import parametric
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE

@@ -116,6 +116,6 @@ def test_bars_of_a_machine_are_flat_bars():
 
 
 def test_a_study_computes_bars_as_a_scene_does():
-    from fourbar_lab.studies.parametric import constants_of
+    from fourbar_ros.scene.parametric import constants_of
     scene = from_values({**PAPER, **BARS})
     assert constants_of(scene, dict(scene.values)).bodies == scene.linkage.bodies

@@ -1,0 +1,281 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The formulas of a scene as a module of JavaScript whose parameters are those of the scene.
+
+Lengths, masses, springs, forces, friction and assembly modes can be changed; rods, directions and
+exact sums of lengths follow. Another list of dyads, a further spring or a spring without a free
+length that gets one is another structure: another module.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+import json
+from math import inf, isfinite, tau
+from textwrap import wrap
+from typing import Any
+
+from fourbar_lab.export.model import NotGenerated, UNITS_OF_POINTS
+from fourbar_lab.export.statements import filled, JS, JUDGED, lines_of, snippet, Statements, Texts
+from fourbar_ros import __version__
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.mechanics.bodies import Base, unchecked
+from fourbar_ros.mechanisms.curves import PointMotion
+from fourbar_ros.mechanisms.elements import TableForce
+from fourbar_ros.mechanisms.evaluation import Constants
+from fourbar_ros.mechanisms.points import make_point, with_any_lengths
+from fourbar_ros.mechanisms.quantities import fields_of
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.trace import flat, REFUSING, Trace
+from fourbar_ros.scene.elements import element_names
+from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.parametric import alike, constants_of, point_quantities_of
+from fourbar_ros.scene.scene import Scene
+
+GROUPS = ('linkage', 'dyads', 'cylinder', 'bodies', 'gravity', 'base', 'external', 'springs',
+          'torsion_springs', 'forces', 'friction', 'points')
+# of a spring: numbers that are another structure once they are not 0
+SWITCHING = 'free_length', 'preload', 'damping'
+OF_FRAME = 'x', 'y', 'cos', 'sin'       # of a link: its first joint and its direction
+CHECKED = 3             # recorded poses of the self-check
+Inputs = tuple[float, float, float]         # position, rate and acceleration of the input
+
+
+class JsModule:
+    """A scene prepared for generation; NotGenerated of a force that is a Python function."""
+
+    def __init__(self, scene: Scene, name: str) -> None:
+        """Trace motion, frames of all links, loads and the quantities of points."""
+        self.scene, self.name, self.mechanism = scene, name, scene.linkage
+        self.values = self._changeable()
+        self.ends = list[int]()
+        trace = Trace(self._make_formula, 3, tuple(self.values.values()))
+        self.trace = trace.simplified(trace.literals())
+
+    def _changeable(self) -> dict[str, float]:
+        """Return {name: value} of the parameters that are traced: numbers that are given."""
+        scene = self.scene
+        springs = [name for name in element_names(scene.values) if 'springs.' in name]
+        fixed = {f'{name}.{field}' for name in springs for field in SWITCHING
+                 if scene.values.get(f'{name}.{field}') == 0.0}
+        values = {name: float(value) for name, value in scene.values.items()
+                  if name.partition('.')[0] in GROUPS and name not in fixed
+                  and (isinstance(value, float) and isfinite(value) or name.endswith('.mode'))}
+        # of friction a zero, and a block without a length, are another structure
+        values = {name: value for name, value in values.items()
+                  if not name.startswith('friction.') or value != 0.0}
+        if isinstance(self.mechanism.gravity, Base):
+            values |= {f'base.{field}': value
+                       for field, value in zip(Base._fields, self.mechanism.gravity)}
+        return values
+
+    def _constants(self, n: NumberType, changed: dict[str, Any]) -> Constants:
+        """Return the data of the formulas, from parameters that are recorded."""
+        scene, mechanism, values = self.scene, self.mechanism, {**self.scene.values, **changed}
+        bare = replace(scene, linkage=mechanism.without_friction)
+        constants = constants_of(bare, values, n)
+        if isinstance(mechanism.gravity, Base):
+            constants = constants._replace(gravity=Base(*[
+                changed[f'base.{field}'] for field in Base._fields]))
+        friction = [unchecked(type(record), **{
+            field: changed.get(f'friction.{name}.{field}', value)
+            for field, value in vars(record).items()}) for name, record in mechanism.friction]
+        return constants._replace(sign=self._sign(values), friction=tuple(friction))
+
+    def _sign(self, values: dict[str, Any]) -> Any:
+        """Return the sign of the mode, of a machine those of its dyads: 2 mode - 3."""
+        from fourbar_ros.machine import Machine
+        mechanism = self.mechanism
+        if not isinstance(mechanism, Machine):
+            return 2.0 * values['linkage.mode'] - 3.0
+        names = [f'dyads.{dyad.name}.mode' if dyad in mechanism.dyads else 'cylinder.mode'
+                 for dyad in mechanism.stages]
+        return tuple([2.0 * values[name] - 3.0 for name in names])
+
+    def _make_formula(self, n: NumberType, data: Sequence[Scalar]) -> Function:
+        changed = dict(zip(self.values, data))
+        constants = self._constants(n, changed)
+        scene = alike(self.scene, constants)
+        mechanism = scene.linkage
+        parametric = with_any_lengths(mechanism, [
+            changed[f'linkage.{name}'] for name in mechanism.length_names
+            if f'linkage.{name}' in changed])
+        points = [make_point(n, parametric, point.link, changed[f'points.{name}.along'],
+                             changed[f'points.{name}.across'])
+                  for name, point in scene.points.items()]
+        quantities = point_quantities_of(scene, {**scene.values, **changed}, parametric)
+        motion_of = mechanism.motion_formula(n, constants)
+
+        def formula(x: Any, rate: Any, acceleration: Any) -> Any:
+            motion = mechanism.MOTION._make(motion_of(x, rate, acceleration))
+            moving = mechanism.link_motions(motion, constants.lengths)
+            frames = [(link.x, link.y, link.cosine, link.sine) for link in moving.values()]
+            self.ends.append(len(x.trace.steps))
+            loads = (mechanism.loads_formula(n, constants)(motion) if mechanism.bodies else ())
+            self.ends.append(len(x.trace.steps))
+            return (tuple(motion), frames, [point(motion) for point in points],
+                    [quantity.of(motion, None) for quantity in quantities.values()], loads)
+        self._of_points = quantities
+        return formula
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Return {name of a result: unit} in the order of the results, the loads last."""
+        mechanism, known = self.mechanism, fields_of(self.mechanism)
+        motion = {name: known[name].unit for name in mechanism.MOTION._fields if name in known}
+        frames = {f'frame.{link.name}.{field}': 'm' if field in 'xy' else ''
+                  for link in mechanism.LINKS for field in OF_FRAME}
+        points = {f'{name}.{field}': UNITS_OF_POINTS[field] for name in self.scene.points
+                  for field in PointMotion._fields} | {
+            name: quantity.unit for name, quantity in self._of_points.items()}
+        loads = {name: known[name].unit for name in mechanism.LOADS._fields if mechanism.bodies}
+        return {**motion, **frames, **points, **loads}
+
+    @property
+    def first_load(self) -> int:
+        """Return the index of the first load among the results."""
+        return len(self.units) - (len(self.mechanism.LOADS._fields) if self.mechanism.bodies
+                                  else 0)
+
+    @cached_property
+    def _indices(self) -> dict[str, int]:
+        """Return {name of a result: index of its step}."""
+        mechanism = self.mechanism
+        names = [*mechanism.MOTION._fields, *(f'frame.{link.name}.{field}' for link in
+                                              mechanism.LINKS for field in OF_FRAME),
+                 *(f'{name}.{field}' for name in self.scene.points
+                   for field in PointMotion._fields),
+                 *self._of_points, *(mechanism.LOADS._fields if mechanism.bodies else ())]
+        return dict(zip(names, flat(self.trace.results)))
+
+    # --- text -----------------------------------------------------------------------------------
+
+    @cached_property
+    def parameters(self) -> dict[str, float]:
+        """Return {name: value} of the parameters on which a result depends."""
+        trace = self.trace
+        used = set(trace.needed([self._indices[name] for name in self.units]))
+        return {name: value for i, (name, value) in enumerate(self.values.items(), trace.count)
+                if i in used}
+
+    @cached_property
+    def text(self) -> str:
+        """Return the text of the module."""
+        trace, indices = self.trace, self._indices
+        positions = {name: i for i, name in enumerate(self.values, trace.count)}
+        texts = Texts(trace, list(self.values.values()), {
+            positions[name]: f'p[{json.dumps(name)}]' for name in self.parameters}, JS)
+        writer, lines, written = Statements(JS), list[str](), set[int]()
+        names = list(self.units)
+        refusing = [i for i, step in enumerate(trace.steps)
+                    if step.operation in REFUSING and i in trace.varies]
+        for first, last in ((0, self.first_load), (self.first_load, len(names))):
+            results, end = names[first:last], self.ends[0] if first == 0 else len(trace.steps)
+            refusing_here = [i for i in refusing if i < end and i not in written]
+            needed = trace.needed([*(indices[name] for name in results), *(
+                trace.steps[i].arguments[-1] if trace.steps[i].operation in JUDGED else i
+                for i in refusing_here)])
+            if first:
+                lines.append('refuse = noLoads;')
+            lines += writer.lines(trace, {*needed} - written, refusing_here, texts)
+            written |= {*needed, *refusing_here}
+            if first == 0:
+                closes = texts(indices['transmission_angle'])
+                lines.append(f'if (Number.isNaN({closes})) return noMotion(to);')
+            lines += [f'to[{i}] = {texts(indices[name])};'
+                      for i, name in enumerate(names[first:last], first)]
+        loads = [texts(indices[name]) for name in names[self.first_load:]]
+        lines += ([*wrap(f'const total = {" + ".join(loads)};', 96),
+                   'return total * 0 === 0 ? 0 : noLoads(to);'] if loads else ['return 0;'])
+        preparation = texts.preparation(writer)
+        used, called = sorted(writer.used), writer.called
+        runtime = [*(snippet('functions.js', name) for name in used),
+                   *([snippet('functions.js', 'table')] if called else []),
+                   *(self._table(i, force) for i, force in enumerate(called))]
+        return filled(snippet('functions.js', 'module'), {
+            'ABOUT': f'// {self.name}: {self.mechanism.TITLE}. Written by fourbar_ros '
+                     f'{__version__}; not to be edited. SI units, angles in rad.',
+            'PARAMETERS': _object(self.parameters), 'BOUNDS': json.dumps(self._bounds),
+            'NAMES': json.dumps(names), 'FIRST_LOAD': self.first_load,
+            'FUNCTIONS\n': '\n'.join(runtime), 'PREPARATION\n': lines_of(preparation),
+            'KEPT': ', '.join(texts.prepared), 'IS_OUT_OF_REACH': self._out_of_reach,
+            'STATEMENTS\n': lines_of(lines), 'UNITS': json.dumps([*self.units.values()]),
+            'RECORDED': json.dumps(self._recorded)})
+
+    @property
+    def operations(self) -> int:
+        """Return the number of operations of a step."""
+        trace = self.trace
+        return sum(1 for i in trace.needed([self._indices[name] for name in self.units])
+                   if i in trace.varies and not trace.steps[i].is_given)
+
+    @property
+    def _out_of_reach(self) -> str:
+        mechanism = self.mechanism
+        far = (f'(x0{"" if mechanism.is_driven_by_slide else f" * {mechanism.overflowing!r}"}'
+               ' + x1 * x1 + x2) * 0 !== 0')
+        low, high = mechanism.stroke or (-inf, inf)
+        return far + (f' || !(x0 >= {low!r} && x0 <= {high!r})' if mechanism.stroke else '')
+
+    @property
+    def _bounds(self) -> list[tuple[str, float, bool]]:
+        bounds = list[tuple[str, float, bool]]()
+        for name in self.parameters:
+            parameter = of_name(name) if not name.startswith('base.') else None
+            if name.endswith(('.mass', '.inertia')):
+                bounds.append((name, 0.0, True))
+            elif parameter and (parameter.positive or _is_rod(name)):
+                bounds.append((name, 0.0, False))
+            elif parameter and parameter.low > -inf:
+                bounds.append((name, parameter.low, True))
+        return bounds
+
+    def _table(self, i: int, force: Any) -> str:
+        """Return the function of a force over a position."""
+        if not isinstance(force, TableForce):
+            raise NotGenerated(f'{self.name}: a force that is a Python function')
+        table, middle = force.table, force.middle
+        place = 'place'
+        if middle is not None:
+            place = f'wrapped(place, {middle - 0.5 * tau!r}, {tau!r})'
+        elif table.is_periodic:
+            place = f'wrapped(place, {table.places[0]!r}, {table.span!r})'
+        return (f'const pieces_{i} = {json.dumps(table.pieces)}, starts_{i} = '
+                f'{json.dumps(table.starts)};\nconst called_{i} = place => '
+                f'value_in(pieces_{i}, starts_{i}, {place});\n')
+
+    @property
+    def _recorded(self) -> list[tuple[Inputs, int, list[float | None]]]:
+        """Return (inputs, status, results) of some poses, as Python computes them."""
+        mechanism = self.mechanism
+        low, high = mechanism.input_ranges[0]
+        rate = float(self.scene.drive.speed) or 1.0
+        return [(inputs, *self.sample(*inputs)) for inputs in (
+            (low + (i + 0.618) / CHECKED * (high - low), rate, 0.5) for i in range(CHECKED))]
+
+    def sample(self, x: float, rate: float, acceleration: float) -> tuple[int, list[float | None]]:
+        """Return the status of ``step`` and Python's fields of motion and loads, else None."""
+        mechanism, status, results = self.mechanism, 1, dict[str, float]()
+        try:
+            motion = mechanism.motion(x, rate, acceleration)
+            status, results = 0, motion._asdict()
+            if mechanism.bodies:
+                status = 2
+                results |= mechanism.step(x, rate, acceleration)[1]._asdict()
+                status = 0
+        except FourBarError:
+            pass
+        row = [results.get(name) for name in self.units]
+        return status, [None if value is None or not isfinite(value) else value for value in row]
+
+
+def _is_rod(name: str) -> bool:
+    return name.startswith('bodies.rods.')
+
+
+def _object(values: dict[str, float]) -> str:
+    """Return an object of numbers, some of which may be NaN."""
+    return '{' + ', '.join(f'{json.dumps(name)}: {JS.literal(value)}'
+                           for name, value in values.items()) + '}'
