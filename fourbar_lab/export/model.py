@@ -94,15 +94,17 @@ class GeneratedModel:
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
         whole, _, end_of_loads = self._recorded
-        lengths = range(len(self.mechanism.numbers_of_lengths))
+        of_mechanism = len(numbers_of(self.constants))
+        lengths = {*range(len(self.mechanism.numbers_of_lengths)),
+                   *range(of_mechanism, of_mechanism + len(self.named_points))}
         if not self._can_change_all and self._asked.isdisjoint(lengths) and not (
                 whole.is_switched(self.data)):
             whole = whole.unswitched        # no length can change, to make or leave a change point
         if not self.mechanism.LEAVES_OUT_ZEROS:
             return whole
         # the node keeps the zero coordinates of points, which follow those of the mechanism
-        of_mechanism = self.data[:len(numbers_of(self.constants))]
-        zeros = {whole.count + i: 0.0 for i, value in enumerate(of_mechanism)
+        of_mechanism += len(self.named_points)
+        zeros = {whole.count + i: 0.0 for i, value in enumerate(self.data[:of_mechanism])
                  if value == 0.0 and i not in self._asked}
         return whole.simplified({**whole.literals(), **zeros}, end_of_loads) if zeros else whole
 
@@ -112,7 +114,12 @@ class GeneratedModel:
         mechanism, ends = self.mechanism, list[int]()
 
         def make_formula(n: NumberType, data: Any) -> Function:
-            constants, coordinates = data
+            constants, points, coordinates = data
+            if points:
+                from fourbar_ros.scene.machines import with_named_points  # few scenes have any
+                constants = constants._replace(lengths=with_named_points(
+                    mechanism, {**self.scene.values, **dict(zip(self.named_points, points))}, n,
+                    constants.lengths))
             parametric = with_any_lengths(mechanism, constants.lengths)
             points = [make_point(n, parametric, point.link, *along_across) for point, along_across
                       in zip(self.scene.points.values(), coordinates)]
@@ -127,14 +134,22 @@ class GeneratedModel:
                 return tuple(motion), loads, [point(motion) for point in points]
             return formula
 
-        trace = Trace(make_formula, 3, (self.constants, self._coordinates))
+        trace = Trace(make_formula, 3, self._tree)
         end_of_motion, end_of_loads = ends
         return trace, end_of_motion, end_of_loads
 
     @property
-    def _coordinates(self) -> tuple[tuple[float, ...], ...]:
-        """Return (along, across) of each point [m]."""
-        return tuple([(point.along, point.across) for point in self.scene.points.values()])
+    def _tree(self) -> tuple[Any, ...]:
+        """Return constants, numbers of named points, and (along, across) of each point [m]."""
+        return self.constants, tuple(self.named_points.values()), tuple([
+            (point.along, point.across) for point in self.scene.points.values()])
+
+    @cached_property
+    def named_points(self) -> dict[str, float]:
+        """Return {linkage.points.NAME.x: value [m]}: numbers of points on which dyads hang."""
+        return {name: value for name, value in self.scene.values.items()
+                if name.startswith('linkage.points.') and of_name(name).type == 'double'
+                and value == value}
 
     @cached_property
     def constants(self) -> Any:
@@ -146,7 +161,7 @@ class GeneratedModel:
     @cached_property
     def data(self) -> list[float]:
         """Return the numbers of the data, in the order of the trace."""
-        return [float(value) for value in numbers_of((self.constants, self._coordinates))]
+        return [float(value) for value in numbers_of(self._tree)]
 
     # --- names ----------------------------------------------------------------------------------
 
@@ -185,7 +200,9 @@ class GeneratedModel:
     def names(self) -> list[tuple[str, str]]:
         """Return name and unit of each number of the data; a fixed number has no name."""
         constants = self.constants
-        names = [(name, 'm') for name in self.mechanism.numbers_of_lengths]
+        # the point of an end that a name stands for follows from that of the name
+        names = [('' if self.scene.values.get(f'dyads.{name.rpartition(".")[0]}') else name, 'm')
+                 for name in self.mechanism.numbers_of_lengths]
         name_of = {index: f'sign_{i}' if len(self.signs) > 1 else 'sign'
                    for i, index in enumerate(self.signs, 1)}
         names += [(name_of.get(len(names) + i, ''), '')
@@ -200,6 +217,7 @@ class GeneratedModel:
             names += self._names_in(name, element)
         for (name, _), friction in zip(self.mechanism.friction, constants.friction):
             names += self._names_in(f'friction.{name}', friction)
+        names += [(name, 'm') for name in self.named_points]
         names += [(f'points.{name}.{field}', 'm') for name in self.scene.points
                   for field in ('along', 'across')]
         assert len(names) == len(self.data)
@@ -234,6 +252,8 @@ class GeneratedModel:
     def bound_of(self, name: str) -> str:
         """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""
         if name.startswith('bodies.') and name.endswith(('.mass', '.inertia')):
+            return '>='
+        if name.startswith('linkage.points.') and '.distance_' in name:
             return '>='
         if name.startswith('friction.'):
             return '>' if name.endswith('.length') else '>='

@@ -67,7 +67,7 @@ def usable(scene: Scene) -> tuple[str, ...]:
     linkage = scene.linkage
     dimensions = [f'linkage.{name}' for name in linkage.length_names]
     if scene.kind == MACHINE:
-        dimensions = ['dyads.', *['cylinder.'] * (linkage.input == 'cylinder')]
+        dimensions = ['dyads.', 'linkage.points.', *['cylinder.'] * (linkage.input == 'cylinder')]
     beginnings = (*dimensions, 'bodies.rods.', *[f'bodies.{link.name}.' for link in linkage.LINKS],
                   'gravity.', *[f'external.{link}.' for link in linkage.EXTERNAL._fields],
                   'springs.', 'torsion_springs.', 'forces.', 'points.', 'drive.speed')

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fourbar_ros.scene.scene import Scene
 
 # an error of a mechanism names parameters of these groups as the scene does
-AS_IN_SCENE = 'dyads.', 'cylinder', 'bodies.', 'external.'
+AS_IN_SCENE = 'linkage.', 'dyads.', 'cylinder', 'bodies.', 'external.'
 RODS = 'bodies.rods.'
 FIELDS_OF_BODY = 'mass', 'inertia', 'cg_along'       # of a link: each of them gives it a body
 SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular

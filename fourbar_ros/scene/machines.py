@@ -3,8 +3,7 @@
 """The machine of dyads that the parameters of a scene describe."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from math import isnan
 from typing import Any
 
@@ -17,12 +16,15 @@ from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.number_types import direction_in, NumberType, Scalar
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.number_types import direction_in, NumberType, REAL, Scalar
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import ParameterValues
 
 DIMENSIONS = 'length_1', 'length_2', 'offset', 'direction_1', 'direction_2', 'slot'
 ROD_MODEL = 'rods'
+POINTS = 'linkage.points'
+COORDINATES = 'x', 'y', 'along', 'across', 'distance_1', 'distance_2'    # of a named point
 
 
 def machine_of(values: ParameterValues) -> Machine:
@@ -42,10 +44,22 @@ def machine_of(values: ParameterValues) -> Machine:
         if ROD_MODEL in values[f'dyads.{name}.links']:
             raise InvalidParameter(f'dyads.{name}.links', ROD_MODEL,
                                    'bodies.rods is the model of all rods: choose another name')
-    stroke = values['linkage.range']
-    return Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
-                   values['linkage.output'] or None, _cylinder(values),
-                   stroke=tuple(stroke) if stroke else None)
+    stroke, used = values['linkage.range'], [values.get(f'dyads.{name}.{end}')
+                                             for name in names for end in ('first', 'second')]
+    try:
+        machine = Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
+                          values['linkage.output'] or None, _cylinder(values),
+                          stroke=tuple(stroke) if stroke else None)
+    except InvalidParameter as error:       # which names the end of a dyad that a name stands for
+        end = '.'.join(error.name.split('.')[:3])
+        if error.name == end or not values.get(end):
+            raise
+        raise InvalidParameter(f'{POINTS}.{values[end]}', error.value,
+                               f'{error.allowed} ({end})') from None
+    for name in names_in(POINTS, values):
+        if name not in used:
+            raise InvalidParameter(f'{POINTS}.{name}', None, 'no dyad hangs on this point')
+    return machine
 
 
 def lengths_of(machine: Machine, values: ParameterValues,
@@ -56,8 +70,21 @@ def lengths_of(machine: Machine, values: ParameterValues,
     With it a study computes many machines at once. ``machine`` has the same dyads. ``values``
     holds all parameters; those that vary may be arrays of the ``arithmetic``.
     """
-    along, cylinder = partial(direction_in, arithmetic), machine.cylinder and machine.stages[0]
-    return tuple([_lengths(dyad, values, along, dyad is cylinder) for dyad in machine.stages])
+    cylinder = machine.cylinder and machine.stages[0]
+    return tuple([_lengths(dyad, values, arithmetic, dyad is cylinder)
+                  for dyad in machine.stages])
+
+
+def with_named_points(machine: Mechanism, values: ParameterValues, n: NumberType,
+                      lengths: Sequence[DyadLengths]) -> tuple[DyadLengths, ...]:
+    """Return lengths of all dyads, in any arithmetic, with the points that ``values`` name."""
+    assert isinstance(machine, Machine)
+    rods = {f'dyads.{dyad.name}.{name}': size for dyad, of_dyad in zip(machine.stages, lengths)
+            for name, size in zip(OF_KIND[dyad.kind], of_dyad.sizes) if 'length' in name}
+    return tuple([of_dyad._replace(**{
+        end: hanging_point(name, {**values, **rods}, n)[1:]
+        for end, name in (('p', f'dyads.{dyad.name}.first'), ('q', f'dyads.{dyad.name}.second'))
+        if values.get(name)}) for dyad, of_dyad in zip(machine.stages, lengths)])
 
 
 def slides_in(machine: Mechanism, lengths: Sequence[DyadLengths] = ()
@@ -81,32 +108,89 @@ def bodies_of(machine: Machine, bodies: dict[str, Body] | None) -> Any:
     return by_link('bodies', bodies, Body, machine.BODIES, NO_BODY)
 
 
-def _lengths(dyad: Dyad, values: ParameterValues,
-             along: Callable[[Scalar], tuple[Scalar, Scalar]], is_cylinder: bool) -> DyadLengths:
+def _lengths(dyad: Dyad, values: ParameterValues, n: NumberType,
+             is_cylinder: bool) -> DyadLengths:
     """
     Return the lengths of a dyad, or of the cylinder: a dyad of rod and tube.
 
-    They are the points (along, across) [m] of the links where it hangs and its dimensions;
-    ``along`` returns (cos, sin) of an angle.
+    They are the points (along, across) [m] of the links where it hangs and its dimensions.
     """
     prefix, ends = (('cylinder.', ('pin', 'base')) if is_cylinder else
                     (f'dyads.{dyad.name}.', ('first', 'second')))
-    p, q = [(values[f'{prefix}{end}.along'], values[f'{prefix}{end}.across']) for end in ends]
+    p, q = [hanging_point(f'{prefix}{end}', values, n)[1:] for end in ends]
     sizes: list[Scalar] = []
     for name in OF_KIND[dyad.kind]:
         value = values.get(prefix + name)
         if value is None or isinstance(value, float) and isnan(value):
             value = getattr(dyad, name)      # the default of an offset
-        sizes += along(value) if name in ANGLES else (value,)
+        sizes += direction_in(n, value) if name in ANGLES else (value,)
     return DyadLengths(p, q, tuple(sizes))
+
+
+def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> Point:
+    """
+    Return the point on which a dyad hangs: of NAME.link, .along, .across, or the one NAME names.
+
+    Its coordinates [m] are of the arithmetic ``n``. With the length L of its link, a rod, and its
+    distances d1 and d2 from both ends of this:
+
+        2 L along = L^2 + (d1 - d2) (d1 + d2)
+        (2 L across)^2 = (d1 + d2 + L) (d1 + d2 - L) (L + d1 - d2) (L - d1 + d2)
+
+    InvalidParameter if there is no such point, or if it is given in two ways or in none.
+    """
+    point = values.get(name)
+    if not point:
+        return point_in(name, values)
+    group = f'{POINTS}.{point}'
+    if f'{group}.link' not in values:
+        raise InvalidParameter(name, point, f'there is no such point in {POINTS}'
+                               f'{nearest(point, names_in(POINTS, values))}')
+    link, side = values[f'{group}.link'], values[f'{group}.side']
+    x, y, along, across, d1, d2 = [
+        None if isinstance(value, float) and isnan(value) else value for value in [
+            values[f'{group}.{field}'] for field in COORDINATES]]
+    of_ground, of_link, of_ends = [any(number is not None for number in pair)
+                                   for pair in ((x, y), (along, across), (d1, d2))]
+    if of_ground + of_link + of_ends > 1 or of_ground and link:
+        raise InvalidParameter(group, None, 'stands twice: give x and y of the ground, or a link '
+                               'with along and across, or with distances from its ends')
+    if not (link or of_ground):
+        raise InvalidParameter(f'{group}.link', None, 'must be given: the link that has the '
+                               'point; or x and y, if it is of the ground')
+    if bool(side) is not (of_ends and d1 is not None and d2 is not None):
+        raise InvalidParameter(f'{group}.side', side or None, 'must be left or right, with '
+                               'distance_1 and distance_2, and only then')
+    if not of_ends:
+        place = (x, y) if of_ground else (along, across)
+        return Point(link or GROUND, *[0.0 if number is None else number for number in place])
+    rod = next((f'dyads.{dyad}.length_{i}' for dyad in values['linkage.dyads']
+                for i, name_of_link in enumerate(values[f'dyads.{dyad}.links'], 1)
+                if name_of_link == link
+                and f'length_{i}' in OF_KIND.get(values[f'dyads.{dyad}.kind'], ())), '')
+    if not rod or d2 is None:
+        raise InvalidParameter(f'{group}.distance_{1 if d2 is None else 2}', None,
+                               'give along and across: ' + (
+                                   'one distance from the first joint is along' if rod else
+                                   f'{link} is no rod of a dyad, with pins at both ends'))
+    length = values[rod]
+    if d1 is None:
+        return Point(link, length - d2, 0.0)
+    square = (d1 + d2 + length) * (d1 + d2 - length) * (length + d1 - d2) * (length - d1 + d2)
+    if isinstance(square, float) and square < 0.0:
+        raise InvalidParameter(f'{group}.distance_2', d2, f'makes no triangle with distance_1 = '
+                               f'{d1:g} and {rod} = {length:g}')
+    height = n.sqrt(square) / (2.0 * length)
+    return Point(link, 0.5 * (length + (d1 - d2) * (d1 + d2) / length),
+                 height if side == 'left' else -height)
 
 
 def _dyad(name: str, values: ParameterValues) -> Dyad:
     """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
     group = f'dyads.{name}'
     sizes = {field: values[f'{group}.{field}'] for field in DIMENSIONS}
-    return Dyad(name, values[f'{group}.kind'], point_in(f'{group}.first', values),
-                point_in(f'{group}.second', values), tuple(values[f'{group}.links']),
+    return Dyad(name, values[f'{group}.kind'], hanging_point(f'{group}.first', values),
+                hanging_point(f'{group}.second', values), tuple(values[f'{group}.links']),
                 mode=values[f'{group}.mode'],
                 **{field: None if isnan(size) else size for field, size in sizes.items()})
 

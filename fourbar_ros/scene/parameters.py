@@ -32,6 +32,7 @@ IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or fa
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
 LISTED = '; docs/reference.md lists all'
 ABSENT = 'gears', 'cams'       # which other programs have
+OF_MACHINES = 'dyads.', 'linkage.points.'
 JOINTS = 'O1, A, B, O4, guide or drive; of a machine base or DYAD_inner'
 _MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
@@ -87,13 +88,22 @@ def check(values: ParameterValues) -> dict[str, Any]:
     """Return all parameters in their types, with defaults; InvalidParameter for a bad one."""
     is_machine = values.get('linkage.kind') == MACHINE
     for name in values:
-        if name not in PARAMETERS and (_of_member(name) is None or (    # only machines have dyads
-                name.startswith('dyads.') and not is_machine)):
+        if name not in PARAMETERS and (_of_member(name) is None or (
+                name.startswith(OF_MACHINES) and not is_machine)):
             raise InvalidParameter(name, values[name],
                                    _why_unknown(name, is_machine, values[name]))
     every = PARAMETERS | {parameter.name: parameter
                           for family, name in _members(values, is_machine)
                           for parameter in _parameters_of(family, name)}
+    for name in [f'dyads.{dyad}.{end}' for dyad in names_in('dyads', every)
+                 for end in ('first', 'second')]:
+        by_link = [f'{name}.{field}' for field in Point._fields]
+        for field in by_link if values.get(name) else ():
+            if field in values:
+                raise InvalidParameter(field, values[field], f'stands twice: {name} names the '
+                                       f'point {values[name]}')
+        for unused in by_link if values.get(name) else [name]:
+            del every[unused]
     for parameter in every.values():
         if parameter.default is REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
@@ -109,18 +119,18 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """Return why a scene cannot have a parameter, with the name that was probably meant."""
-    family, *rest = name.split('.')
-    is_member = member_of(name) is not None
-    if family in FAMILIES and len(rest) > 1 and not is_member:
+    family, *rest = name.replace('linkage.points', 'points', 1).split('.')
+    member = member_of(name)
+    if family in FAMILIES and len(rest) > 1 and not member:
         noun = ('link' if family in OF_LINKS else 'joint' if family == 'friction'
                 else family[:-1].replace('_', ' '))
         return (f'{rest[0]!r} is not a valid {noun} name: use letters, digits and _, starting '
                 'with a letter' + (f', as {JOINTS}' if family == 'friction' else ''))
-    if family == 'dyads' and not is_machine:
-        return f'linkage.kind {MACHINE} alone has dyads'
+    if name.startswith(OF_MACHINES) and not is_machine:
+        return f'linkage.kind {MACHINE} alone has dyads, and points on which they hang'
     if family in ABSENT:
         return f'fourbar_ros has no {", ".join(ABSENT[:-1])} or {ABSENT[-1]}'
-    known = ([each.name for each in _parameters_of(family, rest[0])] if is_member
+    known = ([each.name for each in _parameters_of(*member[:2])] if member
              else [*PARAMETERS, *FAMILIES['points']])
     group, _, last = name.rpartition('.')
     below, beside = _below(name, known), _below(group, known)

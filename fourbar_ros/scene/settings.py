@@ -401,7 +401,32 @@ def _having(dimension: str) -> str:
 
 _POINT = _table(*_point('points.NAME', 'point NAME', 'coupler',
                         'link to which the point NAME is fixed'))
+# of a machine; every number is NaN where it is not given
+_NAMED_POINT = _table(
+    *(Parameter(f'linkage.points.NAME.{axis}', 'double', nan, 'm',
+                f'{axis} of the point NAME of the ground, from O1; with one of x and y the other '
+                'is 0') for axis in 'xy'),
+    Parameter('linkage.points.NAME.link', 'string', '', '',
+              'in place of x and y: moving link that has the point NAME', live=False),
+    Parameter('linkage.points.NAME.along', 'double', nan, 'm',
+              'point NAME: distance from the first joint of its link along the link; default: 0'),
+    Parameter('linkage.points.NAME.across', 'double', nan, 'm',
+              'point NAME: distance to the left of the line of its link; default: 0'),
+    Parameter('linkage.points.NAME.distance_1', 'double', nan, 'm',
+              'in place of along and across: distance of the point NAME from the first joint of '
+              'its link, a rod', low=0.0),
+    Parameter('linkage.points.NAME.distance_2', 'double', nan, 'm',
+              'distance of the point NAME from the inner pin of its link; without distance_1 it '
+              'lies on the line of the link, with 0 it is the pin', low=0.0),
+    Parameter('linkage.points.NAME.side', 'string', '', '',
+              'with both distances: on which side of the line from the first joint to the inner '
+              'pin the point NAME lies', choices=('', 'left', 'right')),
+)
 _DYAD = _table(
+    *(Parameter(f'dyads.NAME.{end}', 'string', '', '',
+                f'name of the point (linkage.points.*) on which dyad NAME hangs with its {end} '
+                f'link, in place of {end}.link, {end}.along and {end}.across', live=False)
+      for end in ('first', 'second')),
     Parameter('dyads.NAME.kind', 'string', REQUIRED, '',
               'kind of dyad NAME by its joints, R a pin, P a slide: outer, inner, outer; '
               'see docs/machines.md', choices=tuple(DIMENSIONS), live=False),
@@ -543,5 +568,6 @@ _FORCE = _table(
               'negative against the direction'),
 )
 FAMILIES = {'points': _POINT, 'springs': _SPRING, 'torsion_springs': _TORSION, 'forces': _FORCE,
-            'friction': _FRICTION, 'dyads': _DYAD, 'bodies': _BODY, 'external': _EXTERNAL}
+            'friction': _FRICTION, 'dyads': _DYAD, 'linkage.points': _NAMED_POINT,
+            'bodies': _BODY, 'external': _EXTERNAL}
 OF_LINKS = 'bodies', 'external'      # families of which every link of the mechanism is a member

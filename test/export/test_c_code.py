@@ -218,22 +218,20 @@ def test_parameters_can_be_changed_and_have_the_bits_of_another_mechanism(tmp_pa
     assert not differences(run(inputs), of_python(own, {}, inputs), 27)
 
 
-@pytest.mark.parametrize('name, dyad, changed', [
-    ('jansen', 0, {'first.along': 0.16, 'length_2': 0.42}),
-    ('v8', 0, {'first.across': 0.003, 'length_1': 0.16}),      # a pair, RRP
-    ('stephenson', 0, {'first.across': 0.01, 'second.across': 0.02, 'length_1': 0.24}),
-    ('parallelogram', 0, {'length_2': 0.25})])                     # leaves the change point
-def test_lengths_of_dyads_can_be_changed(name, dyad, changed, tmp_path):
+@pytest.mark.parametrize('name, changed', [
+    # points and pins of several dyads among them
+    ('jansen', {'linkage.points.pin.along': 0.16, 'linkage.points.pivot.y': -0.07,
+                'dyads.lower.length_2': 0.4, 'linkage.points.knee.distance_2': 0.01}),
+    ('v8', {'linkage.points.pin_1.along': 0.046, 'dyads.L1.length_1': 0.16}),  # a pair, RRP
+    ('stephenson', {'dyads.hoeken.first.across': 0.01, 'dyads.hoeken.second.across': 0.02,
+                    'dyads.hoeken.length_1': 0.24}),
+    ('parallelogram', {'dyads.loop.length_2': 0.25})])             # leaves the change point
+def test_lengths_of_dyads_can_be_changed(name, changed, tmp_path):
     scene = load_scene(name)
-    dyads = list(scene.linkage.dyads)
-    for path, value in changed.items():
-        end, _, field = path.rpartition('.')
-        dyads[dyad] = replace(dyads[dyad], **(
-            {end: getattr(dyads[dyad], end)._replace(**{field: value})} if end else
-            {field: value}))
-    other = replace(scene.linkage, dyads=tuple(dyads))
+    other = replace(from_values({**scene.values, **changed}).linkage,
+                    bodies=scene.linkage.bodies._asdict())
     inputs = random_inputs(other, 2, 300)
-    changed = {f'{dyads[dyad].name}.{path}': value for path, value in changed.items()}
+    changed = {path.removeprefix('dyads.'): value for path, value in changed.items()}
     code = Code(scene, tmp_path, name, parameters=[*changed])       # zeros among them
     assert changed.keys() == {one.name for one in code.model.tunable}
     values = [changed[one.name] for one in code.model.tunable]
@@ -250,7 +248,9 @@ def test_every_length_of_every_scene_can_be_changed():
     for path in SCENES:
         scene = load_scene(path)
         if not scene.dynamics:
-            names = set(scene.linkage.numbers_of_lengths) - {''}
+            lengths = {*scene.linkage.numbers_of_lengths, *[
+                name for name in scene.values if name.startswith('linkage.points.')]}
+            names = {name for name, _ in GeneratedModel(scene, 'scene').names} & lengths - {''}
             model = GeneratedModel(scene, 'scene', parameters=sorted(names))
             assert {one.name for one in model.tunable} == names, path
 

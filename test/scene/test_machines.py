@@ -151,9 +151,9 @@ def test_joints_stand_in_the_order_and_count_the_angles_of_the_page_about_robots
     for dyad in values['linkage.dyads']:
         if values[f'dyads.{dyad}.kind'] == 'RRR':
             one, two = values[f'dyads.{dyad}.links']
-            expected = (angle(one) - angle(values[f'dyads.{dyad}.first.link']),
-                        angle(two) - angle(one),
-                        angle(two) - angle(values[f'dyads.{dyad}.second.link']))
+            ends = next(stage for stage in linkage.stages if stage.name == dyad)
+            expected = (angle(one) - angle(ends.first.link), angle(two) - angle(one),
+                        angle(two) - angle(ends.second.link))
             place = machine.joint_names.index(f'{dyad}_first')
             for joint, value in zip(linkage.JOINTS[place:], expected):
                 error = getattr(motion, joint.coordinate.position) - value

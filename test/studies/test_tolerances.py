@@ -23,7 +23,7 @@ SLIDER = {'scene': 'slider_crank', 'method': 'random', 'rows': 2000, 'vary': {
     'drive.speed': {'uniform': 0.1}},
     'quantities': ['shaking_force.max', 'slide_acceleration.peak', 'stroke', 'f32.max']}
 JANSEN = {'scene': 'jansen', 'method': 'random', 'rows': 100, 'vary': {
-    'dyads.leg.first.along': {'uniform': 1e-4}, 'dyads.lower.second.across': {'uniform': 1e-4},
+    'linkage.points.hip.along': {'uniform': 1e-4}, 'linkage.points.pivot.y': {'uniform': 1e-4},
     'bodies.foot.mass': {'uniform': 1e-2}},
     'quantities': ['driving_torque.peak', 'omega_foot.min', 'least_transmission_angle']}
 
