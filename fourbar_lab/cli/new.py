@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 import re
+from typing import Any, NamedTuple
 
 from fourbar_ros.cli.common import add_output, add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
@@ -44,7 +45,10 @@ examples:
   fourbar new my.yaml --a1 50mm --a2 150mm --a3 100mm --a4 125mm --speed 300rpm --bar 20x5mm
   fourbar new pump.yaml --kind slider_crank --a1 30mm --a2 90mm --rod 8mm --material aluminium
 
-machines of more links begin with a shipped one:
+  fourbar new leg.yaml --points "O1 0 0" "A 10mm 20mm" "B 60mm 30mm" "O4 50mm 0" "P 40mm 50mm" \\
+      --links O1-A A-B-P B-O4
+
+machines of more links are given by points, or begin with a shipped one:
   fourbar scene print watt > my.yaml
 
 then:
@@ -64,6 +68,13 @@ def add(verbs: Verbs) -> None:
                               if length.name == name)
         new.add_argument(f'--{name}', type=of('m'), metavar='LENGTH',
                          help=f'{"; ".join(texts)} [m], or with a unit: 50mm')
+    new.add_argument('--points', nargs='+', type=_point, metavar='POINT',
+                     help='in place of kind and lengths: joints where they are drawn, "NAME X Y"; '
+                          'of the ground "NAME X Y ground" (so are O, O1, O2, ...); of a block '
+                          'that slides on the ground "NAME X Y slide 30deg"')
+    new.add_argument('--links', nargs='+', type=lambda text: text.split('-'), metavar='LINK',
+                     help='with --points: points of each link, the crank first, O1-A A-B-P B-O4; '
+                          'default: one after another')
     new.add_argument('--mode', type=assembly_mode, default=2, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
     new.add_argument('--speed', type=of('rad/s'), metavar='SPEED',
@@ -104,8 +115,12 @@ def _new(arguments: Namespace) -> None:
     if path.suffix not in ('.yaml', '.yml'):
         raise InvalidParameter('FILE', str(path), 'must end in .yaml')
     lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
-    text = scene_text(arguments.kind, lengths, arguments.mode, arguments.speed,
-                      arguments.bar or arguments.rod or '', arguments.material)
+    options = arguments.speed, arguments.bar or arguments.rod or '', arguments.material
+    if arguments.points and lengths or arguments.links and not arguments.points:
+        raise InvalidParameter('--points', None, 'stand in place of lengths, and --links with '
+                               'them')
+    text = (text_of_points(arguments.points, arguments.links, *options) if arguments.points
+            else scene_text(arguments.kind, lengths, arguments.mode, *options))
     scene = from_values(flatten(parse(text)['/**']['ros__parameters'], path))
     path.write_text(text, encoding='utf-8')
     branch = scene.linkage.branch_in_words
@@ -133,3 +148,95 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
         if section else '',
         speed=speed, rpm=speed / float(UNITS['rad/s']['rpm']),
         loads=', loads, shaking_wrench' if section else '')
+
+
+class DrawnPoint(NamedTuple):
+    """A joint or another point of a link, in the frame of a drawing [m]."""
+
+    name: str
+    place: tuple[float, float]
+    is_ground: bool
+    slide: float | None         # direction [rad] in which its block slides
+
+
+def _point(text: str) -> DrawnPoint:
+    """Return the point of 'B 60mm 30mm', with 'ground' or 'slide ANGLE' behind it."""
+    name, *rest = text.split() or ['']
+    x, y, *more = rest if len(rest) > 1 else ('', '')
+    if not x or more and more != ['ground'] and (more[0], len(more)) != ('slide', 2):
+        raise ArgumentTypeError(f'{text!r}: must be "NAME X Y", perhaps with "ground" or "slide '
+                                'ANGLE" behind it')
+    return DrawnPoint(name, (of('m')(x), of('m')(y)),
+                      bool(re.fullmatch(r'O\d*', name)) or more == ['ground'],
+                      of('rad')(more[1]) if len(more) == 2 else None)
+
+
+def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] | None,
+                   speed: float, section: str, density: float) -> str:
+    """
+    Return a scene as YAML text, of joints where they are drawn; more as :func:`scene_text`.
+
+    A four-bar with its ground along x and a slider-crank that slides along x have their kind, in
+    the frame of the drawing as well; all else is a machine.
+    """
+    from fourbar_ros.machine import read_drawing
+    from fourbar_ros.mechanics.rods import flat_bar, round_rod
+    import yaml
+    names = [point.name for point in points]
+    links = links or [*zip(names, names[1:])]
+    drawing = read_drawing(
+        {point.name: point.place for point in points}, links,
+        [point.name for point in points if point.is_ground],
+        {point.name: point.slide for point in points if point.slide is not None})
+    joints, dyads = drawing.joints, drawing.machine.dyads
+    first, a1 = dyads[0], dyads[0].first.along
+    x, y = dyads[0].second[1:]
+    known = {'crank': 'crank'}      # {link of the machine: of the scene}
+    if len(dyads) == 1 and (first.kind == 'RRR' and y == 0.0 < x or first.direction_2 == 0.0):
+        lengths = ({'a2': first.length_1, 'a3': first.length_2, 'a4': x} if first.kind == 'RRR'
+                   else {'a2': first.length_1, 'offset': y})
+        tree: dict[str, Any] = {'linkage': {
+            'kind': 'four_bar' if first.kind == 'RRR' else 'slider_crank', 'a1': a1, **lengths,
+            'mode': first.mode}}
+        known |= dict(zip(first.links, ('coupler', 'output')))
+    else:
+        named = {name: {'x': joints[name].along, 'y': joints[name].across}
+                 if joints[name].link == 'ground' else joints[name]._asdict()
+                 for name in dict.fromkeys(drawing.ends.values())}
+        for dyad in dyads:
+            if dyad.name in named:
+                named[dyad.name] = {'link': dyad.links[0], 'distance_2': 0.0}
+        tree = {'linkage': {'kind': 'machine', 'dyads': [dyad.name for dyad in dyads],
+                            'points': named},
+                'dyads': {dyad.name: {
+                    'kind': dyad.kind,
+                    **{end: drawing.ends.get(f'{dyad.name}.{end}', getattr(dyad, end)._asdict())
+                       for end in ('first', 'second')}, 'links': [*dyad.links],
+                    **{name: value for name, value in vars(dyad).items() if value is not None
+                       and name.startswith(('length', 'direction'))}, 'mode': dyad.mode}
+                    for dyad in dyads}}
+        known |= {link: link for dyad in dyads for link in dyad.links}
+    shared = {*drawing.ends.values(), *[dyad.name for dyad in dyads]}
+    tree['points'] = {name: {**joint._asdict(), 'link': known[joint.link]}
+                      for name, joint in joints.items()
+                      if name not in shared and joint.link != 'ground'}
+    if section:
+        size = yaml.safe_load(f'{{{section}}}')
+        tree['bodies'] = {'rods': {'density': float(density), **size}}
+        if first.kind == 'RRP' and 'dyads' not in tree:
+            tree['bodies']['output'] = {'mass': 0.0}        # of the slider: give its own
+        if 'dyads' in tree:
+            rod = (round_rod(a1, density, size['radius']) if 'radius' in size else
+                   flat_bar(a1, density, size['width'], size['thickness']))
+            tree['bodies']['crank'] = {'mass': rod.mass, 'cg_along': rod.cg_along,
+                                       'inertia': rod.inertia}
+    tree |= {'drive': {'source': 'timer', 'speed': float(speed), 'start': drawing.start,
+                       'rate': 200.0},
+             'outputs': ['state', 'output', 'joint_states',
+                         *(['loads', 'shaking_wrench'] if section else [])]}
+    text = yaml.safe_dump({'/**': {'ros__parameters': {
+        name: group for name, group in tree.items() if group}}}, sort_keys=False, width=100,
+        default_flow_style=None)
+    return ('# By the coordinates of its joints, with the axes of the drawing from the pivot of '
+            f'the crank.\n# Lengths in m, angles in rad, masses in kg. Drawn at '
+            f'drive.start.\n{text}')

@@ -6,6 +6,7 @@ import csv
 from math import degrees, pi
 import os
 from pathlib import Path
+import shlex
 import subprocess
 import sys
 from xml.etree import ElementTree
@@ -13,6 +14,9 @@ from xml.etree import ElementTree
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.scene.units import of
 from fourbar_ros.terminal import PlainConsole
 import numpy as np
 import pytest
@@ -41,6 +45,49 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     assert scene.drive.speed == pytest.approx(10.0 * pi, rel=1e-9)      # ten digits in the file
     ours, theirs = (linkage.loads(1.0, 30.0).shaking_force for linkage in (scene.linkage, by_hand))
     assert ours == pytest.approx(theirs, rel=1e-8)
+
+
+@pytest.mark.parametrize(('points', 'options', 'kind', 'said'), [
+    (['O1 0 0', 'A 10mm 20mm', 'B 60mm 30mm', 'O4 50mm 0', 'P 40mm 50mm'],
+     ['--links', 'O1-A', 'A-B-P', 'B-O4'], 'four_bar', 'Grashof crank-rocker'),
+    (['O1 1 1', 'A 1.02 1.01', 'B 1.1 1.02 slide 0deg'], [], 'slider_crank', 'slider-crank'),
+    (['O1 0 0', 'A 0 -10mm', 'B 50mm -30mm', 'O4 60mm 10mm'], [], 'machine', 'RRR'),
+    (['X 0 0 ground', 'A 10mm 20mm', 'C 0 90mm slide 90deg'], [], 'machine', 'RRP'),
+    (['A -3.7 -2.4 ground', 'B -2.7 0.9', 'C 1.6 0.4', 'D -0.2 4', 'E 5 5.3', 'F 8.1 3.3',
+      'G 7.3 -3.5 ground'], ['--links', 'A-B', 'B-C-D', 'C-G-F', 'D-E', 'E-F'], 'machine',
+     'RRR + RRR')])
+def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
+    """All joints that move, at drive.start, where they were drawn."""
+    assert main(['new', 'my', '--points', *points, *options, '--rod', '8mm']) == 0
+    assert said in capsys.readouterr().out
+    scene, places = load_scene('my.yaml'), {}
+    for text in points:
+        name, x, y, *_ = text.split()
+        places[name] = np.array([of('m')(x), of('m')(y)])
+    origin, linkage = places[points[0][:points[0].index(' ')]], scene.linkage
+    motion = linkage.motion(scene.drive.start)
+    pose = diagram_of(linkage, motion)
+    drawn = np.array([place - origin for name, place in places.items() if name != 'P'])
+    found = np.array([*pose.joints.values()])
+    for place in drawn:
+        assert np.hypot(*(found - place).T).min() < 1e-12
+    for name, point in scene.points.items():
+        place = point_motion(linkage, motion, *point).place
+        assert np.hypot(*(place - (places[name] - origin))) < 1e-12
+    assert scene.kind == kind and linkage.loads(scene.drive.start, 1.0).driving_torque
+    assert main(['scene', 'check', 'my.yaml']) == 0
+
+
+@pytest.mark.parametrize(('line', 'text'), [
+    ('--points "O1 0"', 'must be "NAME X Y"'), ('--points "O1 0 0 slid 3deg"', 'must be "NAME'),
+    ('--points "O1 0 0" "A 1 1" "B 2 0" --links O1-A A-B', 'form no dyads'),
+    ('--links O1-A --a1 3', '--points'), ('--points "O1 0 0" --a1 3', '--points')])
+def test_points_that_are_none_are_said(line, text, capsys):
+    try:
+        assert main(['new', 'my.yaml', *shlex.split(line)])
+    except SystemExit as end:
+        assert end.code
+    assert text in ' '.join(capsys.readouterr().err.split())
 
 
 def test_numbers_without_a_point_are_numbers_as_ros_reads_them():

@@ -7,7 +7,7 @@ Positions go forward, dyad by dyad, forces backward; each dyad is solved in clos
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property, partial
@@ -125,6 +125,40 @@ class Machine(Mechanism):
     MARGIN_SIGNS = ()             # change points are not differences of lengths
     LEAVES_OUT_ZEROS = True       # most of their links have no mass or no offset
     TEXT = 'a driven link and dyads, any planar linkage of Assur groups of class II'
+
+    @classmethod
+    def from_points(cls, points: Mapping[str, Sequence[float]], links: Sequence[Sequence[str]],
+                    ground: Sequence[str], *, slides: Mapping[str, float] | None = None,
+                    modes: Mapping[str, int] | None = None, **options: Any) -> Machine:
+        """
+        Return a machine from the coordinates of its joints in one pose; modes are as drawn.
+
+        Its frame has the axes of the drawing and its origin in the pivot of the crank. A dyad has
+        the name of its inner pin, a link those of its points: 'BCE'; a block at C is 'Cblock'.
+
+        Parameters
+        ----------
+        points : mapping {name: (x, y)}
+            Joints, and other points of links [m].
+        links : sequence of sequences of str
+            Points of each link, those of the crank first.
+        ground : sequence of str
+            Points that do not move.
+        slides : mapping {pin: float}
+            Pins of blocks that slide on the ground, in this direction from x [rad].
+        modes : mapping {inner pin: int}
+            Of dyads that lie flat in the drawing, within 0.02 rad.
+        **options
+            Fields of the machine, as ``bodies``.
+
+        Raises
+        ------
+        InvalidParameter
+            A point that is missing, links that form no dyads, a mode that cannot be read.
+
+        """
+        from fourbar_ros.mechanisms.machine.describe.from_points import read_drawing
+        return read_drawing(points, links, ground, slides, modes, **options).machine
 
     def __post_init__(self) -> None:
         """Check the fields, in the order in which one part needs another; derive the layout."""
