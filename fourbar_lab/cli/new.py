@@ -71,7 +71,8 @@ def add(verbs: Verbs) -> None:
     new.add_argument('--points', nargs='+', type=_point, metavar='POINT',
                      help='in place of kind and lengths: joints where they are drawn, "NAME X Y"; '
                           'of the ground "NAME X Y ground" (so are O, O1, O2, ...); of a block '
-                          'that slides on the ground "NAME X Y slide 30deg"')
+                          'that slides on the ground "NAME X Y slide 30deg"; of a pin whose links '
+                          'lie flat "NAME X Y mode 2"')
     new.add_argument('--links', nargs='+', type=lambda text: text.split('-'), metavar='LINK',
                      help='with --points: points of each link, the crank first, O1-A A-B-P B-O4; '
                           'default: one after another')
@@ -157,18 +158,21 @@ class DrawnPoint(NamedTuple):
     place: tuple[float, float]
     is_ground: bool
     slide: float | None         # direction [rad] in which its block slides
+    mode: int | None            # of the links that it joins
 
 
 def _point(text: str) -> DrawnPoint:
-    """Return the point of 'B 60mm 30mm', with 'ground' or 'slide ANGLE' behind it."""
+    """Return the point of 'B 60mm 30mm', with 'ground', 'slide ANGLE' or 'mode MODE' behind it."""
     name, *rest = text.split() or ['']
     x, y, *more = rest if len(rest) > 1 else ('', '')
-    if not x or more and more != ['ground'] and (more[0], len(more)) != ('slide', 2):
-        raise ArgumentTypeError(f'{text!r}: must be "NAME X Y", perhaps with "ground" or "slide '
-                                'ANGLE" behind it')
+    options = dict([more]) if len(more) == 2 else {}
+    if not x or more not in ([], ['ground']) and not {'slide', 'mode'} & options.keys():
+        raise ArgumentTypeError(f'{text!r}: must be "NAME X Y", perhaps with "ground", "slide '
+                                'ANGLE" or "mode MODE" behind it')
     return DrawnPoint(name, (of('m')(x), of('m')(y)),
                       bool(re.fullmatch(r'O\d*', name)) or more == ['ground'],
-                      of('rad')(more[1]) if len(more) == 2 else None)
+                      of('rad')(options['slide']) if 'slide' in options else None,
+                      assembly_mode(options['mode']) if 'mode' in options else None)
 
 
 def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] | None,
@@ -187,7 +191,8 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     drawing = read_drawing(
         {point.name: point.place for point in points}, links,
         [point.name for point in points if point.is_ground],
-        {point.name: point.slide for point in points if point.slide is not None})
+        {point.name: point.slide for point in points if point.slide is not None},
+        {point.name: point.mode for point in points if point.mode is not None})
     joints, dyads = drawing.joints, drawing.machine.dyads
     first, a1 = dyads[0], dyads[0].first.along
     x, y = dyads[0].second[1:]

@@ -51,6 +51,7 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     (['O1 0 0', 'A 10mm 20mm', 'B 60mm 30mm', 'O4 50mm 0', 'P 40mm 50mm'],
      ['--links', 'O1-A', 'A-B-P', 'B-O4'], 'four_bar', 'Grashof crank-rocker'),
     (['O1 1 1', 'A 1.02 1.01', 'B 1.1 1.02 slide 0deg'], [], 'slider_crank', 'slider-crank'),
+    (['O1 0 0', 'A 0 1', 'B 2 1.001 mode 2', 'O4 3 1'], [], 'machine', 'RRR'),
     (['O1 0 0', 'A 0 -10mm', 'B 50mm -30mm', 'O4 60mm 10mm'], [], 'machine', 'RRR'),
     (['X 0 0 ground', 'A 10mm 20mm', 'C 0 90mm slide 90deg'], [], 'machine', 'RRP'),
     (['A -3.7 -2.4 ground', 'B -2.7 0.9', 'C 1.6 0.4', 'D -0.2 4', 'E 5 5.3', 'F 8.1 3.3',
@@ -81,6 +82,8 @@ def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
 @pytest.mark.parametrize(('line', 'text'), [
     ('--points "O1 0"', 'must be "NAME X Y"'), ('--points "O1 0 0 slid 3deg"', 'must be "NAME'),
     ('--points "O1 0 0" "A 1 1" "B 2 0" --links O1-A A-B', 'form no dyads'),
+    ('--points "O1 0 0" "A 0 1" "B 2 1" "O4 3 1"', 'modes.B: must be given, 1 or 2'),
+    ('--points "O1 0 0" "A 0 1" "B 2 1 mode 3" "O4 3 1"', 'mode'),
     ('--links O1-A --a1 3', '--points'), ('--points "O1 0 0" --a1 3', '--points')])
 def test_points_that_are_none_are_said(line, text, capsys):
     try:
