@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
-from math import ceil, inf, lcm, remainder, tau
+from math import ceil, degrees, inf, lcm, remainder, tau
 from typing import Any, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import InvalidParameter, UnknownForce
@@ -489,14 +489,13 @@ def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> N
         if abs(count - round(count)) > 1e-9 * count or (turns > 1.5 and not counts_turns):
             more = (', or some turns' if counts_turns else
                     ': turns are counted of a crank that is driven and turns fully')
-            raise InvalidParameter('places', table.span,
-                                   f'the period must be 2 pi, or a whole part of it{more}')
+            raise InvalidParameter('places', None, 'the period must be a turn, or a whole part of '
+                                   f'it{more}, not {degrees(table.span):.9g} deg')
     elif is_angle and turns > 1.0 + 1e-9:
-        raise InvalidParameter('places', table.span, 'more than a turn of an angle, and not '
-                                                     'periodic')
+        raise InvalidParameter('places', None, 'more than a turn of an angle, and not periodic')
     elif counts_turns and table.values[0] != table.values[-1]:
-        raise InvalidParameter('values', table.values[-1], 'the crank turns fully: the last value '
-                               f'must be the first again, {table.values[0]!r}')
+        raise InvalidParameter('values', None, 'the crank turns fully: the last value must be the '
+                                               'first again')
 
 
 def refuses_turns(element: Element) -> bool:

@@ -38,8 +38,8 @@ class ForceTable:
     Parameters
     ----------
     places : sequence of float
-        Increasing, 2 to 10 000. At a place that stands twice the force jumps from the first of
-        its two values to the second, which is that at the place itself.
+        2 to 10 000, increasing; falling ones are turned round. At a place that stands twice the
+        force jumps from the first of its two values to the second, which is that at the place.
     values : sequence of float
         As many. Beyond the first and the last place the force is that at the end.
     is_periodic : bool
@@ -77,8 +77,9 @@ class ForceTable:
             raise InvalidParameter('places', count, f'must be 2 to {MOST_POINTS} points')
         if len(values) != count:
             raise InvalidParameter('values', len(values), f'must be as many as places, {count}')
+        falls = all(after <= before for before, after in pairwise(places))
         for i, (before, after) in enumerate(pairwise(places), 2):
-            if after < before:
+            if after < before and not falls:
                 raise InvalidParameter(f'places[{i}]', after, 'must be larger than the one '
                                                               f'before, {before!r}')
             if i > 2 and after == places[i - 3]:
@@ -87,6 +88,10 @@ class ForceTable:
         if not self.span:
             raise InvalidParameter('places[2]', places[1], 'must be larger than the one before, '
                                                            f'{places[0]!r}')
+        if falls:
+            places, values = places[::-1], values[::-1]
+            object.__setattr__(self, 'places', places)
+            object.__setattr__(self, 'values', values)
         if self.is_periodic:
             if abs(values[-1] - values[0]) > CLOSES * max(map(abs, values)):
                 raise InvalidParameter(

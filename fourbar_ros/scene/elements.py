@@ -9,9 +9,10 @@ holds the numbers, and opens no file, whoever made it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from math import atan2, hypot, inf, pi
-from typing import Any, NoReturn
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanics.bodies import field_of
@@ -34,8 +35,8 @@ from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.mechanisms.pieces import span_of
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.scene.parameters import names_in, point_in
-from fourbar_ros.scene.settings import APART, COUPLE, FORCE_UNITS, ParameterValues, POSITION_UNITS
-from fourbar_ros.scene.units import UNITS
+from fourbar_ros.scene.settings import APART, COUPLE, ParameterValues, POSITION_UNITS
+from fourbar_ros.scene.units import quantity, UNITS, ValueInSI
 import numpy as np
 
 WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, or less [N], is weak
@@ -43,6 +44,7 @@ WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, o
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
         'across': (True, 0.5 * pi)}
 DISTANCE = 'distance'
+TABLE_UNITS = 'rad', 'm', 'N', 'N m', 'Pa'      # of both columns of a table
 # angles of the kinds of mechanisms: (link, link from which the angle counts)
 ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
           'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
@@ -133,13 +135,10 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
             raise InvalidParameter(f'{name}.{field}', values[f'{name}.{field}'],
                                    one_of(known, values[f'{name}.{field}']))
     over = _over(values, name, mechanism)
-    positions, forces = _columns(values, name, over, mechanism)
     turns_with_link, direction = ACTS.get(acts, (False, 0.0))
     try:
         force = PositionForce(
-            Attachment(*point_in(name, values)),
-            ForceTable(positions, forces, values[f'{name}.periodic'],
-                       values[f'{name}.interpolation'] == 'linear'), over,
+            Attachment(*point_in(name, values)), _table(values, name, over, mechanism), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
             link if turns_with_link else GROUND, values[f'{name}.factor'],
             Attachment(*point_in(f'{name}.from', values)) if acts == APART else None,
@@ -151,38 +150,55 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
     return force
 
 
-def _columns(values: ParameterValues, name: str, over: Over, mechanism: Mechanism
-             ) -> tuple[list[float], list[float]]:
-    """
-    Return both columns of the table of a force in SI units; refuse units that do not fit.
-
-    Positions in [rad] or [m], and forces [N], couples [N m] or pressures [Pa].
-    """
-    def refuse(field: str, value: Any, allowed: str) -> NoReturn:
-        raise InvalidParameter(f'{name}.{field}', value, allowed)
-
-    positions, factor = values[f'{name}.places'], values[f'{name}.factor']
+def _table(values: ParameterValues, name: str, over: Over, mechanism: Mechanism) -> ForceTable:
+    """Return the table of a force in SI units; errors are in the units of the scene."""
     is_couple = values[f'{name}.acts'] == COUPLE
     is_angle = not mechanism.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle)
-    position_unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
-    unit = values[f'{name}.value_unit'] or ('N m' if is_couple else 'N')
     if file := values[f'{name}.table']:
-        refuse('table', file, 'only the file of a scene names that of a table, which is read with '
-               'it; here give places and values')
-    if not positions:
-        refuse('table', None, 'must be given, or places and values: what acts where')
-    if (position_unit in UNITS['rad']) is not is_angle:
-        refuse('place_unit', position_unit, 'must be a unit of '
-               f'{"an angle" if is_angle else "a length"}: over is {values[f"{name}.over"]}')
-    if unit in UNITS['Pa'] and (is_couple or factor == 1.0):
-        refuse('factor', factor, f'must be the area [m^2] on which the pressure [{unit}] acts, '
-               'negative against the direction')
-    if unit not in UNITS['Pa'] and is_couple is not (unit in UNITS['N m']):
-        refuse('value_unit', unit, 'must be a unit of '
-               f'{"a couple" if is_couple else "a force or pressure"}')
-    in_si, force_in_si = float(POSITION_UNITS[position_unit]), float(FORCE_UNITS[unit])
-    return ([in_si * position for position in positions],
-            [force_in_si * force for force in values[f'{name}.values']])
+        raise InvalidParameter('table', file, 'only the file of a scene names that of a table, '
+                               'which is read with it; here give places and values')
+    if not values[f'{name}.places']:
+        raise InvalidParameter('table', None, 'must be given, or places and values: what acts '
+                               'where')
+    places, place_size, _ = _column(
+        values, name, 'place', ('rad',) if is_angle else ('m',),
+        f'{"an angle" if is_angle else "a length"}: over is {values[f"{name}.over"]}')
+    forces, force_size, kind = _column(values, name, 'value', *(
+        (('N m',), 'a couple') if is_couple else (('N', 'Pa'), 'a force or pressure')))
+    if kind == 'Pa' and values[f'{name}.factor'] == 1.0:
+        raise InvalidParameter('factor', 1.0, 'must be the area [m^2] on which the pressure acts, '
+                               'negative against the direction')
+    table = ForceTable(places, forces, values[f'{name}.periodic'],
+                       values[f'{name}.interpolation'] == 'linear')
+    return replace(table, places=[place_size * place for place in table.places],
+                   values=[force_size * force for force in table.values])
+
+
+def _column(values: ParameterValues, name: str, column: str, kinds: tuple[str, ...], allowed: str
+            ) -> tuple[list[float], float, str]:
+    """
+    Return a column of a table, place or value, the size of its unit in SI, and the SI unit.
+
+    ``kinds``: the SI units that it may have.
+    """
+    items, unit = values[f'{name}.{column}s'], values[f'{name}.{column}_unit']
+    numbers = [quantity(item, *TABLE_UNITS) if isinstance(item, str) else item for item in items]
+    of_texts = {number.unit: item for item, number in zip(items, numbers)
+                if isinstance(number, ValueInSI) and number.unit}
+    unit = unit or next(iter(of_texts), kinds[0])
+    kind = next(si for si in TABLE_UNITS if unit in UNITS[si])
+    for si, item in of_texts.items():
+        if si not in kinds:
+            raise InvalidParameter(f'{column}s', item, f'must have a unit of {allowed}')
+        if si != kind:
+            raise InvalidParameter(f'{column}s', item, f'the unit of the rest is {unit}')
+    if kind not in kinds:
+        raise InvalidParameter(f'{column}_unit', unit, f'must be a unit of {allowed}')
+    size = float(UNITS[kind][unit])
+    if not of_texts:
+        return numbers, size, kind
+    return [number if getattr(number, 'unit', '') else size * number
+            for number in numbers], 1.0, kind
 
 
 def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Over:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.scene.settings import FORCE_UNITS, ParameterValues, POSITION_UNITS
+from fourbar_ros.scene.units import spelled
 import yaml
 
 NODE = '/fourbar'
@@ -154,31 +155,37 @@ def with_tables(values: ParameterValues, folders: Sequence[Path]) -> YamlTree:
                 raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
                                        f'is in the file already: {file}')
         beside = [path for folder in folders if (path := folder / file).exists()]
-        columns = read_table(beside[-1] if beside else folders[-1] / file)
+        columns = read_table(beside[-1] if beside else folders[-1] / file,
+                             values.get(f'{force}.periodic') is True)
         del replaced[name]
         replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
     return replaced
 
 
-def read_table(path: Path) -> TableColumns:
+def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
     """
     Return the table of a CSV file: a header with units, then a place and a value in each row.
 
-    Raises SceneError naming file and row.
+    Raises SceneError naming file and row, also for a table that is no function.
     """
+    from fourbar_ros.mechanisms.force_table import ForceTable  # takes numpy
+
     def refuse(row: int, why: str) -> SceneError:
         return SceneError(f'{path}, row {row}: {why}')
 
     rows = _rows(path)
     row, header = rows[0] if rows else (1, [])
-    units = [match[2] if match else '' for match in map(HEADING.fullmatch, header)]
-    if len(units) != 2 or units[0] not in POSITION_UNITS or units[1] not in FORCE_UNITS:
+    units = [spelled(match[2], known) if match else '' for match, known in zip(
+        map(HEADING.fullmatch, header), (POSITION_UNITS, FORCE_UNITS))]
+    if len(header) != 2 or '' in units:
         raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
                           f'units are {", ".join(POSITION_UNITS)} and {", ".join(FORCE_UNITS)}')
     table = TableColumns([], units[0], [], units[1])
     for row, cells in rows[1:]:
         if len(cells) != 2:
-            raise refuse(row, f'{len(cells)} columns, must be a place and a value')
+            raise refuse(row, f'{len(cells)} columns, must be a place and a value'
+                         + ('; write decimals with a point, or ; between columns'
+                            if len(cells) == 4 else ''))
         for text, column in zip(cells, (table.places, table.values)):
             try:
                 column.append(float(text))
@@ -186,19 +193,31 @@ def read_table(path: Path) -> TableColumns:
                 raise refuse(row, f'{text.strip()!r} must be a number') from None
             if not isfinite(column[-1]):
                 raise refuse(row, f'{text.strip()!r} must be a finite number')
+    try:
+        ForceTable(table.places, table.values, is_periodic, is_linear=True)
+    except InvalidParameter as error:
+        name, _, index = error.name.rstrip(']').partition('[')
+        if not index:
+            raise SceneError(f'{path}: {error}') from None
+        raise refuse(rows[int(index)][0], f'{error.value:g} {units[name == "values"]} '
+                                          f'{error.allowed}') from None
     return table
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    # with ; between columns a comma may be a decimal point
     try:
-        with path.open(encoding='utf-8-sig', newline='') as file:
-            reader = csv.reader(file)
-            return [(reader.line_num, row) for row in reader
-                    if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
+        text = path.read_text(encoding='utf-8-sig')
+        is_german = ';' in next((line for line in text.splitlines()
+                                 if line.strip() and not line.lstrip().startswith('#')), '')
+        reader = csv.reader(text.splitlines(), delimiter=';' if is_german else ',')
+        return [(reader.line_num, [cell.replace(',', '.') for cell in row] if is_german else row)
+                for row in reader
+                if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneError(f'{path}: not a table as text: {error}') from None
+        raise SceneError(f'{path}: not a table as text in UTF-8: {error}') from None
 
 
 def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, Any]:

@@ -203,13 +203,13 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                 raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
-        # some joints turn and others slide: a text stays until the mechanism tells which
-        units, are_of_joints = parameter.unit.split(' or '), ' or ' in parameter.unit
+        # angles or lengths: a text stays until the mechanism tells which
+        units = parameter.unit.split(' or ')
         numbers = [as_number(name, item, *units) for item in value]
         for item in numbers:
             if not isinstance(item, float) or not isfinite(item):
                 raise InvalidParameter(name, item, 'must hold finite numbers')
-        value = [item if are_of_joints and isinstance(item, str) else number
+        value = [item if len(units) > 1 and isinstance(item, str) else number
                  for item, number in zip(value, numbers)]
     elif choices and value not in choices:
         raise InvalidParameter(name, value, one_of(choices, value))
@@ -249,7 +249,5 @@ def as_number(name: str, value: Any, *units: str) -> Any:
         try:
             return float(quantity(value, *filter(None, units)))
         except WrongQuantity as error:
-            beside = f'{name[:-1]}_unit'        # forces.NAME.place_unit, of all places
-            hint = f'; {beside} is that of all' if find_parameter(beside) else ''
-            raise InvalidParameter(name, value, f'{error}{hint}') from None
+            raise InvalidParameter(name, value, str(error)) from None
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value

@@ -546,17 +546,18 @@ _FORCE = _table(
               choices=('both', 'forward', 'backward')),
     Parameter('forces.NAME.table', 'string', '', '',
               'CSV file, from the folder of the scene: a header with units, as "theta1 [deg], '
-              'pressure [bar]", then a place and a value in each row; or give places and values',
-              live=False),
-    Parameter('forces.NAME.places', 'doubles', [], '',
-              'places of the table of the force NAME, increasing; at one that stands twice the '
-              'force jumps from its first value to its second'),
+              'pressure [bar]", then a place and a value in each row (between ; decimals may have '
+              'a comma); or give places and values', live=False),
+    Parameter('forces.NAME.places', 'doubles', [], 'rad or m',
+              'places of the table of the force NAME in order, as [0mm, 40mm]; at one that stands '
+              'twice the force jumps from its first value to its second'),
     Parameter('forces.NAME.place_unit', 'string', '', '',
-              'unit of the places; default: rad or m', choices=('', *POSITION_UNITS)),
-    Parameter('forces.NAME.values', 'doubles', [], '',
+              'unit of places without one; default: rad or m', choices=('', *POSITION_UNITS)),
+    Parameter('forces.NAME.values', 'doubles', [], 'N or N m or Pa',
               'forces, couples or pressures at these places; beyond the ends those at the ends'),
     Parameter('forces.NAME.value_unit', 'string', '', '',
-              'unit of the values; default: N, of a couple N m', choices=('', *FORCE_UNITS)),
+              'unit of values without one; default: N, of a couple N m',
+              choices=('', *FORCE_UNITS)),
     Parameter('forces.NAME.periodic', 'bool', False, '',
               'the table of the force NAME repeats: its last place is the first one again, after '
               'a turn, a whole part of it, or, of a crank that is driven, some turns'),

@@ -13,7 +13,7 @@ A number without a unit is in SI; on command lines, :func:`of`, an angle without
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from decimal import Decimal
 from fractions import Fraction
 from math import inf, isfinite, pi
@@ -39,7 +39,7 @@ UNITS: dict[str, dict[str, str | float]] = {
     'kg': {'kg': '1', 'g': '1e-3', 't': '1e3'},
     'kg m^2': {'kg m^2': '1', 'kg cm^2': '1e-4', 'kg mm^2': '1e-6', 'g mm^2': '1e-9'},
     'kg/m^3': {'kg/m^3': '1', 'g/cm^3': '1e3'},
-    'N': {'N': '1', 'kN': '1e3'},
+    'N': {'N': '1', 'daN': '10', 'kN': '1e3'},
     'N m': {'N m': '1', 'kN m': '1e3', 'N mm': '1e-3'},
     'W': {'W': '1', 'kW': '1e3'},
     'J': {'J': '1', 'kJ': '1e3'},
@@ -75,6 +75,12 @@ class WrongQuantity(FourBarError, ValueError):
 def units_of(unit: str) -> dict[str, str | float]:
     """Return {unit: its size} of all units that measure the same as an SI unit, that included."""
     return UNITS.get(unit, {unit: '1'})
+
+
+def spelled(text: str, units: Iterable[str]) -> str:
+    """Return which of the units a text spells, as Nm spells N m; empty if none."""
+    return next((unit for unit in units
+                 if unit.translate(SPELLINGS) == text.translate(SPELLINGS)), '')
 
 
 def quantity(text: str, *units: str, plain_angle: str = 'rad') -> ValueInSI:

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real node that is driven by torque, of a topic or of a motor; its bags are stepped again."""
 from math import inf, isnan, nan, pi, tau
-from shutil import copy
 
 from fourbar_lab.clients.node_client import NoAnswer
 from fourbar_msgs.msg import DriveState, LinkageState
@@ -256,10 +255,14 @@ def test_an_engine_turns_by_its_gas_and_is_stepped_again(run_node, client, tmp_p
     values = {**read_values('engine'), **recording_in(tmp_path), 'forces.gas.table': 'gas.csv'}
     for name in ('places', 'place_unit', 'values', 'value_unit'):
         del values[f'forces.gas.{name}']        # they stand in the file, beside that of the scene
-    copy(folder() / 'engine.csv', tmp_path / 'gas.csv')
+    german = (folder() / 'engine.csv').read_text().replace(',', ';').replace('.', ',')
+    (tmp_path / 'gas.csv').write_text(german)
     node, heard = run_node(values), states(client)
     client.until(lambda: heard and heard[-1].position > 3.0 * tau, 'three turns')
-    assert set_parameters(client, {'forces.gas.factor': -0.003})[0].successful
+    table = {'forces.gas.places': list(range(0, 725, 5)),
+             'forces.gas.values': [f'{value}bar' for value in read_values('engine')[
+                 'forces.gas.values']], 'forces.gas.factor': -0.003}
+    assert all(answer.successful for answer in set_parameters(client, table))
     for name, wrong in (('forces.gas.values', [1.0, 2.0]), ('forces.gas.acts', 'up')):
         refused, = set_parameters(client, {name: wrong})
         assert not refused.successful and name in refused.reason

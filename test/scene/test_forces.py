@@ -8,6 +8,7 @@ from fourbar_ros import Applied, point_motion
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, Way
+from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
@@ -159,7 +160,15 @@ WRONG_FILES = [
     ('slide [m], force [N]\n0, 1\n# half\n\n0.1, nan\n', "row 5: 'nan' must be a finite number"),
     ('slide [m], force [N]\n0, 1\n0.1, 1e999\n', "row 3: '1e999' must be a finite number"),
     ('slide [m], force [N]\n0; 1\n', 'row 2: 1 columns, must be a place and a value'),
-    ('x' * 200_000, 'not a table as text'),
+    ('slide [m], force [N]\n0,0, 1,5\n', 'row 2: 4 columns, must be a place and a value; write '
+     'decimals with a point, or ; between columns'),
+    ('slide [m]; force [N]\n0;1\n0.1;1.000,5\n', "row 3: '1.000.5' must be a number"),
+    ('slide [m], force [N]\n0, 1\n', 'gas.csv: places = 1: must be 2 to'),
+    ('slide [mm]; force [kN]\n0;1\n# cut\n90,5;5\n80;1\n',
+     'row 5: 80 mm must be larger than the one before, 90.5'),
+    ('slide [mm], force [kN]\n3, 1\n2, 1\n2, 2\n2, 3\n1, 0\n',
+     'row 5: 2 mm stands three times'),
+    ('x' * 200_000, 'not a table as text in UTF-8'),
 ]
 
 
@@ -171,12 +180,10 @@ def test_a_wrong_file_is_refused_in_one_line_with_its_row(tmp_path, text, why):
     assert why in str(refused.value) and '\n' not in str(refused.value)
 
 
-@pytest.mark.parametrize(('rows', 'why'), [
-    ('0, 1\n', 'must be 2 to'), ('0, 1\n90, 5\n80, 1\n', r'places\[3\] = .*must be larger'),
-    ('0, 1\n100, 5\n360, 1.5\n', r'values\[3\] = 1.5: must be the first value again, 1.0')])
-def test_a_table_that_is_no_function_is_refused(tmp_path, rows, why):
-    path = write(tmp_path, f'theta1 [deg], force [N]\n{rows}', periodic='true')
-    with pytest.raises(InvalidParameter, match=f'forces.gas.{why}|forces.gas.places = .*{why}'):
+def test_an_open_cycle_is_refused_with_file_row_and_unit(tmp_path):
+    path = write(tmp_path, 'theta1 [deg], force [kN]\n0, 1\n100, 5\n360, 1.5\n', periodic='true')
+    with pytest.raises(SceneError, match='gas.csv, row 4: 1.5 kN must be the first value again, '
+                                         '1.0: .* last row 360.0, 1.0 says so'):
         scene.load(path)
 
 
@@ -195,6 +202,36 @@ def test_a_table_of_another_program_is_read(tmp_path):
                                        b'"theta1 [deg]","p [bar]"\r\n'
                                        b'0,1e0\r\n\r\n 360 , +2.5\r\n')
     assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.0, 2.5], 'bar')
+
+
+def test_a_german_spreadsheet_is_read(tmp_path):
+    """With ; and decimal commas, spellings of units, falling places: a table that is turned."""
+    text = 'Weg [mm]; Kraft [daN]\n200;-200\n192;-200\n192;0\n0,5;0,25\n'
+    path = write(tmp_path, text, over='slide', acts='x', interpolation='linear')
+    force, = scene.load(path).linkage.elements
+    assert force.value.table == ForceTable([0.0005, 0.192, 0.192, 0.2],
+                                           [2.5, 0.0, -2000.0, -2000.0], is_linear=True)
+    (tmp_path / 'own.csv').write_text('"Winkel [°]";"Moment [Nm]"\n0;1,5e0\n360;1,5\n', 'utf-8')
+    assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.5, 1.5], 'N m')
+
+
+def test_texts_with_units_are_the_numbers_in_si():
+    """In a list of texts; a number among them, in Python, has the unit of all, else SI."""
+    values = [5.0, 80.0, -30.0, 5.0]
+    plain = {'places': [0.0, 0.5 * pi, pi, TURN], 'values': values}
+    table = ForceTable(**plain, is_periodic=True)
+    for texts in ({'places': ['0deg', '90°', '0.5 turn', '360 deg']},
+                  {'places': [0, '90deg', 180, '1turn'], 'place_unit': 'deg'},
+                  {'places': ['360', '180', '90', '0'], 'place_unit': 'deg',
+                   'values': values[::-1]},
+                  {'values': ['5', '8daN', '-0.03 kN', '5N']},
+                  {'values': ['50', '800Pa', '-300 Pa', '5e-4bar'], 'factor': 0.1}):
+        scene_of_texts = scene.from_values({**PUSHED, **{
+            f'forces.push.{name}': value for name, value in {**plain, **texts}.items()}})
+        for there in (scene_of_texts, scene.from_values(json.loads(scene_of_texts.as_json))):
+            force, = there.linkage.elements
+            for q in (0.3, 2.0, 4.0):
+                assert force.factor * force.value(q) == pytest.approx(table(q), rel=1e-12), texts
 
 
 def test_a_table_given_twice_is_refused(tmp_path):

@@ -24,7 +24,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 import mpmath
 import pytest
-from support.scenes import PAPER, RODS
+from support.scenes import PAPER, PUSH, RODS
 
 # {SI unit: {unit: (its size, power of 2 pi)}}; all other sizes are decimal
 SIZES = {
@@ -41,7 +41,7 @@ SIZES = {
     'kg m^2': {'kg cm^2': (Fraction(1, 10**4), 0), 'kg mm^2': (Fraction(1, 10**6), 0),
                'g mm^2': (Fraction(1, 10**9), 0)},
     'kg/m^3': {'g/cm^3': (1000, 0)},
-    'N': {'kN': (1000, 0)},
+    'N': {'daN': (10, 0), 'kN': (1000, 0)},
     'N m': {'kN m': (1000, 0), 'N mm': (Fraction(1, 1000), 0)},
     'Pa': {'kPa': (1000, 0), 'MPa': (10**6, 0), 'bar': (10**5, 0)},
     'N/m': {'N/mm': (1000, 0), 'kN/m': (1000, 0)},
@@ -56,6 +56,7 @@ SIZES = {
     'H': {'mH': (Fraction(1, 1000), 0), 'uH': (Fraction(1, 10**6), 0)},
     'MB': {'kB': (Fraction(1, 1000), 0), 'GB': (1000, 0)},
 }
+PUSHED = {**PAPER, **RODS, **PUSH}
 CASES = [(si, unit) for si, units in UNITS.items() for unit in units]
 
 
@@ -152,8 +153,14 @@ def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
     (SLIDE, 'joint_states.offsets', ['1deg', '2mm', '3deg', '4deg'], 'in rad, or'),
     (PAPER, 'joint_states.offsets', ['1deg', '2deg', '3deg', '4kg'], 'in rad or m, or'),
     (PAPER, 'joint_states.offsets', ['1deg'], 'must be 4 numbers'),
-    ({**PAPER, 'forces.gas.link': 'crank', 'forces.gas.acts': 'x'}, 'forces.gas.places', ['0deg'],
-     'without a unit; forces.gas.place_unit is that of all'),
+    (PUSHED, 'forces.push.places', ['0', '9mm', '1', '2'],
+     "places = '9mm': must have a unit of an angle: over is input"),
+    (PUSHED, 'forces.push.places', ['0deg', '1kg', '1', '2'], 'must be a number in rad or m, or'),
+    (PUSHED, 'forces.push.places', ['0deg', '0,5', '1', '2'], 'must be written 0.5: a comma'),
+    (PUSHED, 'forces.push.values', ['5N', '1bar', '4', '5N'],
+     "values = '1bar': the unit of the rest is N"),
+    (PUSHED, 'forces.push.values', ['5N', '1N m', '4', '5N'],
+     "values = '1N m': must have a unit of a force or pressure"),
     (PAPER, 'linkage.mode', '2', 'must be one of'), (PAPER, 'frame_id', 3, 'must be a text')])
 def test_a_scene_refuses_units_of_other_kinds(values, name, text, why):
     with pytest.raises(InvalidParameter, match=re.escape(why)):

@@ -153,8 +153,9 @@ def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParamete
                             check_value(declared, parameter.value, values))
     if kind == 'doubles' and (
             is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
-        return RosParameter(parameter.name, types.DOUBLE_ARRAY,
-                            check_value(declared, list(parameter.value), values))
+        numbers = check_value(declared, list(parameter.value), values)
+        return RosParameter(parameter.name, types.STRING_ARRAY if str in map(type, numbers)
+                            else types.DOUBLE_ARRAY, numbers)
     if kind == 'strings' and is_empty:
         return RosParameter(parameter.name, types.STRING_ARRAY, [])
     return parameter
