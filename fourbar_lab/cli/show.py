@@ -57,6 +57,7 @@ def _show(arguments: Namespace) -> None:
     from fourbar_lab.drawing import poses, record, tables
     from fourbar_ros import find_extrema
     from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.scene.elements import element_names
     from fourbar_ros.scene.files import find
     path, acceleration = find(arguments.scene), arguments.acceleration
     scene, linkage, speed = asked(arguments)
@@ -102,7 +103,8 @@ def _show(arguments: Namespace) -> None:
             tables.drive_table(linkage, drive, speed, acceleration),
             tables.extrema_table(linkage, of_loads, f'extrema of loads {title}')
             if of_loads else None,
-            tables.jumps_in_words(linkage, of_loads) or None,
+            tables.jumps_in_words(linkage, element_names(scene.values), of_loads,
+                                  (speed, acceleration)) or None,
             tables.proofs_in_words(extrema) or None]
         if pose:
             blocks += [poses.motion_table(linkage, pose),

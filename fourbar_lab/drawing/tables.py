@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import degrees, isfinite, pi, tau
 
 from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
@@ -12,11 +13,15 @@ from fourbar_ros import Base, Mechanism
 from fourbar_ros.extrema.find import Extremum
 from fourbar_ros.extrema.proof import INTERVALS
 from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.mechanisms.elements import BOTH, PositionForce, TorsionSpring
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.scene.units import in_unit
 from fourbar_ros.terminal import make_table
+import numpy as np
 from rich.table import Table
 
+# [rad, m] how near a jump two values are taken, and how far they are apart, over the largest load
+BESIDE, JUMP = 1e-9, 1e-7
 FULL_TURN = tau * (1.0 - 1e-9)      # [rad] ranges from this width on are called full turns
 NO_WEIGHT = 'weight', 'left out (gravity 0)'         # name and text of a row
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
@@ -214,14 +219,44 @@ def _at_rest(linkage: Mechanism, rest: LinkageRecord) -> str:
     return f'{at}, with friction: stays from {" to ".join(ways)}'
 
 
-def jumps_in_words(linkage: Mechanism, extrema: Sequence[Extremum]) -> str:
-    """Return a line on what "from below" and "from above" of loads mean, if any of them jumps."""
+def jumps_in_words(linkage: Mechanism, names: Sequence[str], extrema: Sequence[Extremum],
+                   rates: tuple[float, float]) -> str:
+    """
+    Return a line on what jumps where loads have values from below and from above, if any have.
+
+    ``names``: of the elements; ``rates``: rate and acceleration of the input.
+    """
     sided = {(extremum.quantity, extremum.input, extremum.side) for extremum in extrema
              if extremum.side and isfinite(extremum.value)}
-    if linkage.friction and any((name, x, -side) in sided for name, x, side in sided):
-        return ('from below, from above: the load jumps there, as friction changes its direction; '
-                'both values count')
-    return ''
+    inputs = sorted({x for name, x, side in sided if (name, x, -side) in sided})
+
+    def jumps(mechanism: Mechanism) -> list[bool]:
+        """Return at which inputs any load of a mechanism jumps."""
+        sides = np.add.outer([-BESIDE, BESIDE], inputs)
+        loads = np.array([np.broadcast_to(load, sides.shape)
+                          for load in mechanism.loads(sides, *rates)])
+        away = np.abs(loads[:, 1] - loads[:, 0]).max(axis=0)
+        return list(away > JUMP * np.abs(loads).max(axis=(0, 1)))
+    causes = dict[str, list[bool]]()
+    free = linkage.without_friction
+    for name, element in zip(names, linkage.elements) if inputs else ():
+        at = jumps(free.with_elements(element))
+        if isinstance(element, TorsionSpring):
+            causes[f'{name} comes round'] = at
+        elif isinstance(element, PositionForce):
+            steps = at
+            if element.when != BOTH and any(at):
+                steps = jumps(free.with_elements(replace(element, when=BOTH)))
+                causes[f'{name} begins or ends (when: {element.when})'] = [
+                    is_jump and not is_step for is_jump, is_step in zip(at, steps)]
+            causes[f'{name} steps'] = [a and b for a, b in zip(at, steps)]
+    if linkage.friction:
+        causes['friction changes its direction'] = jumps(linkage.with_elements())
+    where = [shown(linkage.input_coordinate, x) for x in inputs]
+    words = [f'{cause} at {", ".join(text for text, is_here in zip(where, at) if is_here)}'
+             for cause, at in causes.items() if any(at)]
+    return (f'from below, from above: loads jump, both values count: {"; ".join(words)}'
+            if words else '')
 
 
 def proofs_in_words(extrema: Sequence[Extremum]) -> str:

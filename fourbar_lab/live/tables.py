@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from fourbar_lab.drawing.poses import DrawnPose, ten_digits
 from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.tables import SIDES
 from fourbar_lab.live.model import Shown, written
 from fourbar_lab.live.svg import plain
 from fourbar_ros.extrema.find import Extremum
@@ -33,6 +34,7 @@ def extrema_rows(shown: Shown, extrema: Sequence[Extremum]) -> list[dict[str, st
                      'note': ' '.join(filter(None, ('global' if extremum.is_global else '',
                                                     extremum.place
                                                     if extremum.place != 'interior' else '',
+                                                    SIDES[extremum.side],
                                                     'not certain' if extremum.proof else '')))})
     return rows
 

@@ -72,7 +72,7 @@ class Extremum(NamedTuple):
     place : str
         'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
         or one of ``within``, or where a load has a pole, at a flat position of a change point, or
-        jumps, as friction changes its direction.
+        jumps, by friction that changes its direction or a force that steps, begins or ends.
     side : int
         +1 (-1): the input is approached from above (below); 0 in the interior.
     condition, value_condition : float

@@ -4,8 +4,11 @@
 import re
 import subprocess
 
-from fourbar_lab.drawing.tables import proofs_in_words
-from fourbar_ros.extrema import Extremum
+from fourbar_lab.drawing.tables import jumps_in_words, proofs_in_words
+from fourbar_ros.extrema import Extremum, find_extrema
+from fourbar_ros.scene import from_values
+from fourbar_ros.scene.elements import element_names
+from fourbar_ros.scene.files import read_values
 import pytest
 from support import bags, ROOT
 from support.samples import some
@@ -55,3 +58,30 @@ def test_proofs_are_told_in_words_and_what_is_not_certain_without_being_asked():
         one._replace(proof='interval bounds'), one,
         one._replace(quantity='f41', proof='not certain: extrema are missing')]) == (
             'proved complete: omega4\nnot certain: extrema are missing: f41')
+
+
+PRESS = {**read_values('examples/press.yaml'), 'forces.gas.link': 'crank',
+         'forces.gas.acts': 'couple', 'forces.gas.periodic': True,       # without a jump
+         'forces.gas.places': ['0deg', '90deg', '360deg'], 'forces.gas.values': [0.0, 2.0, 0.0]}
+WAY = {'forces.cut.places': [120.0, 200.0], 'forces.cut.values': [-2.0, -2.0]}
+LATCH = {'torsion_springs.latch.second': 'crank', 'torsion_springs.latch.stiffness': 1.0,
+         'torsion_springs.latch.free_angle': 1.0}
+FREE = {name: value for name, value in PRESS.items() if not name.startswith('friction')}
+CUT = 'forces.cut steps at 326.8771 deg'
+BOTH = CUT.replace('326', '33.1229 deg, 326')
+TURNS = 'forces.cut begins or ends (when: forward) at 0.0000 deg'
+RUBS = 'friction changes its direction at 0.0000 deg, 90.0000 deg, 180.0000 deg, 270.0000 deg'
+
+
+@pytest.mark.parametrize(('values', 'words'), [
+    (PRESS, f'{TURNS}; {CUT}; {RUBS}'), (FREE, f'{TURNS}; {CUT}'),
+    ({**FREE, 'forces.cut.when': 'both'}, BOTH),
+    ({**FREE, **WAY}, TURNS.replace(' deg', ' deg, 180.0000 deg')),
+    ({**FREE, 'forces.cut.when': 'both', **LATCH},
+     f'torsion_springs.latch comes round at 237.2958 deg; {BOTH}'),
+    ({**FREE, 'forces.cut.when': 'both', **WAY}, '')])
+def test_what_jumps_is_told_by_its_name_and_where(values, words):
+    scene = from_values(values)
+    extrema = find_extrema(scene.linkage, ('driving_torque', 'guide_force', 'f32'), 9.0)
+    told = jumps_in_words(scene.linkage, element_names(scene.values), extrema, (9.0, 0.0))
+    assert told.removeprefix('from below, from above: loads jump, both values count: ') == words
