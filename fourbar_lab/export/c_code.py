@@ -18,17 +18,20 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 
 FLAGS = '-std=c99 -O2'
 STATUS = ('ok', 'out_of_range', 'invalid_input', 'toggle', 'rates_unknown')    # as in messages
-OF_FRICTION = {7: 'locked'}      # and of mechanisms that have it
+OF_ELEMENTS, OF_FRICTION = {6: 'loads_unknown'}, {7: 'locked'}     # of mechanisms that have them
 
 
-# The end of judged() in judge.c: loads are NaN, and the motion is not, where joints lock.
+# In judged() of judge.c: the ends of a spring meet where loads alone are refused.
+REFUSES, MEETS = '? 3 : 1;', f'? 3 : loads ? {min(OF_ELEMENTS)} : 1;'
+# And its end: loads are NaN, and the motion is not, where joints lock.
 OVERFLOWS = '  return is_finite(load) && is_infinite(condition) ? 3 : 2;'
 LOCKS = f'  if (load != load && is_finite(motion)) return {min(OF_FRICTION)};\n{OVERFLOWS}'
 
 
 def statuses_of(mechanism: Mechanism) -> dict[int, str]:
     """Return {status that the code of a mechanism gives: its name}."""
-    return {**dict(enumerate(STATUS)), **(OF_FRICTION if mechanism.friction else {})}
+    return {**dict(enumerate(STATUS)), **(OF_ELEMENTS if mechanism.elements else {}),
+            **(OF_FRICTION if mechanism.friction else {})}
 
 
 class Code:
@@ -167,7 +170,9 @@ class Code:
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',
                 f'  return {" || ".join(limits) or "0"};', '}', '',
-                snippet('judge.c').replace(OVERFLOWS, LOCKS if mechanism.friction else OVERFLOWS)]
+                snippet('judge.c').replace(OVERFLOWS, LOCKS if mechanism.friction else OVERFLOWS
+                                           ).replace(REFUSES, MEETS if mechanism.elements
+                                                     else REFUSES)]
 
     def _function(self, with_loads: bool) -> str:
         """

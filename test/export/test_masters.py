@@ -8,12 +8,15 @@ import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_ros import load_scene
-from fourbar_ros.pipeline.stepper import evaluate, Stepper, Wanted
+from fourbar_ros.pipeline.stepper import evaluate, LOADS_UNKNOWN, OK, Stepper, Wanted
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
+from support.acting import CASES, given, RUBBING, values_of
 from support.exported import COMPILERS
 from support.samples import some
+from support.scenes import PAPER, RODS
 
 ROWS = 200
 
@@ -71,20 +74,33 @@ def check(row, expected, rounded):
     assert len(known) > 10
 
 
-@some('name', ['paper', 'jansen', 'parallelogram', 'slides_7_6'], 1)
+MEETING = {**PAPER, **RODS, **given('springs', 's', first__along=0.4, second__link='crank',
+                                    second__along=0.4, stiffness=700.0, free_length=0.1)}
+SCENES = {**{name: load_scene(name).values for name in (
+    'paper', 'jansen', 'parallelogram', 'slides_7_6')},
+    **{case: values_of(case) for case in (*CASES, *RUBBING)},
+    'press': read_values('examples/press.yaml'), 'meeting': MEETING}
+
+
+@some('name', SCENES, ['paper', 'press', 'meeting', 'cylinder, all', 'four_bar, friction'])
 def test_motion_and_loads(name, master, tmp_path):
     simulated, rounded = master
-    linkage, step = load_scene(name).linkage, 1e-3
+    scene, step = from_values(SCENES[name]), 1e-3
+    linkage = scene.linkage
     low, high = linkage.input_ranges[0]
     middle, size = 0.5 * (low + high), 0.4 * (high - low)
-    given = [(middle + size * math.sin(x), 9.0 * size * math.cos(x), -81.0 * size * math.sin(x))
-             for x in (9.0 * step * i + 0.1 for i in range(ROWS + 1))]
-    rows = simulated(generate(name, tmp_path, 'fmu2').files[0], step,
-                     dict(zip(linkage.input_coordinate, zip(*given))))
+    samples = [(middle + size * math.sin(x), 9.0 * size * math.cos(x), -81.0 * size * math.sin(x))
+               for x in (9.0 * step * i + 0.1 for i in range(ROWS + 1))]
+    if name == 'meeting':           # every fourth row
+        samples = [(x if i % 4 else 0.0, *rates) for i, (x, *rates) in enumerate(samples)]
+    rows = simulated(generate(scene, tmp_path, 'fmu2', name='unit').files[0], step,
+                     dict(zip(linkage.input_coordinate, zip(*samples))))
     assert len(rows) == ROWS + 1
-    for row, sample in zip(rows[1:], given):      # a step sees the inputs of its beginning
+    for row, sample in zip(rows[1:], samples):      # a step sees the inputs of its beginning
         status, motion, loads = evaluate(linkage, *sample, linkage.bodies is not None)
         check(row, {**motion._asdict(), **loads._asdict(), 'status': status}, rounded)
+    statuses = {row['status'] for row in rows[1:]}
+    assert statuses == {OK, LOADS_UNKNOWN} if name == 'meeting' else OK in statuses
 
 
 @some('solver', ['Euler', 'CVode'], 1)

@@ -161,7 +161,8 @@ def test_numbers_of_springs_and_forces_can_be_changed_in_generated_code(tmp_path
 @pytest.mark.parametrize('numbers, has_loads', [
     ({'stiffness': 700.0}, True), ({'stiffness': 700.0, 'free_length': 0.1}, False),
     ({'preload': 5.0}, False), ({'damping': 5.0}, False)])
-def test_where_the_ends_of_a_spring_meet_only_one_without_length_has_a_force(numbers, has_loads):
+def test_where_the_ends_of_a_spring_meet_only_one_without_length_has_a_force(numbers, has_loads,
+                                                                             tmp_path):
     """Never a number by chance: refused for one input, not a number in arrays and topics."""
     there = scene.from_values({**PAPER, **RODS, 'outputs': ['loads'],
                                **given('springs', 's', first__along=0.4, second__link='crank',
@@ -180,6 +181,13 @@ def test_where_the_ends_of_a_spring_meet_only_one_without_length_has_a_force(num
         with pytest.raises(InvalidParameter, match='the ends of a spring meet') as refused:
             linkage.loads(0.0, 7.0)
         assert '\n' not in str(refused.value)
+    if COMPILERS:
+        code = Code(there, tmp_path, 'meeting')
+        inputs = np.array([[0.0, 7.0, 0.0], [0.3, 7.0, 0.0]])
+        (at, away), rows = code.compiled(COMPILERS[0], '-std=c99', '-O2')(inputs)
+        assert (at, away) == (status, OK)
+        assert not differences(((at, away), rows), of_python(linkage, there.points, inputs),
+                               len(code.model.motion))
 
 
 @pytest.mark.parametrize('acting', ['linear', 'preload', 'constant', 'zero free length',
