@@ -39,7 +39,8 @@ ENTRIES = {
         'coupling_rod': ('Coupling rods of a locomotive', 60),
         'scissor_lift': ('Scissor lift', 0.7), 'lift_table': ('Lift table', 0.6)},
     'Presses, grippers, doors, wipers': {
-        'toggle_press': ('Toggle press', 40), 'gripper': ('Gripper of the Robotiq type', -0.055),
+        'press': ('Crank press', 320), 'toggle_press': ('Toggle press', 40),
+        'gripper': ('Gripper of the Robotiq type', -0.055),
         'door_closer': ('Door closer', 50), 'wiper': ('Windscreen wiper', 40),
         'quick_return': ("Whitworth's quick return", 50), 'scotch_yoke': ('Scotch yoke', 50)},
     'Pumps and diggers': {

@@ -60,7 +60,7 @@ def test_proofs_are_told_in_words_and_what_is_not_certain_without_being_asked():
             'proved complete: omega4\nnot certain: extrema are missing: f41')
 
 
-PRESS = {**read_values('examples/press.yaml'), 'forces.gas.link': 'crank',
+PRESS = {**read_values('press'), 'forces.gas.link': 'crank',
          'forces.gas.acts': 'couple', 'forces.gas.periodic': True,       # without a jump
          'forces.gas.places': ['0deg', '90deg', '360deg'], 'forces.gas.values': [0.0, 2.0, 0.0]}
 WAY = {'forces.cut.places': [120.0, 200.0], 'forces.cut.values': [-2.0, -2.0]}

@@ -9,7 +9,6 @@ import subprocess
 from fourbar_lab.export import generate
 from fourbar_ros import load_scene
 from fourbar_ros.pipeline.stepper import evaluate, LOADS_UNKNOWN, OK, Stepper, Wanted
-from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -79,7 +78,7 @@ MEETING = {**PAPER, **RODS, **given('springs', 's', first__along=0.4, second__li
 SCENES = {**{name: load_scene(name).values for name in (
     'paper', 'jansen', 'parallelogram', 'slides_7_6')},
     **{case: values_of(case) for case in (*CASES, *RUBBING)},
-    'press': read_values('examples/press.yaml'), 'meeting': MEETING}
+    'press': load_scene('press').values, 'meeting': MEETING}
 
 
 @some('name', SCENES, ['paper', 'press', 'meeting', 'cylinder, all', 'four_bar, friction'])
