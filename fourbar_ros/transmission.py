@@ -304,7 +304,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     low, high = mechanism.range_around(start)
     inputs = np.linspace(low, high, SAMPLES)
     turning_points = _turning_points(mechanism, inputs)
-    if mechanism.turns_fully:
+    if mechanism.turns_fully and not mechanism.stroke:
         if not turning_points:
             branch = Branch(inputs, _continuous(mechanism, inputs, start), None)
             if branch.advance == 0.0:       # a kite whose crank turns about the pin at B

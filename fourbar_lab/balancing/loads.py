@@ -72,11 +72,9 @@ class Loads:
         if rate == 0.0 or not isfinite(rate):
             raise InvalidParameter('rate', rate, 'must be finite, not zero')
         mechanism.require_no_friction('balancing')
-        toggles = {end for bounds in mechanism.closing_ranges for end in bounds}
-        if not mechanism.turns_fully and not toggles.isdisjoint(
-                end for bounds in mechanism.input_ranges for end in bounds):
+        if mechanism.toggles:
             raise BalanceError('loads grow without bound at the toggle positions where the input '
-                               'ends: give a slide a stroke (linkage.range) that keeps away')
+                               'ends: give it a range (linkage.range) that keeps away')
         self.mechanism, self.rate = mechanism, rate
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body

@@ -41,7 +41,7 @@ def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False,
         return [np.radians(np.linspace(first, first + 360.0 * turns, turns * (count - 1) + 1))]
     inputs = []
     for low, high in mechanism.input_ranges:
-        margin = WITHIN * (high - low)
+        margin = WITHIN * (high - low) if mechanism.toggles else 0.0
         inputs.append(np.linspace(low + margin, high - margin, count))
     return inputs
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import inf, nan, pi, tau
+from math import inf, nan, pi
 from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
@@ -47,9 +47,6 @@ def record_of(linkage: Mechanism, extrema: Sequence[Extremum], points: picture.P
 
 def properties_of(linkage: Mechanism) -> LinkageRecord:
     """Return a linkage's own properties; an unknown value is NaN, ``bodies`` None if massless."""
-    ends = {end for bounds in linkage.closing_ranges for end in bounds}
-    toggles = [] if linkage.turns_fully else [end for bounds in linkage.input_ranges
-                                              for end in bounds if end in ends]
     return {
         'lengths': dict(zip(linkage.length_names, linkage.lengths)),
         'class': linkage.description, 'mode': linkage.mode,
@@ -58,7 +55,7 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
         'outputs': [_output(linkage, coordinate) for coordinate, _ in linkage.outputs],
         'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
-        'toggles': toggles,         # where the links of a dyad come in line
+        'toggles': list(linkage.toggles),       # where the links of a dyad come in line
         'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
         'bodies': linkage.bodies and {name: asdict(body)
@@ -73,8 +70,11 @@ def counted(linkage: Mechanism, theta1: float) -> float:
         return theta1
     if linkage.turns_fully:
         return theta1 % linkage.cycle
-    return min((theta1 + turns * tau for turns in (-1, 0, 1)), key=lambda angle: min(
-        max(low - angle, angle - high) for low, high in linkage.input_ranges))
+    turn, nearest = linkage.period, list[tuple[float, float]]()
+    for low, high in linkage.input_ranges:
+        angle = theta1 + turn * round((0.5 * (low + high) - theta1) / turn)
+        nearest.append((max(low - angle, angle - high), angle))
+    return min(nearest)[1]
 
 
 def _with_ranges(coordinate: parts.Coordinate, ranges: Intervals) -> LinkageRecord:

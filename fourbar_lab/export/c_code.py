@@ -149,23 +149,26 @@ class Code:
     def _guards(self) -> list[str]:
         """Return the functions that judge inputs and results; the same for all models."""
         model, mechanism = self.model, self.model.mechanism
-        low, high = mechanism.stroke or (-inf, inf)
-        reach = [f'x >= {literal(low)} && x <= {literal(high)}'] if mechanism.stroke else []
+        turned, (low, high) = list[str](), mechanism.cut or (-inf, inf)
+        reach = [f'x >= {literal(low)} && x <= {literal(high)}'] if mechanism.cut else []
+        if mechanism.cut and not mechanism.is_driven_by_slide:
+            period, middle = literal(mechanism.period), literal(0.5 * (low + high))
+            turned = [f'  const double away = {period} * rint((x - {middle}) / {period});',
+                      '  const double slack = 2.0 * DBL_EPSILON * fabs(away);']
+            reach = [f'x - away >= {literal(low)} - slack && x - away <= {literal(high)} + slack']
         near = 2.0**-17 * mechanism.input_unit
         # of x from a limit: of angles the short way round
         distance = ('fabs(x - {})' if mechanism.is_driven_by_slide
                     else 'fabs(remainder(x - {}, 6.283185307179586))')
         reach += [f'!({distance.format(literal(flat))} <= {literal(near)})'
                   for flat in sorted(set(mechanism.flat_limits))]
-        toggles = (mechanism.input_ranges if mechanism.stroke is None
-                   else mechanism.closing_ranges)
-        ends = sorted({end for bounds in toggles for end in bounds})
+        ends = sorted({end for bounds in mechanism.closing_ranges for end in bounds})
         limits = [f'{distance.format(literal(end))} <= near' for end in ends]
         summed = sum(entry.name in mechanism.MOTION._fields for entry in model.motion)
         depends = ', '.join(map(str, model.depends))
         return [f'enum {{ MOTIONS = {len(model.motion)}, SUMMED = {summed} }};', '',
                 f'static const unsigned char depends[] = {{{depends}}};', '',
-                'static int reaches(double x)\n{', '  (void)x;',
+                'static int reaches(double x)\n{', *turned, '  (void)x;',
                 f'  return {" && ".join(reach) or "1"};', '}', '',
                 'static int is_at_limit(double x)\n{',
                 '  const double near = 4.0 * DBL_EPSILON * fabs(x);', '  (void)near;',

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from math import inf, tau
+from math import tau
 from typing import Any
 
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct_of
@@ -197,14 +197,14 @@ class DriveCode:
     def _constants(self) -> list[str]:
         """Return the C constants of the step: phases, what takes over, budget, factors, limits."""
         mover, middle = self._mover, literal(self._system.coordinates.middle)
-        low, high = self._scene.linkage.stroke or (-inf, inf)
+        low, high = self._system.stroke
         index_of = {phase: i for i, phase in enumerate(self._phases)}
         successors = [', '.join(str(index_of[phase]) for phase in mover.taking_over[before])
                       or '0, 0' for before in self._phases]
         flags = {'PHASES': len(self._phases), 'TABLES': len(self._tables),
                  'PASSES': int(bool(self.modes)), 'BUDGET': mover.budget,
                  'HAS_SHAFT': int(self._drive.shaft is not None),
-                 'HAS_LIMITS': int(not self._system.mechanism.turns_fully),
+                 'HAS_LIMITS': int(self._system.has_limits),
                  'TAKES_TORQUE': int(self.takes_torque), 'HALVINGS': node_step.BISECTIONS,
                  'OF_PLACE': node_step.LINEARIZE, 'OF_ATTEMPT': node_step.ATTEMPT,
                  'OF_EULER': node_step.EULER}

@@ -47,7 +47,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     Fill columns with the measures of designs computed together; return which are right, (n,).
 
     ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
-    Not computed so: drives at rest, quantities of the drive at rates of their own, driven slides,
+    Not computed so: drives at rest, quantities of the drive at rates of their own, ranges, slides,
     machines (each is put together at run time), friction, whose loads jump, and designs where
     lengths, samples or search leave a doubt.
     """
@@ -56,8 +56,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.friction
-            or scene.kind not in KINDS):
+    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.stroke
+            or scene.linkage.friction or scene.kind not in KINDS):
         return none
     if not scene.linkage.turns_fully and any(map(refuses_turns, scene.linkage.elements)):
         return none

@@ -185,7 +185,8 @@ def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
     is_driven = coordinate == mechanism.input_coordinate
     ratio, offset = shown.ratios[index], shown.offsets[index]
     limits = None
-    if not mechanism.turns_fully if is_driven else connection.axis is not None:
+    if (mechanism.stroke or not mechanism.turns_fully if is_driven
+            else connection.axis is not None):
         # in the turn of the start, so that it lies between them
         low, high = mechanism.range_around(getattr(motion, mechanism.input_coordinate.position))
         if not is_driven:       # what the slide sweeps there, with a margin

@@ -286,7 +286,7 @@ class Mover:
         ``command``: torque of the source during the step [N m], where it takes commands.
         """
         self._take(command)
-        self._evaluations, limited = 0, not self.system.mechanism.turns_fully
+        self._evaluations, limited = 0, self.system.has_limits
         if not (0.0 < length < inf and all(map(isfinite, (*state.vector, *self._outside)))):
             return Stepped(state.at_rest(), NOT_FINITE, 0)
         try:
@@ -298,7 +298,7 @@ class Mover:
                     self.system.distance_to_end(self.in_input(new).position) <= 0.0
                     or not self.passes and self._linearized(new).room <= 0.0):
                 status = AT_LIMIT
-        except REFUSALS:           # an input that turns fully has no limit: a number was too large
+        except REFUSALS:           # an input without a limit: a number was too large
             status = AT_LIMIT if limited else NOT_FINITE
         if status not in (OK, OUT_OF_BUDGET):
             new = state.at_rest()
@@ -407,7 +407,7 @@ class Mover:
                 *state.vector, h, self._torque, *linear.change, *linear.coefficients,
                 *self._outside)
         except REFUSALS:
-            if self.system.mechanism.turns_fully:               # a number was too large
+            if not self.system.has_limits:                      # a number was too large
                 raise
             return None, SMALLEST                        # a shorter step may be inside
         if not scale >= least:

@@ -269,9 +269,9 @@ def _turning_points(system: System, energy: float) -> tuple[float, float] | None
         low, high = start, _turning_point(system, energy, 1.0 if push > 0.0 else -1.0)
     else:
         low, high = (_turning_point(system, energy, side) for side in (-1.0, 1.0))
-        if low is None and high is None and system.mechanism.turns_fully:
+        if low is None and high is None and not system.has_limits:
             return None
-    if low is None or high is None:
+    if low is None or high is None or min(map(system.distance_to_end, (low, high))) < 0.0:
         raise InvalidParameter('system', None, 'must not reach a limit of its input')
     return min(low, high), max(low, high)
 

@@ -42,11 +42,12 @@ class System:
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
-        self.drive, self._with_stroke, self._stroke = drive, mechanism, mechanism.stroke
+        self.drive, self._with_stroke = drive, mechanism
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
         self.mechanism = mechanism
         motion = (mechanism.checked_input('position', position), finite('rate', rate))
+        self.stroke = self._with_stroke.stroke_around(motion[0])    # in the turn of the start
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation
         self.is_conservative = not (drive or self.equation.has_couples
@@ -74,7 +75,12 @@ class System:
     @property
     def has_stroke(self) -> bool:
         """Return whether the input has a stroke that ends a run."""
-        return self._stroke is not None
+        return self._with_stroke.stroke is not None
+
+    @property
+    def has_limits(self) -> bool:
+        """Return whether the input has an end: of its stroke, or a toggle."""
+        return self.has_stroke or not self.mechanism.turns_fully
 
     def distance_to_limit(self, position: float) -> float:
         """
@@ -89,9 +95,9 @@ class System:
 
     def distance_to_end(self, position: float) -> float:
         """Return how far an input is from the nearer end of the stroke, as a part of it."""
-        if self._stroke is None:
+        if not self.has_stroke:
             return inf
-        low, high = map(float, self._stroke)
+        low, high = self.stroke
         return min((position - low) / (high - low), (high - position) / (high - low))
 
     def torque(self, time: float, state: State) -> float:

@@ -15,7 +15,7 @@ z|; kernels of the widths 4 w, 16 w, ... thin out the samples with the distance.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import inf, pi
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.geometry import BESIDE_FLAT_LIMITS
 from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import clipped
 from fourbar_ros.numerics.arrays import Array, sine_between
 import numpy as np
 
@@ -185,25 +186,33 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
     A slide is given in units of :attr:`input_unit`.
     """
     unit = mechanism.input_unit
+    turned = (2.0 * pi * round(mechanism.cut[0] / (2.0 * pi))      # the turn of the stroke
+              if mechanism.cut and not mechanism.is_driven_by_slide else 0.0)
     passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
     singular = np.array([*[z for z in mechanism.singular_inputs
                            if z.imag or z.real in poles or z.real not in passed],
-                         *(pieces.branch_points if pieces else ())], complex) / unit
+                         *[z - turned for z in (pieces.branch_points if pieces else ())]],
+                        complex) / unit
     inner = np.array(pieces.ends if pieces else ()) / unit
-    if mechanism.turns_fully:
-        return _of_turns(singular, points, within,
-                         mechanism.cycle if pieces else mechanism.period, inner)
+    cuts = _cuts(mechanism, within)
+    if mechanism.closes_fully:
+        period = mechanism.cycle if pieces else mechanism.period
+        return [path for cut in cuts
+                for path in _of_turns(singular, points, cut, period, inner)]
     paths = []
     for low, high in mechanism.closing_ranges:
-        bounds = Range(low / unit, high / unit)
+        bounds, of_range = Range(low / unit, high / unit), inner
         inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
+        if not mechanism.is_driven_by_slide:        # pieces may lie in the turn of the stroke
+            of_range = inner - 2.0 * pi * np.round((inner - bounds.middle) / (2.0 * pi))
         # beside these there are no results
         first, last = (2.0 * BESIDE_FLAT_LIMITS * (end in mechanism.flat_limits)
                        for end in (low, high))
-        for begin, end in _cuts(mechanism, within):
+        for begin, end in _in_turns(mechanism, cuts):
             cut = (max(begin / unit, bounds.low + first if first else -inf),
                    min(end / unit, bounds.high - last if last else inf))
-            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut, inner)
+            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut,
+                              of_range)
     return paths
 
 
@@ -225,18 +234,24 @@ def unresolved(mechanism: Mechanism) -> str:
     return ''
 
 
-def _cuts(mechanism: Mechanism, within: tuple[float, float] | None) -> list[tuple[float, float]]:
-    """Return the parts of the input [rad or m] in which paths are wanted, angles in each turn."""
-    low, high = within or (-inf, inf)
-    if mechanism.is_driven_by_slide:
-        begin, end = mechanism.stroke or (-inf, inf)
-        low, high = max(low, begin), min(high, end)
-        return [(low, high)] if low < high else []
-    if not within:
-        return [(low, high)]
-    turns = round(low / (2.0 * pi))
-    return [(low - 2.0 * pi * turn, high - 2.0 * pi * turn)
-            for turn in range(turns - 2, turns + 3)]
+def _cuts(mechanism: Mechanism, asked: tuple[float, float] | None
+          ) -> Sequence[tuple[float, float] | None]:
+    """Return the parts of the input [rad or m] in which paths are wanted; None: all of it."""
+    if asked and mechanism.cut:
+        return clipped((mechanism.cut,), asked, mechanism.period)
+    return [asked or mechanism.cut]
+
+
+def _in_turns(mechanism: Mechanism, cuts: Sequence[tuple[float, float] | None]
+              ) -> Iterator[tuple[float, float]]:
+    """Yield parts of the input, angles in each turn in which a range may be [rad or m]."""
+    for low, high in [cut or (-inf, inf) for cut in cuts]:
+        if mechanism.is_driven_by_slide or low == -inf:
+            yield low, high
+        else:
+            turns = round(low / (2.0 * pi))
+            yield from ((low - 2.0 * pi * turn, high - 2.0 * pi * turn)
+                        for turn in range(turns - 2, turns + 3))
 
 
 def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,

@@ -238,7 +238,7 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
         """Return the input of an extremum, in the turn of a range, on its side of an end."""
         middle, width = 0.5 * (bounds[0] + bounds[1]), bounds[1] - bounds[0]
         away = extremum.input + NEAR_END * width * extremum.side - middle
-        return middle + (away if linkage.is_driven_by_slide else remainder(away, tau))
+        return middle + remainder(away, linkage.period)
 
     def is_outside_by(bounds: tuple[float, float], extremum: Extremum) -> float:
         x = input_in(bounds, extremum)

@@ -7,7 +7,6 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity, UnknownBase
-from fourbar_ros.mechanisms.parts import within_stroke
 from fourbar_ros.numerics.arguments import finite, records
 
 if TYPE_CHECKING:
@@ -15,7 +14,7 @@ if TYPE_CHECKING:
 
 LONGEST = 2.0**1000     # [m]
 SHORTEST = 1e-100       # of the longest length
-STROKE = 'must be [shortest, longest] of the slide, two finite numbers'
+STROKE = 'must be [lowest, highest] of the driven joint, two finite numbers'
 
 
 def checked(mechanism: MechanismGeometry) -> dict[str, Any]:
@@ -68,21 +67,19 @@ def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
     return values
 
 
-def checked_stroke(mechanism: MechanismGeometry) -> tuple[float, float] | None:
-    """Return the stroke; refuse a wrong one, or one in which the links cannot close anywhere."""
+def check_stroke(mechanism: MechanismGeometry) -> None:
+    """Refuse a wrong stroke, and one in which the links cannot close anywhere."""
     stroke = mechanism.stroke
     if stroke is None:
-        return None
-    if not mechanism.is_driven_by_slide:
-        raise InvalidParameter('stroke', stroke, 'only a driven slide has one')
+        return
     low, high = two_numbers('stroke', stroke, STROKE)
+    object.__setattr__(mechanism, 'stroke', (low, high))
     if not low < high:
         raise InvalidParameter('stroke', stroke, STROKE)
-    if not within_stroke(mechanism.closing_ranges, (low, high)):
+    if not mechanism.input_ranges:
         unit = mechanism.input_coordinate.unit
         raise InvalidParameter('stroke', (low, high), 'the links cannot close anywhere in it: '
                                f'they do in {in_words(mechanism.closing_ranges, unit)}')
-    return low, high
 
 
 def checked_gravity(gravity: Any) -> Gravity:

@@ -129,7 +129,7 @@ class FourBarLinks(Kind):
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({exact_sum(lengths + (-longest,)):.12g})')
-        self._fit_elements()
+        self._check_fit()
 
 
 @dataclass(frozen=True)
@@ -154,6 +154,8 @@ class FourBar(FourBarLinks):
         Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on coupler and output link.
+    stroke : tuple of 2 floats, optional
+        Lowest and highest theta1 [rad], in any turn; not given: all at which the links close.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
@@ -174,6 +176,7 @@ class FourBar(FourBarLinks):
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
+    stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
 
@@ -252,8 +255,8 @@ class MovingJointFourBar(FourBarLinks):
         Assembly mode: 2 has sin(theta4) > 0 of a drive at A, sin(theta1) > 0 of one at B; 1 < 0.
     input : str
         'A': theta2, coupler to crank, is given; 'B': theta3, output link to coupler.
-    bodies, gravity, external, friction
-        As of :class:`~FourBar`.
+    bodies, gravity, external, stroke, friction
+        As of :class:`~FourBar`; the stroke is of theta2 or theta3.
 
     Its ``driving_torque`` acts on the coupler from the crank (A), or on the output link from the
     coupler (B).
@@ -269,6 +272,7 @@ class MovingJointFourBar(FourBarLinks):
     bodies: Bodies | None = None
     gravity: Gravity = (0.0, 0.0)
     external: External = External()
+    stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
 

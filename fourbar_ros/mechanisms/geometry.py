@@ -13,22 +13,23 @@ from typing import Any, cast, TYPE_CHECKING, TypeVar
 from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
 from fourbar_ros.mechanisms.checks import (
+    check_stroke,
     checked,
     checked_gravity,
-    checked_stroke,
     friction_of,
 )
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.parts import (
+    clipped,
     Coordinate,
     find_link,
+    is_within,
     Link,
     NamedFields,
     OPEN,
     Output,
     Ranges,
     SLIDE,
-    within_stroke,
 )
 from fourbar_ros.mechanisms.statement import StatedMechanism
 from fourbar_ros.numerics.arrays import EPS
@@ -113,22 +114,54 @@ class MechanismGeometry(StatedMechanism):
         return words + ('; repeats after two turns' if 2.0 * pi < self.period < inf else '')
 
     @cached_by_lengths
+    def cut(self) -> tuple[float, float] | None:
+        """Return the stroke where it leaves inputs out: of angles, if it is less than a period."""
+        stroke = self.stroke
+        return stroke if stroke and stroke[1] - stroke[0] < self.period else None
+
+    @cached_by_lengths
     def input_ranges(self) -> Ranges:
-        """Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high."""
-        return within_stroke(self.closing_ranges, self.stroke)
+        """
+        Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high.
+
+        Of angles in the turn in which the stroke is.
+        """
+        if not self.cut:
+            return self.closing_ranges
+        return (self.cut,) if self.closes_fully else clipped(self.closing_ranges, self.cut,
+                                                             self.period)
+
+    @property
+    def toggles(self) -> tuple[float, ...]:
+        """Return the ends of :attr:`input_ranges` that are no ends of the stroke [rad or m]."""
+        if self.closes_fully:
+            return ()
+        ends = [end for bounds in self.closing_ranges for end in bounds]
+        return tuple([x for bounds in self.input_ranges for x in bounds if any(
+            abs(self.distance(x, end)) <= AT_END * self.input_unit for end in ends)])
+
+    def stroke_around(self, position: float) -> tuple[float, float]:
+        """Return the stroke, of angles in the turn of a position; without one (-inf, inf)."""
+        low, high = self.stroke or (-inf, inf)
+        away = (0.0 if self.is_driven_by_slide or low <= position <= high
+                else self.period * round((position - 0.5 * (low + high)) / self.period))
+        return low + away, high + away
 
     def range_around(self, position: float) -> tuple[float, float]:
         """
         Return the range of the input with a position, shifted by whole turns so that it holds it.
 
-        Of an input that turns fully, half a period to both sides. OutOfRange outside all ranges.
+        Of an input that turns fully the stroke, or half a period to both sides. OutOfRange outside
+        all ranges.
         """
         if self.turns_fully:
-            return position - 0.5 * self.period, position + 0.5 * self.period
+            low, high = self.stroke_around(position)
+            reach = 0.5 * self.period if self.stroke is None else inf
+            return max(low, position - reach), min(high, position + reach)
         rounding = 4.0 * EPS * abs(position)
         for low, high in self.input_ranges:
             turns = (0.0 if self.is_driven_by_slide
-                     else 2.0 * pi * round((position - 0.5 * (low + high)) / (2.0 * pi)))
+                     else self.period * round((position - 0.5 * (low + high)) / self.period))
             low, high = low + turns, high + turns
             if low - rounding <= position <= high + rounding:
                 return min(low, position), max(high, position)
@@ -196,9 +229,14 @@ class MechanismGeometry(StatedMechanism):
         return power_of_two(*self.lengths) if self.is_driven_by_slide else 1.0
 
     @property
+    def closes_fully(self) -> bool:
+        """Return whether the input is an angle at all values of which the links close."""
+        return not self.is_driven_by_slide and self.closing_ranges == ((-pi, pi),)
+
+    @property
     def turns_fully(self) -> bool:
-        """Return whether the input is an angle that makes full turns."""
-        return not self.is_driven_by_slide and self.input_ranges == ((-pi, pi),)
+        """Return whether the input is an angle that makes full turns: no stroke forbids it."""
+        return self.closes_fully and not self.cut
 
     @cached_by_lengths
     def period(self) -> float:
@@ -210,7 +248,7 @@ class MechanismGeometry(StatedMechanism):
         """
         if self.is_driven_by_slide:
             return inf
-        return 4.0 * pi if self.turns_fully and self._has_odd_turns else 2.0 * pi
+        return 4.0 * pi if self.closes_fully and self._has_odd_turns else 2.0 * pi
 
     @property
     def turns(self) -> int:
@@ -239,7 +277,8 @@ class MechanismGeometry(StatedMechanism):
         changes its side, those of either side through which its motion goes in a period.
         """
         if not self.flat_inputs:
-            return tuple(sorted(self.stalls(self.sign)))
+            return tuple(sorted(point for point in self.stalls(self.sign)
+                                if self.is_in_stroke(point[0])))
 
         def is_passed(point: Any) -> bool:
             """Return whether the motion has the output of a point there: on its own branch."""
@@ -252,11 +291,12 @@ class MechanismGeometry(StatedMechanism):
         points = [point._replace(theta1=point.theta1 + 2.0 * pi * turn)
                   for side in (1.0, -1.0) for point in self.stalls(side)
                   for turn in range(round(self.period / (2.0 * pi)))]
-        return tuple(sorted(filter(is_passed, points)))
+        return tuple(sorted(point for point in points
+                            if self.is_in_stroke(point.theta1) and is_passed(point)))
 
     def is_in_stroke(self, position: float) -> bool:
-        """Return whether an input is in the stroke, if there is one."""
-        return self.stroke is None or self.stroke[0] <= position <= self.stroke[1]
+        """Return whether an input is in the stroke, if there is one; angles in any turn."""
+        return not self.cut or bool(is_within(position, self.cut, self.period))
 
     @property
     def reaches(self) -> Function | None:
@@ -266,16 +306,15 @@ class MechanismGeometry(StatedMechanism):
         They may not outside the stroke, nor so near to a limit that is a change point that
         accelerations are noise. Inputs are floats or arrays, real or complex.
         """
-        stroke, flats = self.stroke, set(self.flat_limits)
-        if stroke is None and not flats:
+        cut, flats, period = self.cut, set(self.flat_limits), self.period
+        if not cut and not flats:
             return None
-        low, high = (-inf, inf) if stroke is None else stroke
         turn = inf if self.is_driven_by_slide else 2.0 * pi
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
-        def reaches(position: Scalar) -> bool:
+        def reaches(position: Scalar) -> Any:
             x = position.real
-            inside = (low <= x) & (x <= high)
+            inside: Any = is_within(x, cut, period) if cut else x == x
             for flat in flats:
                 distance = x - flat
                 if turn < inf:
@@ -297,7 +336,7 @@ class MechanismGeometry(StatedMechanism):
     @property
     def modes_passed(self) -> tuple[int, ...]:
         """Return the modes between which a motion goes on at toggles."""
-        return (self.mode,) if self.turns_fully else tuple(sorted(self.modes))
+        return (self.mode,) if self.closes_fully else tuple(sorted(self.modes))
 
     def mode_beyond(self, _limit: float) -> int:
         """Return the mode into which quantities go on smoothly at a toggle, a limit."""
@@ -318,7 +357,7 @@ class MechanismGeometry(StatedMechanism):
         """
         if self.change_point_margin:
             return ()
-        ends = [] if self.turns_fully else [end for ends in self.closing_ranges for end in ends]
+        ends = [] if self.closes_fully else [end for ends in self.closing_ranges for end in ends]
         flats = {pi if z.real == -pi else z.real for z in self.singular_inputs if z.imag == 0.0}
         return tuple(sorted(x for x in flats if all(
             abs(self.distance(x, end)) > AT_END * self.input_unit for end in ends)))
@@ -336,15 +375,12 @@ class MechanismGeometry(StatedMechanism):
         for name, value in checked(self).items():
             object.__setattr__(self, name, value)
 
-    def _fit_elements(self) -> None:
-        """Refuse springs and forces that do not fit, and keep the others as they act here."""
+    def _check_fit(self) -> None:
+        """Refuse a stroke, springs and forces that do not fit; keep them as they act here."""
+        check_stroke(self)
         if self.elements:
             from fourbar_ros.mechanisms.elements import fitted  # few mechanisms have any
             object.__setattr__(self, 'elements', fitted(self.elements, self))
-
-    def _check_stroke(self) -> None:
-        """Refuse a wrong stroke, and keep a right one as two floats."""
-        object.__setattr__(self, 'stroke', checked_stroke(self))
 
     def __getstate__(self) -> dict[str, object]:
         """Return the fields to be pickled: functions made of them can be neither sent nor kept."""
@@ -356,7 +392,7 @@ class MechanismGeometry(StatedMechanism):
 
     def without_stroke(self: _Self) -> _Self:
         """Return the same mechanism without a stroke, so that poses beyond it are computed."""
-        return self if self.stroke is None else replace(self, stroke=None)
+        return self if self.stroke is None else self._copy(stroke=None)
 
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
         """Return the same mechanism with other :attr:`lengths`."""
@@ -377,7 +413,7 @@ class MechanismGeometry(StatedMechanism):
     def with_elements(self: _Self, *elements: Element) -> _Self:
         """Return the same mechanism with these springs, dampers and forces over a position."""
         copied = self._copy(**self._geometry, elements=elements)
-        copied._fit_elements()
+        copied._check_fit()
         return copied
 
     def with_friction(self: _Self, friction: Any) -> _Self:

@@ -6,10 +6,13 @@ from __future__ import annotations
 from collections import namedtuple
 from collections.abc import Iterable
 from functools import cache
+from math import ceil, floor, inf
 from typing import Any, NamedTuple, NoReturn
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Scalar
+import numpy as np
 
 Ranges = tuple[tuple[float, float], ...]        # (low, high) of an input [rad or m]
 CROSSED, OPEN = 1, 2     # assembly modes: sin(theta4 - beta) < 0, > 0 of a 4R linkage
@@ -23,12 +26,30 @@ def mode_number(mode: int) -> int:
     return mode if mode <= LARGEST_MODE else 0
 
 
-def within_stroke(ranges: Ranges, stroke: tuple[float, float] | None) -> Ranges:
-    """Return the parts of ranges of the input that lie in the stroke, if there is one."""
-    if stroke is None:
-        return ranges
-    parts = ((max(low, stroke[0]), min(high, stroke[1])) for low, high in ranges)
-    return tuple((low, high) for low, high in parts if low < high)
+def clipped(ranges: Ranges, bounds: tuple[float, float], turn: float) -> Ranges:
+    """
+    Return the parts of ranges of the input that lie between two bounds, from low to high.
+
+    ``turn``: by which ranges are moved to come there [rad]; inf of a slide.
+    """
+    parts, (begin, end) = list[tuple[float, float]](), bounds
+    for low, high in ranges:
+        for count in ((0,) if turn == inf else
+                      range(ceil((begin - high) / turn), floor((end - low) / turn) + 1)):
+            away = turn * count if count else 0.0
+            first, last = max(low + away, begin), min(high + away, end)
+            if last - first > 4.0 * EPS * abs(away):        # no sliver of rounding
+                parts.append((first, last))
+    return tuple(sorted(parts))
+
+
+def is_within(position: Scalar, bounds: tuple[float, float], turn: float) -> Scalar:
+    """Return which inputs, floats or arrays, lie between two bounds, angles in any turn."""
+    (low, high), slack = bounds, 0.0
+    if turn < inf:
+        away = turn * np.rint((position - 0.5 * (low + high)) / turn)
+        position, slack = position - away, 2.0 * EPS * abs(away)
+    return (low - slack <= position) & (position <= high + slack)
 
 
 class Coordinate(NamedTuple):

@@ -38,7 +38,8 @@ def smooth_ranges(mechanism: Mechanism) -> Ranges:
     if mechanism.turns_fully:
         ranges = ((-0.5 * mechanism.cycle, 0.5 * mechanism.cycle),)
     if not mechanism.is_driven_by_slide:
-        flats |= {x + 2.0 * pi * turn for x in flats for turn in range(-2, 3)}
+        turns = round(ranges[0][0] / (2.0 * pi))
+        flats |= {x + 2.0 * pi * turn for x in flats for turn in range(turns - 2, turns + 3)}
     flats |= {*(mechanism.pieces.ends if mechanism.pieces else ())}
     for low, high in ranges:
         cuts = [low, *sorted({x for x in flats if low < x < high}), high]

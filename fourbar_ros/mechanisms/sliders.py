@@ -70,8 +70,7 @@ class OffsetSlide(Kind):
         if exact_sum((p, r, -abs(e))) <= 0.0:
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                    f'{p_name} + {r_name} ({p + r:.12g})')
-        self._check_stroke()
-        self._fit_elements()
+        self._check_fit()
 
 
 class SliderDeadPoint(NamedTuple):
@@ -105,8 +104,8 @@ class SliderCrank(OffsetSlide):
     external : External
         Forces and couples on coupler and slider (``output``), as gas forces.
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
-        the links close.
+        Lowest and highest theta1 [rad], in any turn, or slide [m], as a cylinder has; not given:
+        all at which the links close.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
@@ -218,8 +217,8 @@ class InvertedSlider(OffsetSlide):
     external : External
         Forces and couples on block (``coupler``) and bar (``output``).
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide [m] of a driven slide, as a cylinder has; not given: all where
-        the links close.
+        Lowest and highest theta1 [rad], in any turn, or slide [m], as a cylinder has; not given:
+        all at which the links close.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
@@ -380,7 +379,7 @@ class ScotchYoke(Kind):
     external : External
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide [m] of a driven slide; not given: [-a1, a1].
+        Lowest and highest theta1 [rad], in any turn, or slide [m]; not given: all.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
@@ -437,8 +436,7 @@ class ScotchYoke(Kind):
 
     def __post_init__(self) -> None:
         self._check()
-        self._check_stroke()
-        self._fit_elements()
+        self._check_fit()
 
     @property
     def modes(self) -> dict[int, str]:

@@ -39,9 +39,9 @@ class StatedMechanism(ABC):
     Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
 
     The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``,
-    ``elements``; where a slide can be driven, ``stroke``. A kind has its facts as attributes of
-    its class, a machine put together at run time as its own attributes. The numbers of links,
-    joints, loads and outputs are known nowhere else.
+    ``elements``, ``stroke``. A kind has its facts as attributes of its class, a machine put
+    together at run time as its own attributes. The numbers of links, joints, loads and outputs are
+    known nowhere else.
     """
 
     TITLE: str                      # name of the kind in texts
@@ -83,7 +83,7 @@ class StatedMechanism(ABC):
     external: Any
     elements: tuple[Any, ...]       # springs, dampers, forces over a position: :mod:`.elements`
     friction: Any       # pairs of :data:`.mechanisms.friction.Friction`
-    stroke: tuple[float, float] | None = None       # of mechanisms that have none
+    stroke: tuple[float, float] | None      # lowest and highest input [rad or m]
 
     # --- each kind must give these --------------------------------------------------------------
 

@@ -178,11 +178,7 @@ def first_angles(scene: Scene) -> list[float]:
     names = [joint.coordinate.position for joint in mechanism.JOINTS]
     at_start = mechanism.motion(start, 0.0, 0.0)
     angles = [float(getattr(at_start, name)) for name in names]
-    low, high = start - 0.5 * mechanism.period, start + 0.5 * mechanism.period
-    if not mechanism.turns_fully:
-        low, high = min(mechanism.input_ranges,
-                        key=lambda ends: max(ends[0] - start, start - ends[1]))
-    inputs = np.linspace(low, high, SAMPLES)
+    inputs = np.linspace(*mechanism.range_around(start), SAMPLES)
     for joint, positions in enumerate(mechanism.motion(inputs, fields=tuple(names))):
         path = np.unwrap(positions[np.isfinite(positions)])
         turns_round = mechanism.turns_fully and abs(path[-1] - path[0]) > pi

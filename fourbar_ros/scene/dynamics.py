@@ -93,7 +93,7 @@ def _check_start(dynamics: Dynamics, mechanism: Mechanism) -> None:
     try:
         system = dynamics.system(mechanism)
         rates = system.derivative(0.0, system.start)
-        good = system.mechanism.turns_fully or system.distance_to_limit(system.start[0]) > 0.0
+        good = system.distance_to_limit(system.start[0]) > 0.0
     except InvalidParameter:
         raise
     except (FourBarError, ArithmeticError) as error:

@@ -11,7 +11,7 @@ from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, UNKNOWN_BASE
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import JOINT_A, Link, SLIDE
+from fourbar_ros.mechanisms.parts import JOINT_A, Link
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameters import member_of, of_name, unit_in
 from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues
@@ -81,16 +81,12 @@ def _of_kind(values: ParameterValues) -> Mechanism:
         inputs = dict.fromkeys([*kind.INPUTS, *kind_of(name, JOINT_A).INPUTS])
         raise InvalidParameter('linkage.input', values['linkage.input'],
                                f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
-    if values['linkage.range']:
-        if arguments.get('input') != SLIDE:
-            raise InvalidParameter('linkage.range', values['linkage.range'],
-                                   'only a driven slide has a stroke')
-        arguments['stroke'] = tuple(values['linkage.range'])
     _check_links(values, kind)
     bodies = BodiesOfLinks(values, kind.LINKS,
                            {length: values[f'linkage.{length}'] for length in LENGTHS})
+    stroke = values['linkage.range']
     mechanism: Mechanism = kind(
-        **arguments, mode=values['linkage.mode'],
+        **arguments, mode=values['linkage.mode'], stroke=tuple(stroke) if stroke else None,
         bodies=kind.BODIES(**bodies.made(True)) if bodies.are_given else None,
         gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
     return mechanism

@@ -203,8 +203,9 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                 raise InvalidParameter(name, item, one_of(choices, item, some=True)
                                        if choices else 'must be a text')
     elif parameter.type == 'doubles':
-        # angles or lengths: a text stays until the mechanism tells which
-        units = parameter.unit.split(' or ')
+        # angles or lengths: a text stays until the mechanism tells which, but of the input
+        units = ([unit_in(parameter, values)] if name == 'linkage.range'
+                 else parameter.unit.split(' or '))
         numbers = [as_number(name, item, *units) for item in value]
         for item in numbers:
             if not isinstance(item, float) or not isfinite(item):

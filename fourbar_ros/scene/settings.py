@@ -318,9 +318,9 @@ PARAMETERS = _table(
               'also A or B: a drive between two moving links, given theta2 or theta3',
               choices=(*_DRIVEN, 'cylinder'), live=False),
     *map(_length, LENGTHS),
-    Parameter('linkage.range', 'doubles', [], 'm',
-              'stroke of a driven slide: [shortest, longest]; empty: every position where the '
-              'linkage can be assembled', live=False),
+    Parameter('linkage.range', 'doubles', [], 'rad or m',
+              'where the driven joint may be: [lowest, highest], of angles in any turn; empty: '
+              'wherever the linkage can be assembled', live=False),
     Parameter('linkage.mode', 'integer', 2, '',
               'assembly mode: 1 or crossed, 2 or open; for the sliders see docs/conventions.md',
               1, 2, words=MODES),

@@ -252,6 +252,18 @@ def test_what_cannot_be_balanced_is_reported():
         least_rms(places_of(loads), ('noise',), 1.0)
 
 
+def test_a_rocker_is_balanced_over_the_range_that_is_given():
+    """The root mean square over samples of the range, by the mechanism itself."""
+    rocker = replace(load('paper').linkage, a1=0.9, a2=0.5, gravity=(0.0, 0.0), stroke=(0.5, 0.9))
+    loads = Loads(rocker, 25.0)
+    x = 0.5 + 0.4 * (np.arange(20_000) + 0.5) / 20_000
+    force = rocker.loads(x, 25.0).shaking_force
+    assert loads.rms('force', loads.given) == pytest.approx(
+        np.sqrt(np.mean(np.square(force))), rel=1e-7)
+    with pytest.raises(BalanceError, match='toggle'):
+        Loads(replace(rocker, stroke=(0.0, 0.9)), 25.0)
+
+
 def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
     file, picture = tmp_path / 'balanced.yaml', tmp_path / 'change.png'
     assert main(['balance', 'paper', '-o', str(file), '--plot', str(picture)]) == 0

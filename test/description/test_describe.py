@@ -196,7 +196,9 @@ TWO_RANGES = {**PAPER, 'linkage.a1': 0.97, 'linkage.a2': 0.23, 'linkage.a3': 0.9
 
 @pytest.mark.parametrize('values', [
     *shipped(), A_TURN_LOWER, A_TURN_LOWER | {'drive.start': 2.5},
-    A_TURN_LOWER | {'joint_states.ratios': SIGNS, 'joint_states.offsets': OFFSETS}, TWO_RANGES],
+    A_TURN_LOWER | {'joint_states.ratios': SIGNS, 'joint_states.offsets': OFFSETS}, TWO_RANGES,
+    {**PAPER, 'linkage.range': [0.0, 0.85]}, {**PAPER, 'linkage.range': [-3.0, -2.0],
+                                              'drive.start': 4.0}],
     ids=lambda values: values if isinstance(values, str) else '')
 def test_the_start_lies_within_the_limits_of_every_format(values):
     scene = load(values) if isinstance(values, str) else from_values(values)
@@ -244,6 +246,19 @@ def test_a_passive_slide_stays_within_its_limits_up_to_the_toggles():
     near = low + (high - low) * np.array([0.0, 1e-9, 1e-6, 1.0 - 1e-6, 1.0 - 1e-9])[1:]
     positions, = scene.linkage.motion(near, fields=(slide.coordinate.position,))
     assert slide.limits[0] <= positions.min() and positions.max() <= slide.limits[1]
+
+
+@pytest.mark.parametrize('ends', [[0.0, 0.85], [3.0, 4.0], [-1.0, 9.0]])
+def test_the_range_of_a_crank_is_that_of_its_joint(ends):
+    scene = from_values({**PAPER, 'linkage.range': ends, 'drive.start': ends[0] + 0.1})
+    element = next(joint for joint in ElementTree.fromstring(describe(scene)).findall('joint')
+                   if joint.get('name') == 'crank')
+    limit = element.find('limit')
+    assert element.get('type') == 'revolute'
+    assert [float(limit.get('lower')), float(limit.get('upper'))] == ends
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    model = mujoco.MjModel.from_xml_string(describe(scene, 'mjcf'))
+    assert model.joint('crank').range.tolist() == ends and model.joint('crank').limited
 
 
 def test_only_links_with_a_body_weigh_in_mujoco():

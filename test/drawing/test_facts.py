@@ -4,6 +4,7 @@
 from math import acos, degrees
 import re
 
+from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.record import transmission_angles
 from fourbar_lab.drawing.tables import facts
 from fourbar_ros import FourBar
@@ -59,3 +60,18 @@ def test_links_are_in_line_at_toggles(lengths):
 
 def test_a_full_turn_has_no_toggle():
     assert dict(facts(FourBar(0.4, 1.2, 0.8, 1.0)))['toggle'].startswith('none')
+
+
+@pytest.mark.parametrize('stroke', [(0.0, 0.85), (-3.0, -2.0), (20.0, 21.0)])
+def test_a_range_of_the_crank_is_that_of_its_facts_curves_and_marks(stroke):
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, stroke=stroke)
+    low, high = map(degrees, stroke)
+    said = dict(facts(linkage))
+    assert said['toggle'].startswith('none') and f'{low:.9g}'[:6] in said['input']
+    x, = cycles(linkage)
+    assert np.degrees([x[0], x[-1]]) == pytest.approx([low, high], abs=1e-6)
+    # as sampled, each counted in the range
+    angle, = transmission_angles(linkage).values()
+    values = linkage.motion(x).transmission_angle
+    assert [angle['least'], angle['most']] == pytest.approx([values.min(), values.max()], abs=1e-6)
+    assert stroke[0] - 1e-12 <= angle['worst_at'] <= stroke[1] + 1e-12

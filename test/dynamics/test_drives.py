@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Drives and integration: against closed solutions, conservation, order, limits, bad input."""
+from dataclasses import replace
 from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
@@ -14,6 +15,7 @@ from fourbar_ros.dynamics.sources import (
     SpeedController,
     TorqueTable,
 )
+from fourbar_ros.dynamics.statics import free_period
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.elements import GROUND, TorsionSpring
 import numpy as np
@@ -118,6 +120,21 @@ def test_a_driven_slide_stops_at_the_end_of_its_stroke():
     assert run.status == LIMIT and run.position[-1] == pytest.approx(1.2, abs=1e-8)
     free = simulate(System(SliderCrank(0.5, 1.0, **options), 1.0, drive=push), float(run.time[-1]))
     assert free.status == REACHED and free.position[-1] == pytest.approx(1.2, abs=1e-7)
+
+
+@pytest.mark.parametrize('stroke, start, end', [
+    ((0.0, 0.85), 0.4, 0.85), ((0.0, 0.85), 0.4 - 4.0 * pi, 0.85 - 4.0 * pi),
+    ((-1.0, 9.0), 0.4, 9.0), ((-1.0, 9.0), 0.4 + 2.0 * pi, 9.0)])
+def test_a_crank_that_turns_fully_stops_at_the_end_of_its_range(stroke, start, end):
+    """At the time at which the free run is there, in the turn of its start."""
+    bodies = Bodies(Body(1.0, cg_along=0.2, inertia=0.1), Body(1.0, inertia=0.1), NOTHING)
+    free, push = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies), Drive(ConstantTorque(5.0))
+    run = simulate(System(replace(free, stroke=stroke), start, drive=push), 9.0)
+    assert run.status == LIMIT and run.position[-1] == pytest.approx(end, abs=1e-7)
+    there = simulate(System(free, start, drive=push), float(run.time[-1]))
+    assert there.position[-1] == pytest.approx(end, abs=1e-6)
+    with pytest.raises(InvalidParameter, match='must not reach a limit'):
+        free_period(System(replace(free, stroke=stroke), stroke[0] + 0.1, 9.0))
 
 
 def test_ground_springs_make_a_crank_swing_and_dampers_stop_it():

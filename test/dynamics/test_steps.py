@@ -205,6 +205,18 @@ def test_the_end_of_a_stroke_is_a_limit_and_toggles_are_not():
     assert len(set(modes[:at])) == 2 and min(states[0, :at]) < low + 0.01
 
 
+def test_a_crank_that_turns_fully_is_held_at_the_end_of_its_range_and_comes_back():
+    crank = FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(9.81, 0.0), stroke=(-0.5, 0.85))
+    assert not System(crank, 0.3).mechanism.cut and modes_of(crank) == ()
+    mover = Mover(System(crank, 0.3), 1e-6, 10_000, takes_commands=True)
+    values, statuses = mover.start(), []
+    for command in (40.0,) * 200 + (-40.0,) * 5:
+        status, values = mover.next(values, TICK, command)
+        statuses.append(status)
+        assert -0.5 < values.position < 0.85
+    assert statuses[199] == AT_LIMIT and statuses[-1] == OK and values.velocity < 0.0
+
+
 def test_steps_go_through_toggles_where_two_modes_and_another_coordinate_are():
     crank, rocker = (from_values({**ROCKER, **lengths}).linkage for lengths in (PAPER, {}))
     assert (modes_of(crank), modes_of(rocker)) == ((), (1, 2))

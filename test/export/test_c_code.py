@@ -12,7 +12,7 @@ import sys
 from fourbar_lab.export import generate
 from fourbar_lab.export.model import GeneratedModel, NotGenerated
 from fourbar_lab.export.statements import snippet
-from fourbar_ros import load_scene, SliderCrank
+from fourbar_ros import FourBar, load_scene, SliderCrank
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base
@@ -74,6 +74,15 @@ def with_linkage(machine):
 @pytest.mark.parametrize('name', ['paper', 'cylinder', 'bucket', 'released', 'sundials'])
 def test_results_and_statuses_have_the_bits_of_the_node(name, tmp_path):
     compared(load_scene(name), tmp_path, name, 1000, [(*C, *STRICT)])
+
+
+@pytest.mark.parametrize('free, stroke', [
+    (FourBar(0.4, 1.2, 0.8, 1.0), (0.0, 0.85)), (FourBar(1.2, 0.5, 0.8, 1.0), (-0.5, 1.0)),
+    (FourBar(0.4, 1.2, 0.8, 1.0), (20.0, 21.0)), (FourBar(0.5, 1.0, 1.0, 0.5), (3.0, 4.5)),
+    (FourBar(0.4, 1.2, 0.8, 1.0), (-9.0, 9.0))],
+    ids=('turns', 'two ranges', 'another turn', 'kite', 'over a turn'))
+def test_a_range_of_a_crank_has_the_statuses_of_the_node(free, stroke, tmp_path):
+    compared(with_linkage(replace(free, stroke=stroke)), tmp_path, 'ranged', 2000, [(*C, *STRICT)])
 
 
 @pytest.mark.parametrize('seed, count, dyads, rows', [more((11, 3, 4, 500), (12, 8, 5, 10_000))])

@@ -34,7 +34,8 @@ CONTROLLER = {'motor.kind': 'controller', 'motor.speed': 4.0, 'motor.proportiona
 PUSHED = {name: value for name, value in ROCKER.items() if not name.startswith('motor.')} | {
     'drive.source': 'torque'}
 CASES = {'controlled rocker': {**ROCKER, **CONTROLLER}, 'DC motor and shaft': {
-    **CRANK, **DC, **SHAFT}, 'engine': None}
+    **CRANK, **DC, **SHAFT}, 'engine': None, 'range': {
+        **CRANK, **LINE, 'linkage.range': [-1.0, 3.0]}}
 MORE = {
     'line': {**CRANK, **LINE}, 'line and shaft': {**CRANK, **LINE, **SHAFT},
     'stiff shaft': {**CRANK, **LINE, 'shaft.stiffness': 1e9, 'shaft.damping': 10.0},

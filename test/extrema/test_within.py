@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Extrema over a part of the input, as that of a robot's joint: against dense samples of it."""
+from dataclasses import replace
 from math import inf, pi
 
 from fourbar_ros import find_extrema, FourBar, InvalidParameter, load_scene, SliderCrank
@@ -99,3 +100,23 @@ def test_a_part_in_which_nothing_closes_is_refused_with_the_ranges():
     with pytest.raises(InvalidParameter, match=r'^within = .*none of these .* m$'):
         find_extrema(SliderCrank(0.05, 0.2, input='slide', stroke=(0.16, 0.18)),
                      within=(0.19, 0.2))
+
+
+@pytest.mark.parametrize('scene, stroke', [
+    ('paper', (0.0, 0.85)), ('paper', (5.5, 6.8)), ('pumpjack', (0.2, 4.0)),
+    ('stephenson', (-0.5, 0.7)), ('quick_return', (20.0, 21.0)), ('slider_crank', (-7.0, -5.0)),
+    ('parallelogram', (-0.5, 0.6))])
+def test_a_range_of_the_crank_has_the_extrema_of_that_part_and_their_proofs(scene, stroke):
+    free = load_scene(scene).linkage
+    linkage = replace(free, stroke=stroke)
+    names = (free.outputs[0].coordinate.acceleration, 'shaking_force')
+    expected = repr(find_extrema(free, names, 3.0, within=stroke))       # NaN is NaN
+    assert repr(find_extrema(linkage, names, 3.0)) == expected
+    assert repr(find_extrema(linkage, names, 3.0, within=stroke)) == expected
+    low, high = stroke
+    part = low + 0.3 * (high - low), high + 0.7      # beyond its end
+    assert repr(find_extrema(linkage, names, 3.0, within=part)) == repr(find_extrema(
+        free, names, 3.0, within=(part[0], high)))
+    if scene == 'paper':
+        proved = find_extrema(linkage, names, 3.0, certify=True, conditions=False)
+        assert all(e.proof.startswith('interval') for e in proved)

@@ -334,3 +334,12 @@ def test_inputs_are_shown_in_the_unit_of_the_page():
     assert slide.shown_input(1.5) == 1.5 and slide.input_unit == 'm'
     middle = point_motion(crank.linkage, crank.pose(1.0).motion, *crank.points['middle'])
     assert np.isfinite(middle.place).all()
+
+
+def test_the_input_of_a_crank_with_a_range_goes_over_it_and_no_further():
+    page = shown({**load('paper').values, 'linkage.range': [-3.0, -2.0], 'drive.start': -2.5})
+    assert page.ranges == ((-3.0, -2.0),)
+    inputs = [position for position, _ in page.samples(9)]
+    assert -3.0 <= min(inputs) < -2.9 and -2.1 < max(inputs) <= -2.0
+    for position, nearest in ((3.5, -2.783), (-2.5, -2.5), (0.0, -2.0), (-3.1, -3.0)):
+        assert page.nearest_input(position) == pytest.approx(nearest, abs=1e-3)

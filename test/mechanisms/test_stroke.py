@@ -1,11 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""A driven slide with a stroke: where it moves, what is extreme in it, what is refused."""
+"""A driven joint with a stroke: where it moves, what is extreme in it, what is refused."""
 from dataclasses import replace
 import math
 
-from fourbar_ros import InvalidParameter, OutOfRange, Toggle
+from fourbar_ros import FourBar, InvalidParameter, MovingJointFourBar, OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema, LIMIT
+from fourbar_ros.extrema.over_input import output_ranges, OverInput
+from fourbar_ros.machine import Dyad, Machine, Point
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper, Wanted
 from fourbar_ros.scene import scene
@@ -16,6 +18,11 @@ from support import contract
 CYLINDER = {'linkage.kind': 'inverted_slider', 'linkage.input': 'slide', 'linkage.a1': 1.2,
             'linkage.a4': 1.6}
 EPS = 2.0**-52
+# its second dyad stops the crank
+MACHINE = Machine([Dyad('one', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+                        ('coupler', 'rocker'), length_1=1.2, length_2=0.8),
+                   Dyad('two', 'RRR', Point('rocker', 0.8), Point('ground', 2.0),
+                        ('rod', 'lever'), length_1=0.9, length_2=0.5)])
 
 
 def mechanisms(seed, count):
@@ -86,9 +93,100 @@ def test_a_cylinder_is_never_searched_at_negative_length():
     assert found and all(1.0 <= e.slide <= 1.8 and math.isfinite(e.value) for e in found)
 
 
-def test_only_a_driven_slide_has_a_stroke():
-    with pytest.raises(InvalidParameter, match='only a driven slide'):
-        SliderCrank(0.1, 0.3, stroke=(0.2, 0.4))
+CRANKS = {
+    'turns fully': FourBar(0.4, 1.2, 0.8, 1.0), 'two ranges': FourBar(1.2, 0.5, 0.8, 1.0),
+    'through pi': FourBar(1.0, 0.5, 1.2, 0.5), 'at A': MovingJointFourBar(0.4, 1.2, 0.8, 1.0),
+    'slider-crank': SliderCrank(0.4, 0.3, 0.05), 'bar': InvertedSlider(0.3, 0.4),
+    'kite': FourBar(0.5, 1.0, 1.0, 0.5), 'parallelogram': FourBar(0.5, 1.0, 0.5, 1.0),
+    'machine': scene.load('stephenson').linkage, 'machine that swings': MACHINE}
+STROKES = ((0.0, 0.85), (-0.5, 0.6), (2.9, 4.1), (-3.3, -2.8), (19.0, 21.0), (-0.2, 6.0),
+           (1.0, 9.0), (-9.0, 8.0))
+
+
+@pytest.mark.parametrize('free', CRANKS.values(), ids=CRANKS)
+def test_a_crank_moves_where_the_links_close_and_a_turn_of_the_stroke_is(free):
+    """Inputs by brute force: those of the free mechanism whose turn has one in the stroke."""
+    x = np.linspace(-16.0, 26.0, 4201) + 1e-4
+    output = free.outputs[0].coordinate.position
+    closes = np.isfinite(getattr(free.motion(x), output))
+    for stroke in STROKES:
+        turned = x + free.period * np.arange(-8, 9)[:, None]
+        expected = closes & ((stroke[0] <= turned) & (turned <= stroke[1])).any(axis=0)
+        if not expected.any():
+            with pytest.raises(InvalidParameter, match='cannot close anywhere in it'):
+                replace(free, stroke=stroke)
+            continue
+        mechanism = replace(free, stroke=stroke)
+        assert np.array_equal(np.isfinite(getattr(mechanism.motion(x), output)), expected)
+        assert all(mechanism.is_in_stroke(z) == any(
+            stroke[0] <= z + free.period * turn <= stroke[1] for turn in range(-8, 9))
+            for z in x[::97].tolist())
+        inside = np.zeros(x.shape, bool)
+        for low, high in mechanism.input_ranges:
+            inside |= ((low <= turned) & (turned <= high)).any(axis=0)
+            assert mechanism.turns_fully or stroke[1] - stroke[0] >= free.period or (
+                stroke[0] <= low < high <= stroke[1])
+        assert np.array_equal(inside, expected) or mechanism.turns_fully and closes.all()
+        # evaluated one by one as in arrays; the same bits as without a stroke
+        for z in x[::211].tolist():
+            status, motion, _ = evaluate(mechanism, z, 1.0, 2.0, False)
+            assert (status == OUT_OF_RANGE) == (not expected[np.searchsorted(x, z)])
+            if status == OK:
+                assert motion == free.motion(z, 1.0, 2.0)
+
+
+@pytest.mark.parametrize('free', CRANKS.values(), ids=CRANKS)
+def test_extrema_of_a_crank_are_those_within_its_stroke(free):
+    """Beside samples of each range: h^2/8 of the second derivative between two samples."""
+    quantity, count = free.outputs[0].coordinate.position, 20001
+    for stroke in STROKES:
+        try:
+            mechanism = replace(free, stroke=stroke)
+        except InvalidParameter:
+            continue
+        found = find_extrema(mechanism, (quantity, free.outputs[0].coordinate.rate), 1.0)
+        for extremum in found:
+            assert mechanism.is_in_stroke(extremum.input + 1e-12 * extremum.side) or any(
+                abs(mechanism.distance(extremum.input, end)) < 1e-9 for end in mechanism.toggles)
+        if not mechanism.cut:
+            continue
+        for low, high in mechanism.input_ranges:
+            swept = min(output_ranges(mechanism), key=lambda swept: abs(swept.inputs[0] - low))
+            assert swept.inputs == (low, high)
+            x = low + (high - low) * (0.5 - 0.5 * np.cos(np.linspace(0.0, math.pi, count)))
+            values = getattr(free.motion(x), quantity)
+            values = np.unwrap(values[np.isfinite(values)])
+            # at a toggle the root of the distance of the last sample is left out
+            assert swept.width == pytest.approx(np.ptp(values),
+                                                abs=1e-3 if mechanism.toggles else 1e-6)
+        if not mechanism.toggles:
+            rms = OverInput(mechanism, quantity).rms
+            means = [np.mean(np.square(getattr(free.motion(
+                low + (high - low) * (np.arange(count) + 0.5) / count), quantity)))
+                for low, high in mechanism.input_ranges]
+            assert rms == pytest.approx(math.sqrt(np.average(means, weights=np.diff(
+                mechanism.input_ranges, axis=1)[:, 0])), rel=1e-6, abs=1e-12)
+
+
+def test_a_stroke_leaves_flat_positions_and_periods_as_they_are():
+    """What lies flat outside the stroke is a branch all the same: the side is that without it."""
+    kite = replace(CRANKS['kite'], stroke=(3.0, 4.0))
+    assert (kite.flat_inputs, kite.period) == (CRANKS['kite'].flat_inputs, 4.0 * math.pi)
+    assert kite.motion(3.5) == CRANKS['kite'].motion(3.5) and not kite.turns_fully
+    # a turn before, the links are on the other side: no input of this stroke
+    assert evaluate(kite, 3.5 - 2.0 * math.pi, 1.0, 0.0, False)[0] == OUT_OF_RANGE
+    assert evaluate(kite, 3.5 - 4.0 * math.pi, 1.0, 0.0, False)[0] == OK
+    assert 'flat at' not in replace(kite, stroke=(0.5, 1.0)).branch_in_words
+    parallelogram = replace(CRANKS['parallelogram'], stroke=(0.2, 0.9))
+    assert parallelogram.motion(0.5) == CRANKS['parallelogram'].motion(0.5)
+
+
+def test_dead_points_beyond_the_stroke_are_left_out():
+    free = CRANKS['turns fully']
+    first, second = free.dead_points
+    assert replace(free, stroke=(0.0, 0.85)).dead_points == (second,)
+    assert replace(free, stroke=(0.5, 0.85)).dead_points == ()
+    assert replace(free, stroke=(-3.0, 3.0)).dead_points == (first, second)
 
 
 def test_clamped_inputs_stay_at_the_end_of_the_stroke():

@@ -62,6 +62,23 @@ def test_a_rocker_says_where_its_input_ends(run_node, client, lockstep):
     assert len(ends) == 2 and all(math.isinf(e.value) and e.side != 0 for e in ends)
 
 
+def test_a_crank_with_a_range_says_where_its_input_ends(run_node, client, lockstep):
+    run_node({**PAPER, 'linkage.range': ['0deg', '48deg'], 'drive.source': 'motion',
+              'outputs': ['state', 'output']})
+    ask, tau = lockstep('state', 'output'), 2.0 * math.pi
+    for k, (position, status) in enumerate((
+            (1.0, 'OUT_OF_RANGE'), (0.5, 'OK'), (0.5 - 3.0 * tau, 'OK'),
+            (-0.1, 'OUT_OF_RANGE')), 1):
+        state = ask(k, position, 1.0, 0.0).state
+        assert state.status == getattr(LinkageState, f'STATUS_{status}')
+        assert math.isnan(state.theta4) == (status != 'OK')
+    answer = client.call('evaluate', position=1.0)
+    assert answer.result == answer.RESULT_OUT_OF_RANGE and '0.837758041' in answer.message
+    answer = client.call('find_extrema', quantities=['omega4'], velocity=1.0)
+    assert {e.theta1 for e in answer.extrema if e.place == e.PLACE_LIMIT} == {
+        0.0, math.radians(48.0)}
+
+
 def test_status_numbers_are_those_of_the_message():
     for name in ('OK', 'OUT_OF_RANGE', 'INVALID_INPUT', 'TOGGLE', 'RATES_UNKNOWN', 'INPUT_TIMEOUT',
                  'LOADS_UNKNOWN', 'LOCKED'):

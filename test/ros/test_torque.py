@@ -93,6 +93,20 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert len(in_bag(tmp_path / 'run', '/fourbar/torque')) >= 7
 
 
+def test_a_torque_moves_a_crank_to_the_end_of_its_range_and_back(run_node, client, tmp_path):
+    node = run_node({**TORQUE_DRIVEN, **recording_in(tmp_path), 'linkage.range': [-0.5, 0.85],
+                     'drive.start': 0.2, 'drive.when_silent': 'hold', 'gravity.y': 0.0})
+    heard, send = states(client), torques(client)
+    client.until(lambda: heard and heard[-1].status == AT_LIMIT or not send(20.0), 'the limit')
+    # held where the last step began: of 20 N m over 0.65 rad some 0.05 rad long
+    assert heard[-1].velocity == 0.0 and 0.78 < heard[-1].position < 0.85
+    client.until(lambda: heard[-1].velocity < 0.0 or not send(-20.0), 'the way back')
+    client.until(lambda: heard[-1].status == AT_LIMIT, 'the other limit')
+    assert -0.5 < heard[-1].position < -0.42
+    assert node.stop() == 0
+    recomputed(tmp_path / 'run')
+
+
 def test_a_force_on_a_slide_is_cut_to_its_limit_and_moves_it_to_that_of_its_stroke(
         run_node, client, diagnosed, tmp_path):
     node = run_node({**SLIDE, **recording_in(tmp_path), 'drive.torque_limit': 20.0})

@@ -193,7 +193,7 @@ TABLE = [
         ('linkage.mode', 1, 'dyads.NAME.mode'),
         ('linkage.a1', 0.4, 'has dyads'),
         ('linkage.output', 'otput', 'did you mean output?'),
-        ('linkage.range', [0.0, 1.0], 'only a driven slide'),
+        ('linkage.range', ['1mm', '2mm'], 'must be a number in rad'),
         ('bodies.rcoker.mass', 1.0, 'did you mean rocker?', 'bodies.rcoker'),
         ('bodies.output.mass', 1.0, 'must be given', 'bodies.output.inertia'),
         ('external.crnak.couple', 1.0, 'did you mean crank?', 'external.crnak'),
@@ -208,12 +208,10 @@ TABLE = [
         ('linkage.range', [9.0, 10.0], 'cannot close anywhere in it'),
     ]),
     (CYLINDER, [
-        ('linkage.range', [1.5, 0.9], '(1.5, 0.9): must be [shortest, longest]'),
-        ('linkage.range', [1.0], '(1.0,): must be [shortest, longest]'),
+        ('linkage.range', [1.5, 0.9], '(1.5, 0.9): must be [lowest, highest]'),
+        ('linkage.range', [1.0], '(1.0,): must be [lowest, highest]'),
         ('linkage.range', [3.0, 4.0], 'cannot close anywhere in it: they do in [-2.8'),
         ('linkage.range', ['a', 'b'], 'must be a number in m'),
-        ({'linkage.range': [0.9, 1.5], 'linkage.input': 'crank'}, 'only a driven slide',
-         'linkage.range'),
         ({**JOINT, 'drive.top_speed': 10.0}, 'a slide has none', 'drive.top_speed'),
     ]),
     (MOTOR, [

@@ -131,6 +131,7 @@ SLIDE = {'linkage.kind': 'slider_crank', 'linkage.a1': '40mm', 'linkage.a2': '15
     (PAPER, 'drive.speed', ('300rpm', 10.0 * pi)), (PAPER, 'drive.start', ('90°', 0.5 * pi)),
     (SLIDE, 'drive.speed', ('30 mm/s', 0.03)), (PAPER, 'drive.timeout', ('200ms', 0.2)),
     (SLIDE, 'linkage.range', (['12cm', '150mm'], [0.12, 0.15])),
+    (PAPER, 'linkage.range', (['-90deg', 1.5], [-0.5 * pi, 1.5])),
     ({**PAPER, **RODS}, 'bodies.rods.density', ('7.85 g/cm3', 7850.0))])
 def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
     text, number = expected

@@ -12,6 +12,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 from support.samples import some
+from support.scenes import file_of, PAPER, RODS
 
 pytest.importorskip('scipy')
 SCAN = 20_001
@@ -240,3 +241,24 @@ def test_a_least_angle_is_never_below_0():
     columns = compute(study, 0).columns
     angles = columns['least_transmission_angle']
     assert np.count_nonzero(angles < 1e-12) > 10 and angles.min() == 0.0
+
+
+def test_a_range_of_the_crank_is_that_of_the_measures(tmp_path):
+    """Beside a dense scan of the range; no design goes round, so that none is computed so."""
+    path = file_of({**PAPER, **RODS, 'linkage.range': [0.0, 0.85]}, tmp_path)
+    study = from_document({
+        'scene': str(path), 'rows': 3, 'keep': 'all',
+        'vary': {'linkage.a2': {'range': [1.1, 1.3]}},
+        'quantities': ['input_range', 'swing', 'omega4', 'driving_torque.rms', 'time_ratio']})
+    table = compute(study, 0)
+    for row in range(3):
+        linkage = scene_of(study, row).linkage
+        assert linkage.stroke == (0.0, 0.85) and linkage.closes_fully
+        x = 0.85 * (np.arange(SCAN) + 0.5) / SCAN
+        motion, loads = linkage.step(x, scene_of(study, row).drive.speed)
+        for name, expected in {
+                'input_range': 0.85, 'swing': np.ptp(motion.theta4),
+                'omega4.max': motion.omega4.max(), 'omega4.min': motion.omega4.min(),
+                'driving_torque.rms': np.sqrt(np.mean(loads.driving_torque**2))}.items():
+            assert table.columns[name][row] == pytest.approx(expected, rel=1e-3, abs=1e-6)
+        assert isnan(table.columns['time_ratio'][row])

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Trajectories through a mechanism and back, power balance, and what cannot be followed."""
+from dataclasses import replace
 import re
 
 from fourbar_ros import FourBar, InvalidParameter, load_scene
@@ -136,6 +137,21 @@ def test_the_drive_does_not_leave_its_branch():
 
 # a double crank
 TURNING = FourBar(0.5, 0.6, 0.55, 0.2)
+
+
+@pytest.mark.parametrize('stroke', [(0.6, 1.2), (0.6, 1.2 + 2.0 * np.pi)])
+def test_a_range_of_the_crank_ends_the_branch(stroke):
+    """One of more than a turn too, of an output that turns on."""
+    linkage = TURNING if stroke[1] > 2.0 * np.pi else ROCKER
+    through, free = Transmission(replace(linkage, stroke=stroke), 0.9), Transmission(linkage, 0.9)
+    assert [end.input for end in through.branch.ends] == list(stroke)
+    inside = trajectory(np.linspace(*stroke, 7))
+    outputs = through.to_output(inside).position
+    assert outputs == pytest.approx(free.to_output(inside).position, abs=1e-14)
+    assert through.to_input(trajectory(outputs)).position == pytest.approx(
+        inside.position, abs=1e-13)
+    with pytest.raises(CannotFollow, match='theta1 = .* where the range of the input ends'):
+        through.to_output(trajectory(np.linspace(stroke[0], stroke[1] + 0.1, 7)))
 
 
 def test_turns_are_those_of_the_positions_in_whatever_message():

@@ -88,7 +88,7 @@ class Machine(Mechanism):
     external : mapping {link: Applied}
         Forces and couples on links.
     stroke : tuple of 2 floats, optional
-        Shortest and longest slide or cylinder [m].
+        Lowest and highest input, crank [rad], slide or cylinder [m]; of angles in any turn.
     elements : tuple
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
@@ -174,8 +174,7 @@ class Machine(Mechanism):
                                    NOT_APPLIED) or self.EXTERNAL(),
                   gravity=checked_gravity(self.gravity), friction=friction_of(self))
         self._require_closing()
-        self._check_stroke()
-        self._fit_elements()
+        self._check_fit()
 
     def _require_closing(self) -> None:
         """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
@@ -334,8 +333,10 @@ class Machine(Mechanism):
 
     def without_stroke(self) -> Machine:
         """Return the same machine without a stroke, or with one ten times as long."""
-        try:
+        if self.input != SLIDE:
             return super().without_stroke()
+        try:
+            return replace(self, stroke=None)
         except InvalidParameter:        # no dyad limits the slide
             assert self.stroke is not None
             low, high = self.stroke

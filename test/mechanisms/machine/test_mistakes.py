@@ -110,8 +110,8 @@ MISTAKES = {
     'a cylinder pinned at O1': (
         lambda: Machine([rrr()], input='cylinder', cylinder=Cylinder(BASE, Point('crank'))),
         'cylinder.pin = .*away from O1'),
-    'a stroke of a crank': (lambda: Machine([rrr()], stroke=(0.0, 1.0)),
-                            'stroke = .*only a driven slide'),
+    'a stroke of a crank': (lambda: Machine([rrr()], stroke=(1.0, 0.0)),
+                            'stroke = .*lowest, highest'),
     'a slide without end': (
         lambda: Machine([Dyad('d', 'RPR', Point('slider'), Point('ground', 0.0, 1.0),
                               ('block', 'bar'))], input='slide'),
