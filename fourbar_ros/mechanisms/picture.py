@@ -177,8 +177,9 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         blocks.append(Block(joints[BASE], X, is_guided=True))
     first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
                     for link in machine.LINKS}
-    angles = {coordinate.position: first_joints[coordinate.position.removeprefix('theta_')]
-              for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
+    angles = {coordinate.position: first_joints.get(
+        coordinate.position.removeprefix('theta_'), BASE)
+        for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
     return Diagram(joints, tuple(pivots),
                    (*rods, *arms, *_third_sides(machine, motion, joints)), tuple(blocks),
                    {name: name for name in joints}, angles)

@@ -71,8 +71,8 @@ def _check_lengths(values: ParameterValues) -> None:
 def _of_kind(values: ParameterValues) -> Mechanism:
     name = values['linkage.kind']
     kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
-    for only in ('linkage.dyads', 'linkage.output'):
-        if values[only]:
+    for only in ('linkage.dyads', 'linkage.output', 'linkage.carrier'):
+        if values[only] != of_name(only).default:
             raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
     arguments = {length.name: values[f'linkage.{length.name}'] for length in kind.LENGTHS}
     if len(kind.INPUTS) > 1:

@@ -49,7 +49,8 @@ def machine_of(values: ParameterValues) -> Machine:
     try:
         machine = Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
                           values['linkage.output'] or None, _cylinder(values),
-                          stroke=tuple(stroke) if stroke else None)
+                          stroke=tuple(stroke) if stroke else None,
+                          carrier=values['linkage.carrier'])
     except InvalidParameter as error:       # which names the end of a dyad that a name stands for
         end = '.'.join(error.name.split('.')[:3])
         if error.name == end or not values.get(end):

@@ -167,7 +167,8 @@ def _links_of_machine(values: ParameterValues) -> list[str]:
     driver = str(values.get('linkage.input'))
     cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
                 *_names([values.get('cylinder.base.link')])]
-    driven = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(driver, ['crank'])
+    driven = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(
+        driver, ['crank', *_names([values.get('linkage.carrier')])])
     dyads = *_names(values.get('linkage.dyads')), *names_in('dyads', values)
     links = [link for name in dyads for link in _names(values.get(f'dyads.{name}.links'))]
     return [link for link in (*links, *driven) if link != GROUND]

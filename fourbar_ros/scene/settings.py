@@ -329,6 +329,10 @@ PARAMETERS = _table(
               live=False),
     Parameter('linkage.output', 'string', '', '',
               f'link of a {MACHINE} whose motion is the output; empty: the last link', live=False),
+    Parameter('linkage.carrier', 'string', GROUND, '',
+              f'link of a {MACHINE} to which the driven crank is pinned, at its origin: the '
+              'ground, or for a drive between two moving links one that takes the place of the '
+              'ground in dyads; see docs/machines.md', live=False),
     *_point('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
             'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
             'to which the crank is pinned at O1; see docs/machines.md', live=False),

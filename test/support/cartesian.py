@@ -303,7 +303,7 @@ class Cartesian:
         return ZERO if name == GROUND else self.q[order][self.names.index(name), 2]
 
     def driven_pair(self):
-        return getattr(self.machine, 'driven_pair', ('crank', GROUND))
+        return getattr(self.machine, 'driven_pair', ('crank', self.machine.layout.links[0]))
 
     def turned_by_the_drive(self, order):
         i, j = self.driven_pair()
@@ -582,7 +582,7 @@ def pose_of(mechanism, x):
     for link in mechanism.BODIES._fields:
         at = mechanism.link_motion(motion, link)
         found.append([at.x, at.y, float(np.arctan2(at.sine, at.cosine))])
-    if mechanism.input == 'crank':
+    if mechanism.input == 'crank' and getattr(mechanism, 'carrier', GROUND) == GROUND:
         found[0][2] = float(x)
     return found
 

@@ -281,10 +281,10 @@ def from_random(seed, near_limit=False):
         yield Drawn(machine, given)
 
 
-def between_moving_links(seed, near_limit=False):
-    """Yield machines with a cylinder between two moving links: any dyad's link stands still."""
+def between_moving_links(seed, near_limit=False, driver='cylinder'):
+    """Yield machines driven between two moving links: any dyad's link stands still."""
     rng = np.random.default_rng(seed)
-    for machine, given in random_machines(seed, 10**9, dyads=(1, 5), driver='cylinder',
+    for machine, given in random_machines(seed, 10**9, dyads=(1, 5), driver=driver,
                                           near_limit=near_limit):
         dyad = machine.dyads[int(rng.integers(len(machine.dyads)))]
         machine = standing_on(machine, dyad.links[int(rng.integers(2))])
@@ -302,13 +302,15 @@ def standing_on(machine, link):
     dyads = [replace(dyad, first=at(dyad.first), second=at(dyad.second),
                      links=tuple(names.get(own, own) for own in dyad.links))
              for dyad in machine.dyads]
-    return Machine(dyads, 'cylinder', cylinder=machine.cylinder._replace(
-        base=at(machine.cylinder.base)), bodies=tuple(machine.bodies), gravity=machine.gravity,
-        external=tuple(machine.external))
+    how = ({'carrier': 'leg'} if machine.input == 'crank' else
+           {'cylinder': machine.cylinder._replace(base=at(machine.cylinder.base))})
+    return Machine(dyads, machine.input, **how, bodies=tuple(machine.bodies),
+                   gravity=machine.gravity, external=tuple(machine.external))
 
 
 FAMILIES = {
     'between moving links': between_moving_links,
+    'crank on a moving link': partial(between_moving_links, driver='crank'),
     'plain': from_random,
     'near a toggle': partial(from_random, near_limit=True),
     'at a change point': at_change_points,

@@ -27,6 +27,7 @@ from fourbar_ros.mechanisms.machine.describe.description import (
     checked_dyads,
     Cylinder,
     Dyad,
+    require_name,
     with_lengths,
 )
 from fourbar_ros.mechanisms.machine.describe.layout import layout_of
@@ -45,6 +46,7 @@ from fourbar_ros.mechanisms.machine.ranges import (
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
 from fourbar_ros.mechanisms.machine.structure import (
+    CRANK_LINK,
     CYLINDER,
     DIMENSIONS,
     DyadLengths,
@@ -93,6 +95,10 @@ class Machine(Mechanism):
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
         By its name, as 'base' and 'd_first' of a dyad d; 'drive': a DriveFriction.
+    carrier : str
+        Link to which a driven crank is pinned, at the origin of that link, and from which its
+        angle counts: the ground, or a link that moves. In dyads that takes the place of the
+        ground, and one dyad has the ground among its links, as of a Cylinder on a moving link.
 
     Raises
     ------
@@ -119,6 +125,7 @@ class Machine(Mechanism):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    carrier: str = GROUND
 
     base_layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
@@ -166,7 +173,11 @@ class Machine(Mechanism):
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
         self._set(dyads=checked_dyads(self.dyads, self.input),
                   cylinder=checked_cylinder(self.cylinder, self.input))
-        layout = layout_of(self.input, self.stages, self.output)
+        require_name('carrier', self.carrier)
+        if self.carrier != GROUND and (self.input != CRANK or self.carrier == CRANK_LINK):
+            raise InvalidParameter('carrier', self.carrier, 'carries a driven crank, as another '
+                                   'link; of a cylinder between moving links give cylinder.base')
+        layout = layout_of(self.input, self.stages, self.output, self.carrier)
         self._set(base_layout=layout, output=layout.output, **names_of(layout),
                   LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
@@ -378,7 +389,7 @@ class Machine(Mechanism):
         """Return the machine driven at a link on the ground, if its dyad alone stops the crank."""
         names = {end.dyad for end in self._ends}
         index = next((i for i, dyad in enumerate(self.stages) if {dyad.name} == names), None)
-        if self.input != CRANK or index is None:
+        if self.input != CRANK or self.layout.ground or index is None:
             return ()
         dyad = self.stages[index]
         ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
@@ -458,6 +469,11 @@ class Machine(Mechanism):
         """Return the fields of the direction in which a cylinder grows; None: a slide along x."""
         rod = self.cylinder and self.cylinder.links[0]
         return (f'cos_{rod}', f'sin_{rod}') if rod else None
+
+    @property
+    def TORQUE(self) -> str:        # type: ignore[override]  # noqa: N802
+        """Return the symbol of the torque, of the ground or of a link that moves on the crank."""
+        return 'T' if self.layout.ground else 'T_{41}'
 
     @property
     def is_driven_by_slide(self) -> bool:

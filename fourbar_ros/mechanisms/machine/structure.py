@@ -100,8 +100,9 @@ class Layout(NamedTuple):
     """
     The structure of a machine.
 
-    The first of its ``links`` is the frame from which all is solved: the ground, or the link at
-    the base of a cylinder between two moving links. The second is the driven one.
+    The first of its ``links`` is the frame from which all is solved: the ground, or of a drive
+    between two moving links that which carries the crank or the base of the cylinder. The second
+    is the driven one.
     """
 
     driver: str                     # 'crank', 'slide' or 'cylinder'

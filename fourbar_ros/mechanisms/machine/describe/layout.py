@@ -22,9 +22,10 @@ from fourbar_ros.mechanisms.machine.structure import (
 from fourbar_ros.mechanisms.parts import GROUND
 
 
-def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> Layout:
+def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
+              carrier: str = GROUND) -> Layout:
     """
-    Return the :class:`Layout` of dyads, a cylinder's own first.
+    Return the :class:`Layout` of dyads, a cylinder's own first; ``carrier``: as of a Machine.
 
     Raises
     ------
@@ -34,10 +35,11 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
 
     """
     driven = SLIDER_LINK if driver == 'slide' else CRANK_LINK
-    frame = dyads[0].second.link if driver == CYLINDER else GROUND
+    frame = dyads[0].second.link if driver == CYLINDER else carrier
     links, owners, stages = [frame, driven], {frame: '', driven: 'the driven link'}, []
     if frame != GROUND:
-        owners[frame] = 'the link at the base of the cylinder'
+        owners[frame] = ('the link at the base of the cylinder' if driver == CYLINDER
+                         else 'the link that carries the crank')
     names, joints = set[str](), KnownJoints(driver)
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
@@ -62,8 +64,9 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None) -> 
         links += dyad.links
         owners.update(dict.fromkeys(dyad.links, f'a link of dyad {dyad.name}'))
     if GROUND not in links:
-        raise InvalidParameter('cylinder.base.link', frame, 'a machine with a cylinder on a link '
-                               'that moves has the ground among the links of a dyad')
+        raise InvalidParameter('cylinder.base.link' if driver == CYLINDER else 'carrier', frame,
+                               'a machine whose drive is on a link that moves has the ground '
+                               'among the links of a dyad')
     layout = Layout(driver, tuple(links), tuple(stages), '')
     moving = layout.moving
     if output is not None and output not in moving:
@@ -105,7 +108,8 @@ def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> No
     for link in links:
         if link == GROUND and not owners.get(GROUND, 'no frame'):
             raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
-                                   'dyad, unless cylinder.base is a point of a moving link')
+                                   'dyad, unless cylinder.base is a point of a moving link, or '
+                                   'linkage.carrier is one')
         if link in owners:
             raise InvalidParameter(f'{where}.links', link, f'is {owners[link]} already')
 

@@ -53,7 +53,8 @@ def names_of(layout: Layout) -> dict[str, Any]:
     """Return the facts of :class:`.Mechanism` that follow from a layout, by name."""
     turning = layout.turning()
     links = tuple(_links(layout))
-    coordinates = {'crank': coordinate(CRANK_LINK), 'slide': travel(SLIDER_LINK)}
+    coordinates = {'crank': coordinate(BASE if layout.ground else CRANK_LINK),
+                   'slide': travel(SLIDER_LINK)}
     if layout.driver == CYLINDER:
         coordinates = {CYLINDER: travel(layout.stages[0].links[0])}
     parts = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}

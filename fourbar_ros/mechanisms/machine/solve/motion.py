@@ -3,8 +3,8 @@
 """
 Motion of a machine: its driven link, then dyad by dyad.
 
-O1 = (0, 0) of the frame: the ground, or the link at the base of a cylinder between two moving
-links, and then all is seen from the ground at the end. The driven link is a crank about
+O1 = (0, 0) of the frame: the ground, or one of the two moving links between which the drive is,
+and then all is seen from the ground at the end. The driven link is a crank about
 O1, a slider on the x axis, or a crank that is turned by a cylinder of length s between a point Q
 of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
 seen from O1, from Q on:
@@ -161,15 +161,16 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
             slide, slope, bend = moved.slides[3 * k:3 * k + 3]
             add(structure.travel(link), slide, slope, bend)
             fields[f'slide_{link}_ratio'] = slope
-    if layout.driver == 'crank':        # the input is not computed, it is as it is given
-        fields[structure.coordinate(layout.driven).position] = position
-    else:
+    if layout.driver != 'crank':
         link = layout.stages[0].links[0] if layout.driver == CYLINDER else layout.driven
         fields.update(zip(structure.travel(link), (position, rate, acceleration)))
         fields[f'slide_{link}_ratio'] = 1.0
     of_pins = [(pin, pose.relation(j, i)) for pin, i, j in layout.pins()]
     for pin, (c, s, slope, bend) in of_pins:
         add(structure.coordinate(pin), n.atan2(s, c), slope, bend)
+    if layout.driver == 'crank':        # the input is not computed, it is as it is given
+        of_input = structure.BASE if layout.ground else layout.driven
+        fields[structure.coordinate(of_input).position] = position
     sines = [n.fabs(moved.sine) for moved in dyads]
     angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
     fields.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
