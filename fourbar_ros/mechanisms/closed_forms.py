@@ -8,26 +8,32 @@ from math import asin, asinh, atan2, atanh, log1p, pi, sqrt
 
 from fourbar_ros.mechanisms.parts import Ranges
 from fourbar_ros.numerics.arrays import EPS
-from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import exact_sum, power_of_two
+from fourbar_ros.numerics.number_types import exact_sum, power_of_two, REAL, scaled
+
+
+def discriminant_of_loop(a1: float, a2: float, a3: float, a4: float) -> tuple[float, ...]:
+    """Return s1, c1, s2, c2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, of scaled lengths."""
+    squares = REAL.difference_of_squares
+    return (squares(a2, a3, a1, a4), squares(a2, a3, a1, -a4),
+            squares(a1, -a4, a2, -a3), squares(a1, a4, a2, -a3))
 
 
 def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
     """
     Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
 
-    Real ones are the ends of the ranges, to the last bit. With s1, s2 of (M3) in
-    :mod:`fourbar_ros.mechanisms.loop`, the first from cos^2(x/2) = -s1 / (4 a1 a4), the next from
-    sin^2(x/2) = -s2 / (4 a1 a4), the last from q = 0.
+    Real ones are the ends of the ranges, to the last bit. The first
+    from cos^2(x/2) = -s1 / (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from
+    q = 0.
     """
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     root = 2.0 * sqrt(a1 * a4)
-    s1, s2 = difference_of_squares(a2, a3, a1, a4), difference_of_squares(a1, -a4, a2, -a3)
+    s1, c1, s2, c2 = discriminant_of_loop(a1, a2, a3, a4)
     outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
-    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else complex(
-        2.0 * atan2(sqrt(max(difference_of_squares(a2, a3, a1, -a4), 0.0)), sqrt(-s1))))
-    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0 else complex(
-        2.0 * atan2(sqrt(-s2), sqrt(max(difference_of_squares(a1, a4, a2, -a3), 0.0)))))
+    far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else
+           complex(2.0 * atan2(sqrt(max(c1, 0.0)), sqrt(-s1))))
+    near = (complex(0.0, 2.0 * asinh(inner)) if s2 >= 0.0 else
+            complex(2.0 * atan2(sqrt(-s2), sqrt(max(c2, 0.0)))))
     return [far, -far, near, -near, complex(0.0, 2.0 * asinh(abs(a1 - a4) / root))]
 
 
@@ -38,12 +44,9 @@ def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
     One range (-pi, pi) when a1 turns fully, one through 0 or one through pi (high > pi), or two.
     At an end that is no full turn, a2 and a3 are in line (toggle).
     """
-    a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
-    s1 = difference_of_squares(a2, a3, a1, a4)
-    s2 = difference_of_squares(a1, -a4, a2, -a3)
-    far = 2.0 * atan2(sqrt(difference_of_squares(a2, a3, a1, -a4)), sqrt(-s1)) if s1 < 0.0 else pi
-    near = (2.0 * atan2(sqrt(-s2), sqrt(difference_of_squares(a1, a4, a2, -a3))) if s2 < 0.0
-            else 0.0)
+    s1, c1, s2, c2 = discriminant_of_loop(*scaled((a1, a2, a3, a4)))
+    far = 2.0 * atan2(sqrt(c1), sqrt(-s1)) if s1 < 0.0 else pi
+    near = 2.0 * atan2(sqrt(-s2), sqrt(c2)) if s2 < 0.0 else 0.0
     if s1 >= 0.0:
         return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
     return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
@@ -63,7 +66,7 @@ def turned_angles(angles: Iterable[complex]) -> list[complex]:
 
 def reach(p: float, r: float, e: float) -> tuple[float, float]:
     """Return (p - r)^2 - e^2 and (p + r)^2 - e^2 [m^2]: s^2 of rods p, r folded, stretched."""
-    return difference_of_squares(p, -r, e, 0.0), difference_of_squares(p, r, e, 0.0)
+    return REAL.difference_of_squares(p, -r, e, 0.0), REAL.difference_of_squares(p, r, e, 0.0)
 
 
 def slide_ranges(p: float, r: float, e: float) -> Ranges:

@@ -41,8 +41,7 @@ from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, GROUND, THETA1, THETA2, THETA3, THETA4
-from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import exact_sum, Function, Scalar, TINY
+from fourbar_ros.numerics.number_types import exact_sum, Function, REAL, Scalar, TINY
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -228,8 +227,8 @@ class FourBar(FourBarLinks):
                 # behind O1, crank and rocker are on two sides of the ground
                 sign = sign if a1 + coupler > 0.0 else -sign
                 theta4 = sign * 2.0 * atan2(                                           # (DP2)
-                    sqrt(difference_of_squares(a3, a4, a1, coupler)),
-                    sqrt(difference_of_squares(a1, coupler, a4, -a3)))
+                    sqrt(REAL.difference_of_squares(a3, a4, a1, coupler)),
+                    sqrt(REAL.difference_of_squares(a1, coupler, a4, -a3)))
                 yield DeadPoint(theta1, theta4, stretched)
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:

@@ -18,9 +18,10 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
+from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
+from fourbar_ros.mechanics.newton_euler import Needs, needs_of
 from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.curves import LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
@@ -28,20 +29,17 @@ from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.load_table import DERIVED
 from fourbar_ros.mechanisms.machine.solve import dyads
 from fourbar_ros.mechanisms.machine.solve.frames import pose_of
+from fourbar_ros.mechanisms.machine.solve.loads import solve_loads
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, load_fields, Pair, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
-
-if TYPE_CHECKING:
-    from fourbar_ros.mechanics.newton_euler import Needs
 
 LINKS = ('crank', 'coupler', 'output')
 # {coordinate: (a link, that from which its angle counts)}
 ANGLES = {THETA1: ('crank', parts.GROUND), BETA: ('coupler', parts.GROUND),
           THETA4: ('output', parts.GROUND), THETA2: ('coupler', 'crank'),
           THETA3: ('output', 'coupler')}
-ALONG: dyads.Direction = (1.0, 0.0, 0.0, 0.0)
 UP: dyads.Direction = (0.0, 1.0, 0.0, 0.0)
 
 Lengths = Sequence[Scalar]
@@ -123,12 +121,10 @@ class Kind(Mechanism):
 
     @cached_by_lengths
     def closing_ranges(self) -> parts.Ranges:
-        """Return the ranges (low, high) of the input in which the links close [rad or m]."""
         return self.drive.ranges(*self.lengths)
 
     @property
     def singular_inputs(self) -> list[complex]:
-        """Return the complex inputs where the dyad is in line, or quantities have a pole."""
         return self.drive.singular(*self.lengths)
 
     @cached_by_lengths
@@ -159,17 +155,31 @@ class Kind(Mechanism):
     # --- motion ---------------------------------------------------------------------------------
 
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return partial(self._motion, n, constants)
 
     def _motion(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
                 acceleration: Scalar) -> parts.NamedFields:
-        """Return pose, rates and accelerations."""
-        unit = n.power_of_two(*constants.lengths)
+        """Return the motion from the pose of the machine, with lengths of about one."""
+        drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths = [length / unit for length in constants.lengths]
         per = 1.0 / unit if self.is_driven_by_slide else 1.0
-        v, a = rate * per, acceleration * per
-        coordinates, moved = self._pose(n, lengths, constants.sign, position * per)
+        v, a, x = rate * per, acceleration * per, position * per
+        driven = (dyads.driven_slider(x, lengths[-1]) if self.is_driven_by_slide
+                  else dyads.driven_crank(n, x))
+        pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
+                       [constants.sign if drive.sign > 0.0 else -constants.sign], driven)
+        dyad, = pose.dyads
+        coordinates: dict[Coordinate, Sequence[Scalar]] = {
+            coordinate: dyad.slides[3 * k:3 * k + 3] for k, coordinate in enumerate(drive.slides)}
+        if driven.slide:
+            coordinates.setdefault(TRAVEL, driven.slide)
+        for coordinate in [each for each in self.PARTS if each in ANGLES]:
+            link, counted_from = ANGLES[coordinate]
+            c, s, turn, bend = pose.relation(*map(drive.layout.links.index, (link, counted_from)))
+            if (link in drive.reversed) != (counted_from in drive.reversed):
+                c, s = -c, -s
+            coordinates[coordinate] = c, s, turn, bend
+
         square, fields, ratios = v * v, list[Scalar](), {self.input_coordinate: 1.0}
         for coordinate in self.PARTS:
             *known, slope, bend = coordinates[coordinate]
@@ -184,38 +194,13 @@ class Kind(Mechanism):
                 fields += (unit * known[0], unit * (slope * v), unit * (slope * a + bend * square))
                 ratios[coordinate] = unit * slope * per
         of_output = unit if self.outputs[0].coordinate.unit == 'm' else 1.0
-        cosine, sine = self.transmission(lengths, coordinates, moved)
+        cosine, sine = self.transmission(lengths, coordinates, dyad)
         fields += (n.atan2(n.fabs(sine), cosine),
                    *[ratios[each] for each in self.RATIOS.values()],
-                   of_output * self.condition(n.fabs, lengths, coordinates), moved.sine)
+                   of_output * self.condition(n.fabs, lengths, coordinates), dyad.sine)
         for coordinate in self.DIRECTIONS.values():
             fields += coordinates[coordinate][:2]
         return self.MOTION._make(fields)
-
-    def _pose(self, n: NumberType, lengths: Lengths, sign: Scalar, x: Scalar
-              ) -> tuple[Coordinates, dyads.DyadMotion]:
-        """Return the coordinates of a pose, and how the dyad moves; x is in unit of lengths."""
-        drive = self.drive
-        links = drive.layout.links
-        if self.is_driven_by_slide:
-            driven = dyads.Driven(LinkMotion(x, lengths[-1], 1.0, 0.0, 0.0, 0.0, *ALONG),
-                                  (0.0, 0.0), slide=(x, 1.0, 0.0))
-        else:
-            driven = dyads.crank_of_half(n.cos(0.5 * x), n.sin(0.5 * x))
-        pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
-                       [sign if drive.sign > 0.0 else -sign], driven)
-        moved, = pose.dyads
-        coordinates: dict[Coordinate, Sequence[Scalar]] = {
-            coordinate: moved.slides[3 * k:3 * k + 3] for k, coordinate in enumerate(drive.slides)}
-        if driven.slide:
-            coordinates.setdefault(TRAVEL, driven.slide)
-        for coordinate in [each for each in self.PARTS if each in ANGLES]:
-            link, counted_from = ANGLES[coordinate]
-            c, s, turn, bend = pose.relation(links.index(link), links.index(counted_from))
-            if (link in drive.reversed) != (counted_from in drive.reversed):
-                c, s = -c, -s
-            coordinates[coordinate] = c, s, turn, bend
-        return coordinates, moved
 
     def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: dyads.DyadMotion
                      ) -> Sequence[Scalar]:
@@ -229,7 +214,6 @@ class Kind(Mechanism):
 
     def link_motions(self, motion: parts.NamedFields, lengths: Lengths | None = None
                      ) -> dict[str, LinkMotion]:
-        """Return the motions of links by name, their first joints O1, A, and O4 or B."""
         return self._links(self.lengths if lengths is None else lengths, motion)
 
     def _links(self, lengths: Lengths, motion: Any, per_unit: Scalar = 1.0,
@@ -244,14 +228,13 @@ class Kind(Mechanism):
         def rates(coordinate: Coordinate) -> tuple[Scalar, Scalar]:
             if not are_ratios:
                 return getattr(motion, coordinate.rate), getattr(motion, coordinate.acceleration)
-            if coordinate not in ratio_of:      # the input
-                return 1.0, 0.0
-            return getattr(motion, ratio_of[coordinate]), 0.0
+            # the input has no field for its ratio
+            return getattr(motion, ratio_of[coordinate]) if coordinate in ratio_of else 1.0, 0.0
 
         def turning(name: str) -> dyads.Direction:
-            """Return direction, rate and acceleration of a link, by its name in DIRECTIONS."""
             return (getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
                     *rates(self.DIRECTIONS[name]))
+
         crank = LinkMotion(*dyads.ORIGIN, *turning('x'))
         coupler = LinkMotion(*point_of(crank, lengths[0]),
                              *(turning(self.COUPLER) if self.COUPLER else UP))
@@ -261,12 +244,11 @@ class Kind(Mechanism):
         else:
             velocity, acceleration = rates(TRAVEL)
             output = LinkMotion(motion.slide * per_unit, lengths[-1], velocity * per_unit, 0.0,
-                                acceleration * per_unit, 0.0, *ALONG)
+                                acceleration * per_unit, 0.0, 1.0, 0.0, 0.0, 0.0)
         return dict(zip(LINKS, (crank, coupler, output)))
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the input and its two derivatives from coefficients of the links."""
         if self.is_driven_by_slide or self.input == parts.CRANK:
             return super().read_coordinate(n, curves)
         # an angle between two moving links
@@ -278,7 +260,6 @@ class Kind(Mechanism):
                 link.alpha - counted_from.alpha)
 
     def transmission_sine(self, motion: parts.NamedFields) -> Scalar:
-        """Return the sine of the dyad's transmission angle, but for its sign: zero at toggles."""
         sine: Scalar = motion.sine
         return sine
 
@@ -286,20 +267,15 @@ class Kind(Mechanism):
 
     @property
     def layout(self) -> Layout:
-        """Return the structure of its machine."""
         return self.drive.layout
 
     def joint_in_layout(self, joint: str) -> str:
-        """Return the name that its machine has for a joint."""
         force = next(each.magnitude for each in self.REACTIONS if each.joint == joint)
         return self.drive.reactions[force].lstrip('-')
 
     def joint_loads(self, n: NumberType, constants: Constants, m: Any,
                     told: list[Any] | None = None) -> list[Scalar]:
         """Return the loads of the machine by the names of the kind."""
-        # of linkages with masses alone
-        from fourbar_ros.mechanics.newton_euler import needs_of
-        from fourbar_ros.mechanisms.machine.solve.loads import solve_loads
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         by_name = dict(zip(self.length_names, lengths))
@@ -324,16 +300,17 @@ class Kind(Mechanism):
         if not self.friction:
             loads |= self.corrected(n, constants, m, needs, loads)
 
-        def named(name: str) -> Scalar:
-            """Return a load by its name as a kind has it."""
+        named = list[Scalar]()
+        for name in self.LOADS._fields[:-len(DERIVED) or None]:
             force, _, axis = name.partition('_')
             if force in drive.reactions and axis:
                 joint = drive.reactions[force]
                 load = loads[f'{joint.lstrip("-")}_{axis}']
-                return -load if joint.startswith('-') else load
-            load = loads[drive.reactions.get(name, name).lstrip('-')]
-            return unit * load if name.endswith(('_couple', '_moment')) else load
-        return [named(name) for name in self.load_fields()[:-len(DERIVED) or None]]
+                named.append(-load if joint.startswith('-') else load)
+            else:
+                load = loads[drive.reactions.get(name, name).lstrip('-')]
+                named.append(unit * load if name.endswith(('_couple', '_moment')) else load)
+        return named
 
     def corrected(self, n: NumberType, constants: Constants, m: Any, needs: Mapping[str, Needs],
                   loads: Mapping[str, Scalar]) -> Mapping[str, Scalar]:

@@ -12,9 +12,13 @@ Positions. Every angle z of y, y - x and b - x comes from its own homogeneous ha
 
     (M1)  p t^2 - 2 m t + r = 0,   t = tan(z/2) = r / (m + root) = (m - root) / p
 
-with p, r, m as in :func:`half_angle_coefficients`. t is kept as a pair g, h, so that no angle is
-special (t = tan(pi/2) is just h = 0), and of its two forms the one without cancellation is taken:
-"side" is +1 for t = g/h, g = r, h = m + root, and -1 for t = h/g, g = p, h = m - root. Then
+with, of y, p = A sin^2(x/2) + C cos^2(x/2), r = B sin^2(x/2) + D cos^2(x/2), m = 4 a1 a3 sin(x/2)
+cos(x/2), and A = A1 A2, ..., D = D1 D2 of :func:`bilinear_factors`. Negative or exchanged lengths
+turn it into the equations of the other angles, and their sums into the same but for signs: -a4,
+a3, -a2, -a1 give b - x, and -a4, a2, a3, -a1 give y - x, with A and B of y exchanged. t is kept as
+a pair g, h, so that no angle is special (t = tan(pi/2) is just h = 0), and of its two forms the
+one without cancellation is taken: "side" is +1 for t = g/h, g = r, h = m + root, and -1 for t =
+h/g, g = p, h = m - root. Then
 
     (M2)  sin z = 2 g h / (g^2 + h^2),   cos z = side (h^2 - g^2) / (g^2 + h^2)
 
@@ -58,9 +62,9 @@ with
 and R keeps its sign: the assembly mode. So the branch goes on through the flat position, where k
 changes its sign, without a jump and without 0/0, as k is left out of every quotient:
 
-    (M14)  sin x / k,  m / k and sin z / k in (M4) to (M7);   g = f^2 g2,   h = k h',
-           sin z = 2 k g2 h' / n,   cos z = side ((k h'/f)^2 - (f g2)^2) / n,
-           n = (f g2)^2 + (k h'/f)^2,   f = (s if g has it twice) (c if g has it twice)
+    (M14)  sin x / k,  m / k and sin z / k in (M4) to (M7);   g = j^2 g2,   h = k h',
+           sin z = 2 k g2 h' / n,   cos z = side ((k h'/j)^2 - (j g2)^2) / n,
+           n = (j g2)^2 + (k h'/j)^2,   j = (s if g has it twice) (c if g has it twice)
     (M15)  mu'' = 2 a1 a4 (s2 c (c/kc) u - s1 s (s/ks) w) / R^3 with k = ks kc, and with u, w
            without kc^2, ks^2
 
@@ -73,7 +77,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import exact_sum, Function, is_zero, NumberType, Scalar
 
 # Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
@@ -100,46 +103,6 @@ def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
                    B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
                    C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
                    D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
-
-
-def half_angle_coefficients(f: Factors) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
-    """
-    Return A, B, C, D [m^2] of the half-angle quadratics of y and of b - x in a loop of four rods.
-
-    In |a4 - a1 e^{ix} + a3 e^{iy}| = a2 the half-angle t = tan(y/2) solves p t^2 - 2 m t + r = 0
-    with p = A sh^2 + C ch^2, r = B sh^2 + D ch^2, m = 4 a1 a3 sh ch, where sh, ch = sin,
-    cos(x/2): Eq. (16) of the slides, homogeneous in tan(x/2). Its discriminant is m^2 - p r =
-    (2 a2 a3 sin mu)^2. Negative or exchanged lengths turn the same equation into those of the
-    other pairs of angles, and their sums into the same but for signs: the lengths -a4, a3, -a2,
-    -a1 give b - x, and -a4, a2, a3, -a1 give y - x, with A and B of y exchanged.
-    """
-    return ((f.A1 * f.A2, f.B1 * f.B2, f.C1 * f.C2, f.D1 * f.D2),
-            (f.A1 * f.B1, f.A2 * f.B2, f.C1 * f.D2, f.C2 * f.D1))
-
-
-class _Shape(NamedTuple):
-    """Constants of the equations, of lengths scaled by a power of two to about one."""
-
-    s1: Scalar
-    c1: Scalar
-    s2: Scalar
-    c2: Scalar
-    C1: Scalar
-    D1: Scalar
-    # factors of sin^2(x/2), cos^2(x/2) in p, then in r, of y, y - x and b - x
-    of_y: tuple[Scalar, Scalar, Scalar, Scalar]
-    of_yx: tuple[Scalar, Scalar, Scalar, Scalar]
-    of_bx: tuple[Scalar, Scalar, Scalar, Scalar]
-    # m / (sin(x/2) cos(x/2)) of y, y - x and, with the other sign, of b - x
-    m_y: Scalar
-    m_yx: Scalar
-    m_bx: Scalar
-    e: Scalar
-    f: Scalar
-    y_near: Scalar                    # (f + q)/2 at x = 0 and x = pi, (f - q)/2 at both
-    y_far: Scalar
-    b_near: Scalar
-    b_far: Scalar
 
 
 class HalfAngle(NamedTuple):
@@ -183,32 +146,6 @@ class LoopMotion(NamedTuple):
     dd_b: Scalar
 
 
-def _shape(n: NumberType, a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar) -> _Shape:
-    """Return the constants of the equations, exact where lengths cancel, of scaled lengths."""
-    fabs, where, exact_sum = n.fabs, n.where, n.exact_sum
-
-    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
-        return difference_of_squares(a, b, c, d, exact_sum)
-
-    factors = bilinear_factors(a1, a2, a3, a4, exact_sum)
-    # y - x has the coefficients of y, p and r of sin^2(x/2) exchanged
-    (A, B, C, D), (A_bx, B_bx, C_bx, D_bx) = half_angle_coefficients(factors)
-    f, low, high = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
-    # The odd one of three squares is paired with the larger of the others: the remaining
-    # cancellation comes from the data.
-    is_near, is_far = fabs(a1 - a4) > a2, a1 + a4 > a2
-    y_near = where(is_near, squares(a1, -a4, a3, 0.0) + a2 * a2, f + low)
-    y_far = where(is_far, squares(a1, a4, a3, 0.0) + a2 * a2, f + high)
-    is_near, is_far = fabs(a1 - a4) > a3, a1 + a4 > a3
-    b_near = where(is_near, squares(a2, 0.0, a1, -a4) - a3 * a3, f - low)
-    b_far = where(is_far, squares(a2, 0.0, a1, a4) - a3 * a3, f - high)
-    return _Shape(-factors.A1 * factors.B2, -factors.C2 * factors.D2,
-                  factors.C1 * factors.D1, factors.A2 * factors.B1,
-                  factors.C1, factors.D1, (A, C, B, D), (B, C, A, D), (A_bx, C_bx, B_bx, D_bx),
-                  4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2, (a1 - a4) * (a1 + a4), f,
-                  0.5 * y_near, 0.5 * y_far, 0.5 * b_near, 0.5 * b_far)
-
-
 def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
                 of_cosine: Scalar) -> tuple[Scalar, Scalar]:
     """
@@ -231,18 +168,31 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
     ``half``: of the crank's angle x. ``sign``: of R, the assembly mode. ``can_lie_flat``: else k
     is 1 whatever the lengths.
     """
-    where, unit = n.where, n.power_of_two(*lengths)
+    fabs, where, unit = n.fabs, n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
-    shape = _shape(n, a1, a2, a3, a4)
+    A1, A2, B1, B2, C1, C2, D1, D2 = bilinear_factors(a1, a2, a3, a4, n.exact_sum)
+    A, B, C, D = A1 * A2, B1 * B2, C1 * C2, D1 * D2                                     # of y
+    A_bx, B_bx, C_bx, D_bx = A1 * B1, A2 * B2, C1 * D2, C2 * D1                         # of b - x
+    f, q_near, q_far = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2
+    # (f + q)/2 at x = 0 and x = pi, then (f - q)/2 at both. The odd one of three squares is paired
+    # with the larger of the others: the remaining cancellation comes from the data.
+    is_near, is_far = fabs(a1 - a4) > a2, a1 + a4 > a2
+    y_near = where(is_near, n.difference_of_squares(a1, -a4, a3, 0.0) + a2 * a2, f + q_near)
+    y_far = where(is_far, n.difference_of_squares(a1, a4, a3, 0.0) + a2 * a2, f + q_far)
+    is_near, is_far = fabs(a1 - a4) > a3, a1 + a4 > a3
+    b_near = where(is_near, n.difference_of_squares(a2, 0.0, a1, -a4) - a3 * a3, f - q_near)
+    b_far = where(is_far, n.difference_of_squares(a2, 0.0, a1, a4) - a3 * a3, f - q_far)
+    s1, c1, s2, c2 = -A1 * B2, -C2 * D2, C1 * D1, A2 * B1
+    m_y, m_yx, m_bx = 4.0 * a1 * a3, 4.0 * a4 * a3, -4.0 * a4 * a2      # m / (sin(x/2) cos(x/2))
+    e, y_near, y_far = (a1 - a4) * (a1 + a4), 0.5 * y_near, 0.5 * y_far
+    b_near, b_far = 0.5 * b_near, 0.5 * b_far
     s, c, ss, cc, sc = half
-    u, w = shape.s1 * ss + shape.c1 * cc, shape.c2 * ss + shape.s2 * cc                 # (M3)
-    flat_at_0 = can_lie_flat and is_zero(n, shape.s2)
-    flat_at_pi = can_lie_flat and is_zero(n, shape.s1)
-    s, c = in_one_turn(n, (s, c), where(flat_at_0, shape.s1, 0.0),
-                       where(flat_at_pi, shape.s2, 0.0))
+    u, w = s1 * ss + c1 * cc, c2 * ss + s2 * cc                                         # (M3)
+    flat_at_0, flat_at_pi = [can_lie_flat and is_zero(n, factor) for factor in (s2, s1)]
+    s, c = in_one_turn(n, (s, c), where(flat_at_0, s1, 0.0), where(flat_at_pi, s2, 0.0))
     k_s, k_c = where(flat_at_0, s, 1.0), where(flat_at_pi, c, 1.0)                      # (M13)
     sc_left = where(flat_at_0, where(flat_at_pi, 1.0, c), where(flat_at_pi, s, sc))
-    u_left, w_left, k = where(flat_at_pi, shape.c1, u), where(flat_at_0, shape.c2, w), k_s * k_c
+    u_left, w_left, k = where(flat_at_pi, c1, u), where(flat_at_0, c2, w), k_s * k_c
     root = sign * n.sqrt(u_left * w_left)     # R, not real where the linkage cannot close
     # 1/(4 a2 a3) with the roundings of u and w; NaN where the root is not real
     per = 1.0 / (u + w + (root - root))
@@ -256,22 +206,22 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
         """Return cos z and sin(z)/k of an angle, from its p, r and m, (M14)."""
         forms = []
         for g_s, g_c in ((r_s, r_c), (p_s, p_c)):       # t = g/h, t = h/g
-            twice_s = can_lie_flat and is_zero(n, n.fabs(shape.s2) + n.fabs(g_c))
-            twice_c = can_lie_flat and is_zero(n, n.fabs(shape.s1) + n.fabs(g_s))
+            twice_s = can_lie_flat and is_zero(n, fabs(s2) + fabs(g_c))
+            twice_c = can_lie_flat and is_zero(n, fabs(s1) + fabs(g_s))
             forms.append((g_s, g_c, where(twice_s, 1.0, ss), where(twice_c, 1.0, cc),
                           where(twice_s, s, 1.0) * where(twice_c, c, 1.0),
                           where(twice_s, 1.0, k_s) * where(twice_c, 1.0, k_c)))
-        g_s, g_c, ss_left, cc_left, f, k_over_f = where(adds, *forms)
+        g_s, g_c, ss_left, cc_left, j, k_over_j = where(adds, *forms)
         g, h = g_s * ss_left + g_c * cc_left, m * sc_left + signed_root                 # (M1)
-        large, small = k_over_f * h, f * g
+        large, small = k_over_j * h, j * g
         square = large * large
         per = 2.0 / (small * small + square)
         return side * (square * per - 1.0), g * h * per                                 # (M2)
 
     signed = side * root
-    cos_y, sin_y = angle(*shape.of_y, shape.m_y, signed)
-    _, sin_yx = angle(*shape.of_yx, shape.m_yx, signed)
-    cos_bx, sin_bx = angle(*shape.of_bx, shape.m_bx, -signed)
+    cos_y, sin_y = angle(A, C, B, D, m_y, signed)
+    _, sin_yx = angle(B, C, A, D, m_yx, signed)
+    cos_bx, sin_bx = angle(A_bx, C_bx, B_bx, D_bx, m_bx, -signed)
     cos_x, sin_x, sin_x_over_k = cc - ss, sc + sc, sc_left + sc_left
     sin_bx_k = sin_bx * k
     cos_b, sin_b = cos_x * cos_bx - sin_x * sin_bx_k, sin_x * cos_bx + cos_x * sin_bx_k
@@ -281,19 +231,14 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
     d_mu = a1 * a4 / (a2 * a3) * sin_x_over_k * per                                     # (M5)
     d_y = -a1 / a3 * sin_bx * per                                                       # (M6)
     d_b = -a1 / a2 * sin_yx * per                                                       # (M7)
-    # a1 = a4, a2 = a3
-    meets = can_lie_flat and is_zero(n, n.fabs(shape.C1) + n.fabs(shape.D1))
+    meets = can_lie_flat and is_zero(n, fabs(C1) + fabs(D1))                # a1 = a4, a2 = a3
     q = where(meets, 1.0, (a1 - a4)**2 + 4.0 * a1 * a4 * ss)                            # (M8)
-    per, e = 1.0 / q, shape.e
-    turn = a1 * a4 * sin_x * where(q.real > n.fabs(e), (e + shape.f * d_mu) * per,      # (M9)
-                                   d_y + d_bx)
-    dd_mu = (2.0 * a1 * a4 * shape.s2 * where(flat_at_pi, c, cc) * u_left        # (M10), (M15)
-             - 2.0 * a1 * a4 * shape.s1 * where(flat_at_0, s, ss) * w_left) / (
-                 u_left * w_left * root)
-    dd_y = where(meets, 0.5 * dd_mu,                                                    # (M11)
-                 ((shape.y_near * cc + shape.y_far * ss) * dd_mu - turn) * per)
-    dd_b = where(meets, -0.5 * dd_mu,                                                   # (M12)
-                 ((shape.b_near * cc + shape.b_far * ss) * dd_mu - turn) * per)
+    per = 1.0 / q
+    turn = a1 * a4 * sin_x * where(q.real > fabs(e), (e + f * d_mu) * per, d_y + d_bx)  # (M9)
+    dd_mu = (2.0 * a1 * a4 * s2 * where(flat_at_pi, c, cc) * u_left              # (M10), (M15)
+             - 2.0 * a1 * a4 * s1 * where(flat_at_0, s, ss) * w_left) / (u_left * w_left * root)
+    dd_y = where(meets, 0.5 * dd_mu, ((y_near * cc + y_far * ss) * dd_mu - turn) * per)   # (M11)
+    dd_b = where(meets, -0.5 * dd_mu, ((b_near * cc + b_far * ss) * dd_mu - turn) * per)  # (M12)
     return LoopMotion(
         cos_x=cos_x, sin_x=sin_x, cos_bx=cos_bx, sin_bx=sin_bx_k, cos_b=cos_b, sin_b=sin_b,
         cos_y=cos_y, sin_y=sin_y * k, cos_mu=cos_mu, sin_mu=sin_mu_over_k * k, d_bx=d_bx,

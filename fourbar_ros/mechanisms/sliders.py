@@ -27,10 +27,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
+from fourbar_ros.mechanics.newton_euler import Needs
 from fourbar_ros.mechanisms import closed_forms, kind, parts
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
@@ -38,12 +39,9 @@ from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Length
 from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
-from fourbar_ros.numerics.exact_sums import difference_of_squares, scaled
-from fourbar_ros.numerics.number_types import exact_sum, power_of_two, Scalar, TINY
-
-if TYPE_CHECKING:
-    from fourbar_ros.mechanics.newton_euler import Needs
-    from fourbar_ros.numerics.number_types import Function, NumberType
+from fourbar_ros.numerics import number_types
+from fourbar_ros.numerics.number_types import exact_sum, Function, NumberType, REAL, Scalar, TINY
+from fourbar_ros.numerics.vectors import Vector
 
 AT_O = (0.0, 0.0)      # as a place
 GUIDE = parts.Length('offset', 'y of the guide', signed=True)
@@ -172,7 +170,7 @@ class SliderCrank(OffsetSlide):
 
     def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
         """Yield up to two poses where the slider of a driven crank turns back."""
-        unit = power_of_two(*self.lengths)
+        unit = number_types.power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         folded, stretched = closed_forms.reach(a1, a2, e)
         for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
@@ -302,10 +300,10 @@ class InvertedSlider(OffsetSlide):
 
     def stalls(self, side: float) -> Iterator[InvertedDeadPoint]:
         """Yield up to two poses where the bar of a driven crank turns back."""
-        a1, a4, h = scaled(self.lengths)
+        a1, a4, h = number_types.scaled(self.lengths)
         for sign in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - sign * a1        # a4 sin y
-            run = difference_of_squares(a4, 0.0, h, -sign * a1)
+            run = REAL.difference_of_squares(a4, 0.0, h, -sign * a1)
             if run > 0.0 and self.input == CRANK:
                 cosine, sine = -side * sqrt(run), rise
                 yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
@@ -314,8 +312,6 @@ class InvertedSlider(OffsetSlide):
                   needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
                   ) -> Mapping[str, Scalar]:
         """Return the force between bar and block of a driven slide, from moments."""
-        # of linkages with masses alone
-        from fourbar_ros.numerics.vectors import Vector
         if self.input == CRANK:
             return {}
         (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)

@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fourbar_ros.mechanisms.loop import HalfAngle, in_one_turn
-from fourbar_ros.numerics.exact_sums import difference_of_squares
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
 
@@ -98,8 +97,8 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     few powers of two of one.
     """
     sqrt, where, ee = n.sqrt, n.where, e * e
-    k_plus = difference_of_squares(a1, a2, e, 0.0, n.exact_sum)
-    k_minus = difference_of_squares(a1, -a2, e, 0.0, n.exact_sum)
+    k_plus = n.difference_of_squares(a1, a2, e, 0.0)
+    k_minus = n.difference_of_squares(a1, -a2, e, 0.0)
     flat_at_0 = can_lie_flat and is_zero(n, k_minus)
     meets = can_lie_flat and is_zero(
         n, n.fabs(n.exact_sum((a1, -a2, e))) + n.fabs(n.exact_sum((a1, -a2, -e))))
@@ -192,14 +191,12 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     ``sin_v``, ``cos_v``: of v.
     """
     sqrt, fabs, where, exact_sum = n.sqrt, n.fabs, n.where, n.exact_sum
-
-    def squares(a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
-        return difference_of_squares(a, b, c, d, exact_sum)
-
     # u, w and gap at sin x = 0, 1 and -1, and that sine
-    about_0 = a2 - e, a2 + e, squares(a2, 0.0, a1, 0.0) - e * e, 0.0
-    about_up = (exact_sum((a2, -e, a1)), exact_sum((a2, e, -a1)), squares(a2, 0.0, e, -a1), 1.0)
-    about_down = (exact_sum((a2, -e, -a1)), exact_sum((a2, e, a1)), squares(a2, 0.0, e, a1), -1.0)
+    about_0 = a2 - e, a2 + e, n.difference_of_squares(a2, 0.0, a1, 0.0) - e * e, 0.0
+    about_up = (exact_sum((a2, -e, a1)), exact_sum((a2, e, -a1)),
+                n.difference_of_squares(a2, 0.0, e, -a1), 1.0)
+    about_down = (exact_sum((a2, -e, -a1)), exact_sum((a2, e, a1)),
+                  n.difference_of_squares(a2, 0.0, e, a1), -1.0)
     per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
     low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
     u, w, gap, start = where(is_about_0, about_0,
@@ -267,8 +264,8 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
     """
     where, (s, c, ss, cc, sc) = n.where, half
     a1_a4, more = a1 * a4, a1 + a4
-    near = difference_of_squares(a1, -a4, h, 0.0, n.exact_sum)
-    far = difference_of_squares(a1, a4, h, 0.0, n.exact_sum)
+    near = n.difference_of_squares(a1, -a4, h, 0.0)
+    far = n.difference_of_squares(a1, a4, h, 0.0)
     flat_at_0 = can_lie_flat and is_zero(n, near)
     meets = can_lie_flat and is_zero(
         n, n.fabs(n.exact_sum((a1, -a4, h))) + n.fabs(n.exact_sum((a1, -a4, -h))))

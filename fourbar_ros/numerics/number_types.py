@@ -33,7 +33,10 @@ Scalar = float
 
 _Choice = TypeVar('_Choice')
 
-# A sum of lengths below this part of their sizes is the rounding of decimals: zero.
+# Lengths are exact data: a sum of some of them, however small beside them, is rounded once, and a
+# difference of squares is the product of two such sums. Near change points and toggles all other
+# digits would be lost. In decimals they are not exact, 0.1 + 0.5 - 0.2 - 0.4 is 2.8e-17: a sum
+# below this part of their sizes is zero, so that a change point is one in every unit.
 SNAP = 4.0 * EPS
 # No other product of sums of lengths of about one is below it.
 NOTHING = 2.0**-500
@@ -73,6 +76,11 @@ class NumberType:
     power_of_two: Function
     call: Function = lambda function, x: function(x)
 
+    def difference_of_squares(self, a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
+        """Return (a + b)^2 - (c + d)^2, a product of exact sums: it keeps digits near zero."""
+        product: Scalar = self.exact_sum((a, b, c, d)) * self.exact_sum((a, b, -c, -d))
+        return product
+
 
 def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
     """Return ``if_true`` if ``condition`` else ``if_false``."""
@@ -91,9 +99,35 @@ def exact_sum(terms: Sequence[float]) -> float:
     return 0.0 if abs(total) <= SNAP * sum(map(abs, terms)) else total
 
 
+def exact_sum_of_four(terms: Sequence[Array]) -> Array:
+    """Return :func:`exact_sum` of up to four arrays: roundings are added last."""
+    a, b, c, d = list(terms) + [np.zeros(1)] * (4 - len(terms))
+    (first, e1), (second, e2) = _two_sum(a, b), _two_sum(c, d)
+    total, e3 = _two_sum(first, second)
+    total = np.asarray(total + (e3 + (e1 + e2)))
+    is_nothing = abs(total.real) <= SNAP * sum([abs(term.real) for term in terms])
+    if not is_nothing.any():
+        return total
+    # a complex step stays
+    return np.where(is_nothing, 1j * total.imag if np.iscomplexobj(total) else 0.0, total)
+
+
+def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return the rounded sum of two arrays and its rounding error, which is exact (Knuth)."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
+
+
 def power_of_two(*lengths: float) -> float:
     """Return the power of two next above the sizes of all lengths: 4.0 of (2.5, -1.0)."""
     return math.ldexp(1.0, math.frexp(max(map(abs, lengths)))[1])
+
+
+def scaled(lengths: Sequence[float]) -> list[float]:
+    """Return lengths times the power of two that makes the largest about one, exactly."""
+    unit = power_of_two(*lengths)
+    return [length / unit for length in lengths]
 
 
 def direction(angle: float) -> tuple[float, float]:

@@ -14,8 +14,7 @@ from typing import Any
 
 from fourbar_ros.numerics import number_types
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.exact_sums import exact_sum_of_four
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import exact_sum_of_four, Function
 from fourbar_ros.numerics.trace import OPERATIONS, Trace
 import numpy as np
 

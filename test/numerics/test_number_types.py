@@ -4,8 +4,7 @@
 from fractions import Fraction
 from math import fsum
 
-from fourbar_ros.numerics.exact_sums import scaled
-from fourbar_ros.numerics.number_types import ARRAY, power_of_two
+from fourbar_ros.numerics.number_types import ARRAY, power_of_two, scaled
 from fourbar_ros.numerics.tables import ARRAYS
 import numpy as np
 import pytest

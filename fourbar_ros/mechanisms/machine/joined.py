@@ -13,22 +13,23 @@ from math import atan2, pi, remainder
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends
-from fourbar_ros.mechanisms.machine.solve.pairs import (
-    half_angle,
-    KnownJoints,
-    moving_link,
-    turned_by,
-)
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, Joints, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
-from fourbar_ros.numerics.exact_sums import difference_of_squares
-from fourbar_ros.numerics.number_types import exact_sum, is_zero, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import (
+    exact_sum,
+    is_zero,
+    NumberType,
+    power_of_two,
+    REAL,
+    Scalar,
+)
 
 
-def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: KnownJoints
+def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints
            ) -> tuple[Any, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
-    frame, moving = stage.pair.frame, moving_link(stage)
+    frame, moving = stage.pair.frame, stage.moving
     (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
                               else (lengths.q, lengths.p))
     if stage.pair.slides:
@@ -66,13 +67,12 @@ def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
     slide is zero, e, its cosine and sine).
     """
-    joints, with_shapes = KnownJoints(layout.driver), []
+    joints, with_shapes = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
         shape = (_shape(n, stage, lengths, joints) if stage.pair
                  else reach if stage.name == CYLINDER else ())
         with_shapes.append(lengths._replace(reach=reach, shape=shape))
-        joints.add(stage, lengths)
     return with_shapes
 
 
@@ -189,22 +189,20 @@ def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
     unit = power_of_two(*lengths.sizes[:1 + (stage.kind == 'RRR')],
                         *lengths.shape[stage.pair.slides:2])
     sizes = [size / unit for size in lengths.sizes]
+    squares = REAL.difference_of_squares
     # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
     first, second = [arm / unit for arm in lengths.shape[:2]]
     if stage.pair.slides:
         if stage.kind == 'RPR':
-            return [(unit**-2, difference_of_squares(second, 0.0, sizes[0], 0.0))]
-        return [(-unit**-2, difference_of_squares(sizes[0], sizes[1], second, 0.0)),
-                (unit**-2, -difference_of_squares(sizes[0], -sizes[1], second, 0.0))]
+            return [(unit**-2, squares(second, 0.0, sizes[0], 0.0))]
+        return [(-unit**-2, squares(sizes[0], sizes[1], second, 0.0)),
+                (unit**-2, -squares(sizes[0], -sizes[1], second, 0.0))]
     if stage.kind == 'RRP':
         r = sizes[0]
         return [(exact_sum((r, -second, first)), exact_sum((r, -second, -first))),
                 (exact_sum((r, second, -first)), exact_sum((r, second, first)))]
     near, far = (first, -second), (first, second)
     if stage.kind == 'RPR':
-        return [(difference_of_squares(*near, sizes[0], 0.0),
-                 difference_of_squares(*far, sizes[0], 0.0))]
-    return [(difference_of_squares(sizes[0], sizes[1], *near),
-             difference_of_squares(sizes[0], sizes[1], *far)),
-            (difference_of_squares(*near, sizes[0], -sizes[1]),
-             difference_of_squares(*far, sizes[0], -sizes[1]))]
+        return [(squares(*near, sizes[0], 0.0), squares(*far, sizes[0], 0.0))]
+    return [(squares(sizes[0], sizes[1], *near), squares(sizes[0], sizes[1], *far)),
+            (squares(*near, sizes[0], -sizes[1]), squares(*far, sizes[0], -sizes[1]))]

@@ -20,7 +20,6 @@ from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends, Node, turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
-from fourbar_ros.mechanisms.machine.solve.pairs import make_moves
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
@@ -94,13 +93,13 @@ def make_along(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths
                signs: Sequence[Scalar], dyad: int,
                measure: Callable[[Ends], Any]) -> Function:
     """Return input -> the measure of the ends of a dyad, which may be unable to close."""
-    hanging, moves = hangings(layout, dyad_lengths), make_moves(n, layout, dyad_lengths, signs)
+    hanging = hangings(n, layout, dyad_lengths, signs)
 
     def along(x: Scalar) -> Any:
         poses = Poses(hanging, driven_link(n, layout, dyad_lengths, signs, x))
         for before in range(dyad):
-            poses.add(before, moves[before](poses.hang(before)))
-        return measure(poses.hang(dyad))
+            poses.add(before)
+        return measure(poses.ends(dyad))
     return along
 
 

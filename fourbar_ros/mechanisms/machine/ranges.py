@@ -39,7 +39,6 @@ from fourbar_ros.mechanisms.machine.margins import (
     make_flatness,
     make_square,
 )
-from fourbar_ros.mechanisms.machine.solve.pairs import moving_link
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
@@ -135,7 +134,7 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
                 return DyadRanges((), (), stage.name, layout=search.layout)
         found: list[float] = []
         if pair_range and pair_range.flats:
-            found = (flats_of_driven(pair_range, moving_link(stage) == 1, limits) if is_driven
+            found = (flats_of_driven(pair_range, stage.moving == 1, limits) if is_driven
                      else search.flats(pair_range, limits, i, turns))
             if not found:
                 search.without_branch(i)

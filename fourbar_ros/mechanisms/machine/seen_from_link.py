@@ -23,7 +23,7 @@ from fourbar_ros.mechanisms.loop import HalfAngle, loop
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import EXACT
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, make_moves, turned_by
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
@@ -55,17 +55,16 @@ class SeenFromLink:
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
         """Return p -> coefficients of all links, as those of a mechanism."""
-        inverse, hanging = self._make_inverse(n), hangings(self._layout, self._dyad_lengths)
-        moves = make_moves(n, self._layout, self._dyad_lengths, self._signs)
+        inverse = self._make_inverse(n)
+        hanging = hangings(n, self._layout, self._dyad_lengths, self._signs)
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
             """Return the curves of all links: crank, this dyad as it is driven, other dyads."""
             crank, first, second = inverse(position)
             poses, curves = Poses(hanging, Driven(crank, EXACT)), [crank]
-            for i, moves_dyad in enumerate(moves):
-                moved = (DyadMotion(first, second, (), 1.0, 0.0, {}) if i == self._dyad
-                         else moves_dyad(poses.hang(i)))
-                curves += poses.add(i, moved)
+            for i in range(len(hanging)):
+                curves += poses.add(i, DyadMotion(first, second, (), 1.0, 0.0, {})
+                                    if i == self._dyad else None)
             return curves
         return coefficients
 

@@ -76,6 +76,11 @@ class Stage(NamedTuple):
         """Return whether it is a pair whose branch goes on through flat positions."""
         return self.pair is not None and self.pair.can_lie_flat
 
+    @property
+    def moving(self) -> int:
+        """Return the index of the one of a pair that moves in the frame."""
+        return self.first if self.turns_first else self.second
+
     def slides(self) -> list[str]:
         """Return the names of the links that slide, in the order of the joints."""
         return [self.links[i] for i in SLIDES[self.kind].values()]

@@ -9,7 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.machine.describe.description import Dyad
-from fourbar_ros.mechanisms.machine.solve.pairs import KnownJoints
+from fourbar_ros.mechanisms.machine.solve.pairs import Joints
 from fourbar_ros.mechanisms.machine.structure import (
     CRANK_LINK,
     CYLINDER,
@@ -40,7 +40,7 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
     if frame != GROUND:
         owners[frame] = ('the link at the base of the cylinder' if driver == CYLINDER
                          else 'the link that carries the crank')
-    names, joints = set[str](), KnownJoints(driver)
+    names = set[str]()
     for dyad in dyads:
         where = f'dyads.{dyad.name}'
         if dyad.name in names:
@@ -55,19 +55,18 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
             if link not in links:
                 raise InvalidParameter(f'{where}.{end}.link', link,
                                        _why_not_there(dyads, link, links))
-        stage = Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
-                      links.index(dyad.second.link), dyad.links, len(links))
-        if dyad.name != CYLINDER:
-            stage = stage._replace(pair=joints.pair_of(stage))
-        stages.append(stage)
-        joints.add(stage, dyad.lengths)
+        stages.append(Stage(dyad.name, dyad.kind, links.index(dyad.first.link),
+                            links.index(dyad.second.link), dyad.links, len(links)))
         links += dyad.links
         owners.update(dict.fromkeys(dyad.links, f'a link of dyad {dyad.name}'))
     if GROUND not in links:
         raise InvalidParameter('cylinder.base.link' if driver == CYLINDER else 'carrier', frame,
                                'a machine whose drive is on a link that moves has the ground '
                                'among the links of a dyad')
-    layout = Layout(driver, tuple(links), tuple(stages), '')
+    joints = Joints(driver, stages, [dyad.lengths for dyad in dyads])
+    layout = Layout(driver, tuple(links), tuple([
+        stage if stage.name == CYLINDER else stage._replace(pair=joints.pair_of(stage))
+        for stage in stages]), '')
     moving = layout.moving
     if output is not None and output not in moving:
         raise InvalidParameter('output', output,
@@ -122,5 +121,3 @@ def _require_single(layout: Layout) -> None:
             raise InvalidParameter('dyads', name, 'would be the name of two results: change that '
                                                   'of a link or a dyad')
 
-
-# --- fields of the results -----------------------------------------------------------------------

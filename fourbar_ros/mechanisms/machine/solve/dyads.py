@@ -89,9 +89,6 @@ class Ends(NamedTuple):
     second: LinkMotion          # carrier of Q
 
 
-MovesDyad = Callable[[Ends], DyadMotion]
-
-
 class Driven(NamedTuple):
     """The driven link of a machine."""
 
@@ -110,13 +107,20 @@ def between(at_p: Node, at_q: Node) -> Node:
             at_q[4] - at_p[4], at_q[5] - at_p[5])
 
 
-def crank_of_half(c: Scalar, s: Scalar) -> Driven:
-    """Return a crank about the origin by cosine and sine of half its angle, the input."""
+ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def driven_crank(n: NumberType, angle: Scalar) -> Driven:
+    """Return a crank about the origin, by half its angle, the input."""
+    c, s = n.cos(0.5 * angle), n.sin(0.5 * angle)
     curve = LinkMotion(*ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
     return Driven(curve, (0.0, 0.0), (c, s))
 
 
-ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+def driven_slider(x: Scalar, height: Scalar = 0.0) -> Driven:
+    """Return a slider at x, the input, on a line at a height."""
+    curve = LinkMotion(x, height, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    return Driven(curve, (0.0, 0.0), slide=(x, 1.0, 0.0))
 
 
 def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:

@@ -16,19 +16,20 @@ with n the turn by +90 deg.
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve import dyads, pairs
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, Ends
-from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, moving_link, OnLink
+from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, Joints, OnBoth, OnLink
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 
 class Hanging(NamedTuple):
-    """How a dyad hangs on the links before it, the same in all poses."""
+    """How a dyad hangs on the links before it and how it moves, the same in all poses."""
 
     stage: Stage
     at_p: OnLink         # of P on the link ``stage.first``
@@ -36,24 +37,33 @@ class Hanging(NamedTuple):
     frame: int          # number of the link from which it is seen
     # where its two links are joined: the pin on the one that moves in the frame, and on that, or
     # start and direction of the slide in the frame
-    joint: tuple[OnLink, OnLink]
+    joint: OnBoth
     is_joined_by_slide: bool
-    slides: list[tuple[int, pairs.Slide]]      # of its own links: (link that slides, its slide)
+    slides: list[tuple[int, pairs.Slide]]      # of its links: (link that slides, its slide)
+    motion: Callable[[Ends], DyadMotion]
 
 
-def hangings(layout: Layout, dyad_lengths: Sequence[DyadLengths]) -> list[Hanging]:
-    """Return how the dyads hang, in their order."""
-    joints, hanging = pairs.KnownJoints(layout.driver), []
-    for stage, lengths in zip(layout.stages, dyad_lengths):
-        both = stage.first, stage.second
+def hangings(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+             signs: Sequence[Scalar]) -> list[Hanging]:
+    """
+    Return how the dyads hang, in their order.
+
+    A pair has a motion of its own: the general form would lose digits. ``dyad_lengths``: of each
+    dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
+    """
+    joints, hanging = Joints(layout.driver, layout.stages, dyad_lengths), []
+    for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):
+        both, pair = (stage.first, stage.second), stage.pair
         links = next((link for link in (both, both[::-1]) if link in joints.slides), None)
-        joint = joints.slides[links] if links else (FIRST_JOINT, FIRST_JOINT)
-        if stage.pair and not links:
-            joint = joints.pin(moving_link(stage), stage.pair.frame)
-        frame = stage.pair.frame if stage.pair else links[1] if links else 0
-        hanging.append(Hanging(stage, lengths.p, lengths.q, frame, joint, links is not None,
-                               pairs.slides_of(stage, lengths)))
-        joints.add(stage, lengths)
+        joint = (joints.slides[links] if links else joints.pin(stage.moving, pair.frame) if pair
+                 else (FIRST_JOINT, FIRST_JOINT))
+        motion: Callable[[Ends], DyadMotion] = (
+            pairs.rod_of_cylinder if stage.name == CYLINDER else
+            partial(pairs.PAIRS[stage.kind, pair.slides], n, sign, stage, lengths) if pair else
+            partial(dyads.DYADS[stage.kind], n, sign, lengths.sizes))
+        hanging.append(Hanging(
+            stage, lengths.p, lengths.q, pair.frame if pair else links[1] if links else 0, joint,
+            links is not None, pairs.slides_of(stage, lengths), motion))
     return hanging
 
 
@@ -109,35 +119,28 @@ class Poses:
         self._slides: dict[tuple[int, int], Sequence[Scalar]] = (
             {(1, 0): driven.slide} if driven.slide else {})
 
-    def hang(self, index: int) -> Ends:
+    def ends(self, index: int) -> Ends:
         """Return the ends of a dyad and the links that carry them, in its frame."""
         hanging = self._hanging[index]
-        stage, frame = hanging.stage, hanging.frame
-        first, second, relative = self.curves[stage.first], self.curves[stage.second], None
+        stage, frame, half = hanging.stage, hanging.frame, None
+        relative: Any = None
+        first, second = self.curves[stage.first], self.curves[stage.second]
         if frame or stage.pair:
-            moving, relative = self._in_frame(hanging)
+            link = stage.first if stage.second == frame else stage.second
+            relative = (self._slides[link, frame] if hanging.is_joined_by_slide
+                        else self.relation(link, frame))
+            curve_of = slid if hanging.is_joined_by_slide else pinned
+            moving = curve_of(*hanging.joint, relative) if frame else self.curves[link]
             first, second = (moving, FIXED) if stage.second == frame else (FIXED, moving)
         p, q = point_of(first, *hanging.at_p), point_of(second, *hanging.at_q)
         if stage.pair:
-            half = None
             if self._half and {stage.first, stage.second} == {0, 1}:
                 c, s = self._half
-                half = (c, s) if moving_link(stage) == 1 else (c, -s)
+                half = (c, s) if stage.moving == 1 else (c, -s)
             return Ends(p, q, None, relative, half, first, second)
         if stage.name == CYLINDER:
             return Ends(p, q, None, self._of_cylinder, None, first, second)
         return Ends(p, q, dyads.between(p, q), None, None, first, second)
-
-    def _in_frame(self, hanging: Hanging) -> tuple[LinkMotion, Any]:
-        """Return the curve of the moving carrier in the frame, and its angle or slide there."""
-        stage, frame = hanging.stage, hanging.frame
-        moving = stage.first if stage.second == frame else stage.second
-        relative: Any = (self._slides[moving, frame] if hanging.is_joined_by_slide
-                         else self.relation(moving, frame))
-        if not frame:
-            return self.curves[moving], relative
-        curve_of = slid if hanging.is_joined_by_slide else pinned
-        return curve_of(*hanging.joint, relative), relative
 
     def relation(self, link: int, seen_from: int) -> Direction:
         """Return the direction of a link, with derivatives, seen from a link it is pinned to."""
@@ -153,8 +156,9 @@ class Poses:
         c, s, turn, bend = self.curves[link].turning
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
-    def add(self, index: int, moved: DyadMotion) -> tuple[LinkMotion, LinkMotion]:
-        """Add how a dyad moved in its frame; return its links' curves."""
+    def add(self, index: int, moved: DyadMotion | None = None) -> tuple[LinkMotion, LinkMotion]:
+        """Add a dyad, or how it moved in its frame; return its links' curves."""
+        moved = self._hanging[index].motion(self.ends(index)) if moved is None else moved
         frame, slides = self._hanging[index].frame, self._hanging[index].slides
         curves = moved.first, moved.second
         if frame:
@@ -167,7 +171,7 @@ class Poses:
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
         return curves
 
-    def seen_from(self, ground: int, joints: pairs.KnownJoints) -> list[LinkMotion]:
+    def seen_from(self, ground: int, joints: Joints) -> list[LinkMotion]:
         """
         Return all curves as a link sees them, from that outward; the frame takes its index.
 
@@ -182,8 +186,7 @@ class Poses:
                     reached.append(link)
         return [seen[0 if link == ground else link] for link in range(len(self.curves))]
 
-    def _joined_to(self, link: int, joints: pairs.KnownJoints
-                   ) -> Iterator[tuple[int, LinkMotion]]:
+    def _joined_to(self, link: int, joints: Joints) -> Iterator[tuple[int, LinkMotion]]:
         """Yield (index, curve as ``link`` sees it) of the links that are joined to it."""
         for pair, points in joints.pins.items():
             if link in pair:
@@ -202,12 +205,8 @@ class Poses:
 
 def pose_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
             signs: Sequence[Scalar], driven: Driven) -> Poses:
-    """
-    Return the pose of a machine from its driven link, dyad by dyad.
-
-    ``dyad_lengths``: of each dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
-    """
-    pose = Poses(hangings(layout, dyad_lengths), driven)
-    for i, moves in enumerate(pairs.make_moves(n, layout, dyad_lengths, signs)):
-        pose.add(i, moves(pose.hang(i)))
+    """Return the pose of a machine from its driven link, dyad by dyad; see :func:`hangings`."""
+    pose = Poses(hangings(n, layout, dyad_lengths, signs), driven)
+    for i in range(len(layout.stages)):
+        pose.add(i)
     return pose

@@ -31,9 +31,10 @@ from collections.abc import Sequence
 
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine import structure
-from fourbar_ros.mechanisms.machine.solve.dyads import crank_of_half, Driven, DyadMotion, ORIGIN
+from fourbar_ros.mechanisms.machine.solve import dyads
+from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
 from fourbar_ros.mechanisms.machine.solve.frames import pose_of
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, KnownJoints, turned_by
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, Joints, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.mechanisms.slides import triangle
@@ -50,9 +51,8 @@ def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     if layout.driver == CYLINDER:
         return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
     if layout.driver == 'slide':
-        return Driven(LinkMotion(x, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0), EXACT,
-                      slide=(x, 1.0, 0.0))
-    return crank_of_half(n.cos(0.5 * x), n.sin(0.5 * x))
+        return dyads.driven_slider(x)
+    return dyads.driven_crank(n, x)
 
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
@@ -126,13 +126,11 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     """
     driven = driven_link(n, layout, dyad_lengths, signs, position)
     pose = pose_of(n, layout, dyad_lengths, signs, driven)
-    curves, dyads, errors = pose.curves, pose.dyads, [EXACT, driven.errors]
-    for stage, lengths, moved in zip(layout.stages, dyad_lengths, dyads):
+    curves, errors = pose.curves, [EXACT, driven.errors]
+    for stage, lengths, moved in zip(layout.stages, dyad_lengths, pose.dyads):
         errors += errors_of(n, stage, lengths, errors[stage.first], errors[stage.second], moved)
     if layout.ground:
-        turning, joints = layout.turning(), KnownJoints(layout.driver)
-        for stage, lengths in zip(layout.stages, dyad_lengths):
-            joints.add(stage, lengths)
+        turning, joints = layout.turning(), Joints(layout.driver, layout.stages, dyad_lengths)
         curves = [curve if not i or layout.moving[i - 1] in turning
                   else curve._replace(omega=0.0, alpha=0.0)
                   for i, curve in enumerate(pose.seen_from(layout.ground, joints))]
@@ -155,7 +153,7 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         add(structure.coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega,
             curve.alpha)
         fields.update(zip([f'{name}_{link}' for name in structure.COEFFICIENTS], curve))
-    for stage, moved in zip(layout.stages, dyads):
+    for stage, moved in zip(layout.stages, pose.dyads):
         fields[f'sine_{stage.name}'] = moved.sine
         for k, link in enumerate(stage.slides()):
             slide, slope, bend = moved.slides[3 * k:3 * k + 3]
@@ -171,8 +169,8 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     if layout.driver == 'crank':        # the input is not computed, it is as it is given
         of_input = structure.BASE if layout.ground else layout.driven
         fields[structure.coordinate(of_input).position] = position
-    sines = [n.fabs(moved.sine) for moved in dyads]
-    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyads)]
+    sines = [n.fabs(moved.sine) for moved in pose.dyads]
+    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, pose.dyads)]
     fields.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
     worst, *rest = zip(sines, angles)           # of the least |sine|
     for pair in rest:

@@ -34,22 +34,16 @@ every type of numbers a change point is one, or none.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.loop import HalfAngle, loop
-from fourbar_ros.mechanisms.machine.solve.dyads import (
-    Direction,
-    DyadMotion,
-    DYADS,
-    Ends,
-    MovesDyad,
-)
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Pair, Stage
-from fourbar_ros.numerics.exact_sums import difference_of_squares
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, DyadMotion, Ends
+from fourbar_ros.mechanisms.machine.structure import DyadLengths, Pair, Stage
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
 OnLink = tuple[Scalar, Scalar]       # along and across [m], a point of a link
+OnBoth = tuple[OnLink, OnLink]
+Joined = tuple[int, int]
 # Of a link that slides: (its carrier, start and direction of the slide there).
 Slide = tuple[int, OnLink, OnLink]
 FIRST_JOINT = (0.0, 0.0)             # a point of a link
@@ -72,47 +66,37 @@ def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
     return []
 
 
-def anchors_of(stage: Stage, lengths: DyadLengths) -> dict[int, tuple[int, OnLink]]:
-    """Return {link of a dyad: (link to which its first joint is pinned, where)}."""
-    first, second = stage.link, stage.link + 1
-    if stage.kind == 'PRP':
-        return {second: (first, FIRST_JOINT)}
-    anchors = {first: (stage.first, lengths.p)}
-    if stage.kind in ('RRR', 'RPR'):
-        anchors[second] = stage.second, lengths.q
-    elif stage.kind == 'RRP':
-        anchors[second] = first, (lengths.sizes[0], 0.0)
-    return anchors
-
-
-class KnownJoints:
+class Joints:
     """
-    The joints of a machine between links that come before a dyad.
+    All joints of a machine, by the indices of their links.
 
     ``pins``: {(a link, the link it is pinned to): points of both}, ``slides``: {(a link, its
     carrier): start and direction of the slide on the carrier}.
     """
 
-    def __init__(self, driver: str) -> None:
-        self.pins = {} if driver == 'slide' else {(1, 0): (FIRST_JOINT, FIRST_JOINT)}
-        self.slides = {(1, 0): (FIRST_JOINT, (1.0, 0.0))} if driver == 'slide' else {}
+    def __init__(self, driver: str, stages: Sequence[Stage], dyad_lengths: Sequence[DyadLengths]
+                 ) -> None:
+        self.pins, self.slides = dict[Joined, OnBoth](), dict[Joined, OnBoth]()
+        if driver == 'slide':
+            self.slides[1, 0] = FIRST_JOINT, (1.0, 0.0)
+        else:
+            self.pins[1, 0] = FIRST_JOINT, FIRST_JOINT
+        for stage, lengths in zip(stages, dyad_lengths):
+            first, second = stage.link, stage.link + 1
+            if stage.kind == 'PRP':
+                self.pins[second, first] = FIRST_JOINT, FIRST_JOINT
+            else:
+                self.pins[first, stage.first] = FIRST_JOINT, lengths.p
+            if stage.kind in ('RRR', 'RPR'):
+                self.pins[second, stage.second] = FIRST_JOINT, lengths.q
+            elif stage.kind == 'RRP':
+                self.pins[second, first] = FIRST_JOINT, (lengths.sizes[0], 0.0)
+            if stage.kind == 'RRR':         # the far ends of both rods
+                self.pins[second, first] = (lengths.sizes[1], 0.0), (lengths.sizes[0], 0.0)
+            for link, (carrier, start, direction) in slides_of(stage, lengths):
+                self.slides[link, carrier] = start, direction
 
-    def add(self, stage: Stage, lengths: DyadLengths) -> None:
-        """
-        Add the three joints of a dyad, so that later dyads find them.
-
-        Two are on the links that it hangs on, the third joins its two links: of RRR at the far
-        ends of both rods, which is no first joint.
-        """
-        for link, (carrier, point) in anchors_of(stage, lengths).items():
-            self.pins[link, carrier] = FIRST_JOINT, point
-        if stage.kind == 'RRR':
-            r1, r2 = lengths.sizes
-            self.pins[stage.link + 1, stage.link] = (r2, 0.0), (r1, 0.0)
-        for link, (carrier, start, direction) in slides_of(stage, lengths):
-            self.slides[link, carrier] = start, direction
-
-    def pin(self, link: int, frame: int) -> tuple[OnLink, OnLink]:
+    def pin(self, link: int, frame: int) -> OnBoth:
         """Return where two links are pinned to each other, on the first and on the second."""
         return (self.pins[link, frame] if (link, frame) in self.pins
                 else self.pins[frame, link][::-1])
@@ -125,11 +109,6 @@ class KnownJoints:
             if (link, carrier) in self.slides and stage.kind in ('RRR', 'RPR'):
                 return Pair(carrier, True)
         return None
-
-
-def moving_link(stage: Stage) -> int:
-    """Return the index of the link of a pair that is not its frame."""
-    return stage.first if stage.turns_first else stage.second
 
 
 # --- how a pair moves ----------------------------------------------------------------------------
@@ -183,7 +162,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     first, of_0 = stage.turns_first, turned_by(half_0, half_0)
     side, (a2, a3) = (1.0, lengths.sizes) if first else (-1.0, lengths.sizes[::-1])
     of_a = turned_by(of_0, of_g)
-    rod_1, rod_2, moving = stage.link, stage.link + 1, moving_link(stage)
+    rod_1, rod_2 = stage.link, stage.link + 1
     # of a flat position at x = pi, sin(x/2) keeps its sign there
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
@@ -199,7 +178,8 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     directions = (coupler, output) if first else (output, coupler)
     return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
                       side * bars.sin_mu, bars.cos_mu,
-                      {(rod_1 if first else rod_2, moving): on_moving, (rod_2, rod_1): between})
+                      {(rod_1 if first else rod_2, stage.moving): on_moving,
+                       (rod_2, rod_1): between})
 
 
 def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
@@ -256,7 +236,6 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     unit, of_0 = n.power_of_two(a1, a4, h), turned_by(half_0, half_0)
     h, of_a = h / unit, turned_by(of_0, of_g)
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
-    pinned = link, moving_link(stage)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
     block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
@@ -266,7 +245,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
                             *by_input(angle, block.d_theta2, block.dd_y))
     return _bar(stage, ends, bar,
                 (unit * block.l, *by_input(angle, unit * block.d_l, unit * block.dd_l)),
-                block.sine, block.cosine, {pinned: on_moving})
+                block.sine, block.cosine, {(link, stage.moving): on_moving})
 
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
@@ -304,7 +283,7 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     unit = n.power_of_two(e, h, shift)
     per, where = 1.0 / unit, n.where
     shift, e, h = shift * per, e * per, h * per
-    k = difference_of_squares(e, 0.0, h, 0.0, n.exact_sum)
+    k = n.difference_of_squares(e, 0.0, h, 0.0)
     passes_foot = stage.can_lie_flat and is_zero(n, k)
     meets = stage.can_lie_flat and is_zero(n, n.fabs(e) + n.fabs(h))     # P, Q at sigma = 0
     x = slide[0] * per + shift
@@ -335,23 +314,3 @@ def rod_of_cylinder(ends: Ends) -> DyadMotion:
     length, rod, sine, cosine = ends.relative
     return DyadMotion(LinkMotion(*ends.p, *rod), LinkMotion(*ends.q, *rod), (length, 1.0, 0.0),
                       sine, cosine, {})
-
-
-def make_moves(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-               signs: Sequence[Scalar]) -> list[MovesDyad]:
-    """
-    Return for each dyad the function that solves it for its links, a :data:`MovesDyad`.
-
-    Those of ``PAIRS`` are for dyads between links that are joined to each other and marked so
-    (``stage.pair``: the general form would lose digits). ``signs``: the assembly mode of each dyad
-    as +-1.
-    """
-    moves: list[MovesDyad] = []
-    for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):
-        if stage.name == CYLINDER:
-            moves.append(rod_of_cylinder)
-        elif stage.pair:
-            moves.append(partial(PAIRS[stage.kind, stage.pair.slides], n, sign, stage, lengths))
-        else:
-            moves.append(partial(DYADS[stage.kind], n, sign, lengths.sizes))
-    return moves
