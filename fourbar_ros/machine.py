@@ -41,8 +41,8 @@ from collections.abc import Iterable
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanics.rods import round_rod
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad
-from fourbar_ros.mechanisms.machine.describe.from_points import read_drawing
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad
+from fourbar_ros.mechanisms.machine.from_points import read_drawing
 from fourbar_ros.mechanisms.machine.machine import Machine
 
 __all__ = ['Cylinder', 'Dyad', 'Machine', 'Point', 'read_drawing', 'rods']

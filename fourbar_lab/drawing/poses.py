@@ -15,7 +15,7 @@ from fourbar_ros.scene.units import require
 from fourbar_ros.terminal import make_table
 from rich.table import Table
 
-FORCES = (parts.reaction('shaking force', 'linkage on ground', 'shaking_force'),)
+FORCES = (parts.Reaction('shaking force', 'linkage on ground', 'shaking_force'),)
 MOMENTS = sorted((row for row in load_table.LOADS.values() if row.label),
                  key=lambda row: row.name.startswith('shaking'))     # as of forces: at the end
 

@@ -39,7 +39,6 @@ class Body:
     inertia: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the four numbers and store them as floats."""
         for name in ('mass', 'inertia'):
             value = finite(name, getattr(self, name), 'must be a finite number, zero or more',
                            least=0.0)

@@ -40,18 +40,10 @@ def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied, link:
     """
     Return what the joints must give a link, (N1) and (N2), about its first joint.
 
-    Parameters
-    ----------
-    body, applied : Body, Applied
-        In SI units; applied loads include no weight.
-    unit : number
-        A power of two [m] in which lengths are about one, so that no square of a length overflows.
-        Moments are in N unit.
-    gravity : tuple of 2, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
-    link : :class:`.LinkMotion`
-        Its motion, on a base that moves as seen from that; lengths in ``unit``.
-
+    ``unit``: a power of two [m] in which lengths are about one, so that no square of a length
+    overflows; moments are in N unit. ``applied`` includes no weight; ``gravity``: a field (x, y)
+    [m/s^2], or the motion of the base. ``link``: its :class:`.LinkMotion`, lengths in ``unit``, as
+    seen from a base that moves.
     """
     # what hangs on data alone comes first: for a step of floats it is computed once
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit

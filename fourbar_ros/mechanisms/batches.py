@@ -31,18 +31,8 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
     Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
 
     Samples where the links cannot close, outside the stroke, or at angles so far that floats are 4
-    rad apart, are NaN but for the position.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    inputs : tuple of 3
-        Position, rate, acceleration; array_like. Complex for a derivative by a complex step.
-    wanted : tuple of int, optional
-        Indices of the fields; None: all.
-    with_loads : bool
-        Whether the fields are those of motion and loads together.
-
+    rad apart, are NaN but for the position. ``inputs``: position, rate, acceleration; complex for
+    a derivative by a complex step. ``wanted``: indices of the fields; None: all.
     """
     arrays, shape = _inputs(mechanism.input_coordinate, inputs)
     position = arrays[0]
@@ -50,24 +40,28 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
     if is_known is not None:
         arrays[0] = np.where(is_known, position, np.nan)
     with np.errstate(all='ignore'):
-        if any(v.dtype.kind == 'c' for v in arrays):
-            rows = _complex_rows(mechanism, arrays, shape, wanted, with_loads)
+        trace, constants, zeros = (mechanism.record_with_loads if with_loads
+                                   else mechanism.record_of_motion)
+        wanted = range_of(trace) if wanted is None else wanted
+        is_complex = any(v.dtype.kind == 'c' for v in arrays)
+        flattened = [np.broadcast_to(v.astype(complex) if is_complex else v, shape).reshape(-1)
+                     for v in arrays]
+        if is_complex:              # x + i h: derivatives are imag / h
+            fields = step_of_arrays(mechanism, with_loads, wanted=wanted)(*flattened)
+            rows = [np.array(np.broadcast_to(fields[i], flattened[0].shape), complex)
+                    for i in wanted]
         else:
-            flattened = [np.broadcast_to(v, shape).reshape(-1) for v in arrays]
-            trace, constants, zeros = (mechanism.record_with_loads if with_loads
-                                       else mechanism.record_of_motion)
-            wanted = range_of(trace) if wanted is None else wanted
             rows = program(trace, wanted, zeros)(flattened, constants)
     if is_known is not None:            # the position itself is known out of reach too
         of_input = mechanism.MOTION._fields.index(mechanism.input_coordinate.position)
-        for i, row in zip(range(len(rows)) if wanted is None else wanted, rows):
+        for i, row in zip(wanted, rows):
             if i == of_input:
                 row[...] = np.broadcast_to(position, shape).reshape(-1)
     return [row.reshape(shape) for row in rows]
 
 
 def _is_known(mechanism: Mechanism, position: Array) -> Array | None:
-    """Return which inputs are in the stroke and no angles that are too far; None: all are."""
+    """Return which inputs are in the stroke and no angles too far off; None: all are."""
     reaches, angles = mechanism.reaches, position.real
     is_known: Array | None = None if reaches is None else reaches(position)
     if mechanism.is_driven_by_slide or not angles.size or (
@@ -162,12 +156,3 @@ def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Ba
     with np.errstate(all='ignore'):
         rows = [np.array(np.broadcast_to(row, shape)) for row in step(*values[:3])[start:]]
     return mechanism.LOADS._make(rows)
-
-
-def _complex_rows(mechanism: Mechanism, inputs: list[Array], shape: tuple[int, ...],
-                  wanted: tuple[int, ...] | None, with_loads: bool) -> list[Array]:
-    """Return the wanted fields for complex inputs x + i h: derivatives are imag / h."""
-    inputs = [np.broadcast_to(v.astype(complex), shape).reshape(-1) for v in inputs]
-    fields = step_of_arrays(mechanism, with_loads, wanted=wanted)(*inputs)
-    return [np.array(np.broadcast_to(field, inputs[0].shape), complex)
-            for field in (fields if wanted is None else [fields[i] for i in wanted])]

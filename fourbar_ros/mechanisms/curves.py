@@ -32,7 +32,6 @@ class LinkMotion(NamedTuple):
 
     @property
     def direction(self) -> Array:
-        """Return the direction of the link as a unit vector of shape (..., 2)."""
         return vector(self.cosine, self.sine)
 
     @property
@@ -111,12 +110,10 @@ class PointMotion(NamedTuple):
 
     @property
     def velocity(self) -> Array:
-        """Return the velocity as a vector of shape (..., 2) [m/s]."""
         return vector(self.velocity_x, self.velocity_y)
 
     @property
     def acceleration(self) -> Array:
-        """Return the acceleration as a vector of shape (..., 2) [m/s^2]."""
         return vector(self.acceleration_x, self.acceleration_y)
 
 

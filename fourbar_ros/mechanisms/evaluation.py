@@ -8,7 +8,6 @@ mechanisms of a structure share.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -41,7 +40,6 @@ class Constants(NamedTuple):
 
     @property
     def of_motion(self) -> Constants:
-        """Return those of the motion alone."""
         return self._replace(bodies=None, elements=(), friction=())
 
 
@@ -72,7 +70,8 @@ def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constan
     if not with_loads:
         data = data.of_motion
     elif mechanism.elements:
-        structure += mechanism.structure_of_elements
+        from fourbar_ros.mechanisms.elements import structure_of  # few mechanisms have any
+        structure += (structure_of(mechanism.elements),)
     if with_loads:
         structure += tuple([(name, friction.structure) for name, friction in mechanism.friction])
     return Formula((*structure, type(mechanism.gravity)), with_loads, mechanism), data
@@ -98,31 +97,28 @@ class Recorded(NamedTuple):
     zeros: frozenset[int]
 
 
-def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
-    """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
+def taken(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float]]:
+    """
+    Return the trace that a mechanism's formula takes, and its data.
+
+    Most mechanisms are no change points: theirs is without the formulas of these.
+    """
     formula, data = formula_of(mechanism, with_loads)
     trace, values = trace_of(formula), numbers_of(data)
-    if not _is_switched(mechanism, trace, values):
-        trace = trace.unswitched
+    is_switched = (mechanism.change_point_margin == 0.0 if mechanism.MARGIN_SIGNS
+                   else trace.is_switched(values))
+    return trace if is_switched else trace.unswitched, values
+
+
+def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
+    """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
+    trace, values = taken(mechanism, with_loads)
     constants = trace.constants(values)
     return Recorded(trace, constants, frozenset([
         i for i in trace.used_constants if constants[i] == 0.0]))
 
 
-def _is_switched(mechanism: Mechanism, trace: Trace, values: Sequence[float]) -> bool:
-    """Return whether formulas of a mechanism take what they have for change points."""
-    return (mechanism.change_point_margin == 0.0 if mechanism.MARGIN_SIGNS
-            else trace.is_switched(values))
-
-
-@lru_cache(maxsize=MOST_STRUCTURES)
-def _lines(formula: Formula, is_switched: bool,
-           zeros: frozenset[int]) -> Callable[[Sequence[float]], Function]:
-    """Return data -> straight line, for a formula with steps, by index, that are zero or false."""
-    name = 'motion and loads' if formula.with_loads else 'motion'
-    trace = trace_of(formula)
-    return lines_of(trace if is_switched else trace.unswitched, zeros,
-                    f'{formula.mechanism.TITLE}: {name}')
+_lines = lru_cache(maxsize=MOST_STRUCTURES)(lines_of)
 
 
 def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
@@ -133,18 +129,15 @@ def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
     with their bits, but without the calls between them. It is compiled once for a structure.
     Out of reach it raises ValueError; no other checks.
     """
-    formula, data = formula_of(mechanism, with_loads)
-    trace, values = trace_of(formula), numbers_of(data)
-    is_switched, zeros = _is_switched(mechanism, trace, values), frozenset[int]()
-    if mechanism.LEAVES_OUT_ZEROS:
-        zeros = recorded(mechanism, with_loads).zeros | {
-            trace.count + i for i, value in enumerate(values) if value == 0.0}
-    line, reaches = _lines(formula, is_switched, zeros)(values), mechanism.reaches
-    return line if reaches is None else _within(line, reaches)
+    trace, values = taken(mechanism, with_loads)
+    zeros = frozenset[int]() if not mechanism.LEAVES_OUT_ZEROS else (
+        recorded(mechanism, with_loads).zeros
+        | {trace.count + i for i, value in enumerate(values) if value == 0.0})
+    name = f'{mechanism.TITLE}: motion' + with_loads * ' and loads'
+    line, reaches = _lines(trace, zeros, name)(values), mechanism.reaches
+    if reaches is None:
+        return line
 
-
-def _within(line: Function, reaches: Function) -> Function:
-    """Return a line that raises ValueError for a position out of reach."""
     def within(position: float, rate: float, acceleration: float) -> Any:
         if not reaches(position):
             raise ValueError

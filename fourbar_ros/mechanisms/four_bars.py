@@ -30,13 +30,8 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanisms import kind, parts
-from fourbar_ros.mechanisms.closed_forms import (
-    four_bar_ranges,
-    singular_angles,
-    turned_angles,
-    turned_ranges,
-)
+from fourbar_ros.mechanisms import closed_forms, kind, parts
+from fourbar_ros.mechanisms.closed_forms import four_bar_ranges, singular_angles
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
@@ -53,16 +48,12 @@ def two_rods_behind(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Dyad
     return DyadLengths((p, 0.0), (-q, 0.0), (first, second), (), (p, q, (0.0, 1.0), -1.0, 0.0))
 
 
-def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], c: Scalar, m: Sequence[Scalar],
-                      b: Scalar) -> Scalar:
-    """
-    Return the condition of a four-bar, (C1).
-
-    ``lengths``: p, q, r1 and r2; ``c``, ``b``: cosines; ``m``: cosine and sine, then any others.
-    """
-    p, q, r1, r2 = lengths
-    condition: Scalar = ((p * fabs(c) + r1 + r2 * fabs(m[0]) + q * fabs(b))
-                         / (r2 * fabs(m[1]) + TINY))                                      # (C1)
+def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], cos_c: Scalar,
+                      of_m: Sequence[Scalar], cos_b: Scalar) -> Scalar:
+    """Return the condition, (C1), of p, q, r1, r2; ``of_m``: cosine, sine of m, and more."""
+    (p, q, r1, r2), (cos_m, sin_m, *_) = lengths, of_m
+    condition: Scalar = ((p * fabs(cos_c) + r1 + r2 * fabs(cos_m) + q * fabs(cos_b))
+                         / (r2 * fabs(sin_m) + TINY))                                     # (C1)
     return condition
 
 
@@ -104,10 +95,10 @@ class FourBarLinks(Kind):
         (1, -1, 1): 'non-Grashof pi-pi double-rocker',
         (1, 1, -1): 'non-Grashof 0-pi double-rocker',
     }
-    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
-                 parts.reaction('A', 'coupler on crank', 'f21'),
-                 parts.reaction('B', 'output link on coupler', 'f32'),
-                 parts.reaction('O4', 'ground on output link', 'f43'))
+    REACTIONS = (parts.Reaction('O1', 'ground on crank', 'f41'),
+                 parts.Reaction('A', 'coupler on crank', 'f21'),
+                 parts.Reaction('B', 'output link on coupler', 'f32'),
+                 parts.Reaction('O4', 'ground on output link', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', THETA3: 'output link to coupler',
              THETA4: 'output link', BETA: 'coupler'}
     FROM_HALF_A_TURN = THETA3
@@ -119,16 +110,13 @@ class FourBarLinks(Kind):
                                            (a1, a4, (1.0, 0.0), 1.0, 0.0)),
         four_bar_ranges, singular_angles, kind.FORWARD)}
 
-    def __post_init__(self) -> None:
-        """Check the parameters, and that no link is as long as the other three together."""
-        self._check()
+    def _require_closing(self) -> None:
         lengths = self.lengths
         longest = max(lengths)
         if exact_sum(lengths + (-longest, -longest)) <= 0.0:
             raise InvalidParameter(f'a{lengths.index(longest) + 1}', longest,
                                    'the links cannot close: it must be shorter than the other '
                                    f'three together ({exact_sum(lengths + (-longest,)):.12g})')
-        self._check_fit()
 
 
 @dataclass(frozen=True)
@@ -184,7 +172,6 @@ class FourBar(FourBarLinks):
     RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of theta4 for relative errors of the lengths, (C1)."""
         a1, a2, a3, a4 = lengths
         return condition_of_rods(fabs, (a1, a4, a2, a3), coordinates[THETA2][0],
                                  coordinates[THETA3], coordinates[BETA][0])
@@ -193,15 +180,14 @@ class FourBar(FourBarLinks):
 
     @property
     def description(self) -> str:
-        """Return its type as text."""
         return self.classification
 
     @cached_by_lengths
     def output_ranges(self) -> parts.Ranges:
         """Return the ranges of theta4 [rad] over both modes; they end at dead points."""
-        # seen from O4, of pi - theta4
         a1, a2, a3, a4 = self.lengths
-        return turned_ranges([(-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
+        return closed_forms.turned_ranges([         # seen from O4, of pi - theta4
+            (-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
     def stalls(self, side: float) -> Iterator[DeadPoint]:
         """
@@ -285,20 +271,19 @@ class MovingJointFourBar(FourBarLinks):
         parts.JOINT_A: DrivenMachine(
             one_dyad(CRANK, 'crank', 'coupler', 'RRR', ('output', GROUND)),
             lambda a1, a2, a3, a4: two_rods_behind(a2, a1, a3, a4),
-            lambda a1, a2, a3, a4: turned_ranges(four_bar_ranges(a2, a3, a4, a1)),
-            lambda a1, a2, a3, a4: turned_angles(singular_angles(a2, a3, a4, a1)),
+            lambda a1, a2, a3, a4: closed_forms.turned_ranges(four_bar_ranges(a2, a3, a4, a1)),
+            lambda a1, a2, a3, a4: closed_forms.turned_angles(singular_angles(a2, a3, a4, a1)),
             {'f41': '-dyad_second', 'f21': '-base', 'f32': '-dyad_first', 'f43': 'dyad_inner'},
             reversed={'output': 'a3'}),
         parts.JOINT_B: DrivenMachine(
             one_dyad(CRANK, 'coupler', 'output', 'RRR', (GROUND, 'crank')),
             lambda a1, a2, a3, a4: two_rods_behind(a3, a2, a4, a1),
-            lambda a1, a2, a3, a4: turned_ranges(four_bar_ranges(a3, a4, a1, a2)),
-            lambda a1, a2, a3, a4: turned_angles(singular_angles(a3, a4, a1, a2)),
+            lambda a1, a2, a3, a4: closed_forms.turned_ranges(four_bar_ranges(a3, a4, a1, a2)),
+            lambda a1, a2, a3, a4: closed_forms.turned_angles(singular_angles(a3, a4, a1, a2)),
             {'f41': '-dyad_inner', 'f21': 'dyad_second', 'f32': '-base', 'f43': '-dyad_first'},
             reversed={'output': 'a3', GROUND: 'a4', 'crank': 'a1'})}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of theta4, or theta1 of a drive at B, (C1)."""
         (a1, a2, a3, a4), of_crank, of_output = (
             lengths, coordinates[THETA1], coordinates[THETA4])
         if self.input == parts.JOINT_A:
@@ -309,7 +294,6 @@ class MovingJointFourBar(FourBarLinks):
 
     @property
     def description(self) -> str:
-        """Return a short text: type, input."""
         return f'{self.classification}, driven at its joint {self.input}'
 
     @property

@@ -10,27 +10,10 @@ from functools import cached_property
 from math import degrees, fsum, inf, lcm, nan, pi, remainder
 from typing import Any, cast, TYPE_CHECKING, TypeVar
 
-from fourbar_ros.errors import OutOfRange
+from fourbar_ros.errors import InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
-from fourbar_ros.mechanisms.checks import (
-    check_stroke,
-    checked,
-    checked_gravity,
-    friction_of,
-)
+from fourbar_ros.mechanisms import checks, parts
 from fourbar_ros.mechanisms.evaluation import Constants
-from fourbar_ros.mechanisms.parts import (
-    clipped,
-    Coordinate,
-    find_link,
-    is_within,
-    Link,
-    NamedFields,
-    OPEN,
-    Output,
-    Ranges,
-    SLIDE,
-)
 from fourbar_ros.mechanisms.statement import StatedMechanism
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import exact_sum, Function, power_of_two, Scalar
@@ -64,12 +47,10 @@ class MechanismGeometry(StatedMechanism):
 
     @cached_by_lengths
     def lengths(self) -> tuple[float, ...]:
-        """Return the lengths [m]."""
         return tuple([getattr(self, length.name) for length in self.LENGTHS])
 
     @property
     def length_names(self) -> tuple[str, ...]:
-        """Return the names of the lengths."""
         return tuple([length.name for length in self.LENGTHS])
 
     @property
@@ -120,7 +101,7 @@ class MechanismGeometry(StatedMechanism):
         return stroke if stroke and stroke[1] - stroke[0] < self.period else None
 
     @cached_by_lengths
-    def input_ranges(self) -> Ranges:
+    def input_ranges(self) -> parts.Ranges:
         """
         Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high.
 
@@ -128,8 +109,8 @@ class MechanismGeometry(StatedMechanism):
         """
         if not self.cut:
             return self.closing_ranges
-        return (self.cut,) if self.closes_fully else clipped(self.closing_ranges, self.cut,
-                                                             self.period)
+        return (self.cut,) if self.closes_fully else parts.clipped(
+            self.closing_ranges, self.cut, self.period)
 
     @property
     def toggles(self) -> tuple[float, ...]:
@@ -169,13 +150,16 @@ class MechanismGeometry(StatedMechanism):
                          self.input_coordinate.unit)
 
     @property
-    def outputs(self) -> tuple[Output, ...]:
+    def outputs(self) -> tuple[parts.Output, ...]:
         """Return the outputs for the driven input; the first is published as ``output``."""
         return self.OUTPUTS[self.input]
 
-    def link(self, name: str) -> Link:
-        """Return the :class:`Link` of this name."""
-        return find_link(self.LINKS, name)
+    def link(self, name: str) -> parts.Link:
+        """Return the :class:`Link` of a name; InvalidParameter if there is none."""
+        for link in self.LINKS:
+            if link.name == name:
+                return link
+        raise InvalidParameter('link', name, one_of((link.name for link in self.LINKS), name))
 
     @property
     def reactions(self) -> tuple[str, ...]:
@@ -198,30 +182,22 @@ class MechanismGeometry(StatedMechanism):
 
     @cached_property
     def constants(self) -> Constants:
-        """Return the :class:`Constants` of this mechanism."""
         return Constants(self.lengths, self.sign, self.bodies, self.gravity, self.external,
                          self.elements, tuple([friction for _, friction in self.friction]))
-
-    @cached_property
-    def structure_of_elements(self) -> tuple[object, ...]:
-        """Return what the formulas of springs and forces depend on besides numbers."""
-        from fourbar_ros.mechanisms.elements import structure_of  # few mechanisms have any
-        return (structure_of(self.elements),)
 
     @property
     def sign(self) -> float:
         """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
-        return 1.0 if self.mode == OPEN else -1.0
+        return 1.0 if self.mode == parts.OPEN else -1.0
 
     @property
-    def input_coordinate(self) -> Coordinate:
-        """Return the :class:`Coordinate` that is driven."""
+    def input_coordinate(self) -> parts.Coordinate:
         return self.INPUTS[self.input]
 
     @property
     def is_driven_by_slide(self) -> bool:
         """Return whether the input is a length, not an angle."""
-        return bool(self.input == SLIDE)
+        return bool(self.input == parts.SLIDE)
 
     @property
     def input_unit(self) -> float:
@@ -296,7 +272,7 @@ class MechanismGeometry(StatedMechanism):
 
     def is_in_stroke(self, position: float) -> bool:
         """Return whether an input is in the stroke, if there is one; angles in any turn."""
-        return not self.cut or bool(is_within(position, self.cut, self.period))
+        return not self.cut or bool(parts.is_within(position, self.cut, self.period))
 
     @property
     def reaches(self) -> Function | None:
@@ -314,7 +290,7 @@ class MechanismGeometry(StatedMechanism):
 
         def reaches(position: Scalar) -> Any:
             x = position.real
-            inside: Any = is_within(x, cut, period) if cut else x == x
+            inside: Any = parts.is_within(x, cut, period) if cut else x == x
             for flat in flats:
                 distance = x - flat
                 if turn < inf:
@@ -328,7 +304,7 @@ class MechanismGeometry(StatedMechanism):
         difference = first - second
         return difference if self.is_driven_by_slide else remainder(difference, 2.0 * pi)
 
-    def crank_angle(self, motion: NamedFields) -> Scalar:
+    def crank_angle(self, motion: parts.NamedFields) -> Scalar:
         """Return the angle of the crank in a motion [rad]."""
         angle: Scalar = motion.theta1
         return angle
@@ -362,7 +338,7 @@ class MechanismGeometry(StatedMechanism):
         return tuple(sorted(x for x in flats if all(
             abs(self.distance(x, end)) > AT_END * self.input_unit for end in ends)))
 
-    def unknown(self, position: float, rate: float, acceleration: float) -> NamedFields:
+    def unknown(self, position: float, rate: float, acceleration: float) -> parts.NamedFields:
         """Return a motion with the input alone and NaN else: a sample that cannot be computed."""
         fields = dict.fromkeys(self.MOTION._fields, nan)
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
@@ -370,24 +346,22 @@ class MechanismGeometry(StatedMechanism):
 
     # --- made and copied ------------------------------------------------------------------------
 
-    def _check(self) -> None:
-        """Refuse impossible values, and keep the others as numbers and records."""
-        for name, value in checked(self).items():
+    def _set(self, **values: Any) -> None:      # past the frozen dataclass
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def _check_fit(self) -> None:
         """Refuse a stroke, springs and forces that do not fit; keep them as they act here."""
-        check_stroke(self)
+        checks.check_stroke(self)
         if self.elements:
             from fourbar_ros.mechanisms.elements import fitted  # few mechanisms have any
-            object.__setattr__(self, 'elements', fitted(self.elements, self))
+            self._set(elements=fitted(self.elements, self))
 
     def __getstate__(self) -> dict[str, object]:
         """Return the fields to be pickled: functions made of them can be neither sent nor kept."""
         return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
     def in_mode(self: _Self, mode: int) -> _Self:
-        """Return the same mechanism in another assembly mode."""
         return self if mode == self.mode else replace(self, mode=mode)
 
     def without_stroke(self: _Self) -> _Self:
@@ -419,11 +393,11 @@ class MechanismGeometry(StatedMechanism):
     def with_friction(self: _Self, friction: Any) -> _Self:
         """Return the same mechanism with friction of joints and drive, {name: its friction}."""
         copied = self._copy(**self._geometry, friction=friction)
-        return copied._copy(**self._geometry, friction=friction_of(copied))
+        return copied._copy(**self._geometry, friction=checks.friction_of(copied))
 
     def with_base(self: _Self, base: Base) -> _Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""
-        return self._copy(**self._geometry, gravity=checked_gravity(base))
+        return self._copy(**self._geometry, gravity=checks.checked_gravity(base))
 
     @property
     def _geometry(self) -> dict[str, object]:

@@ -75,7 +75,6 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
 def mean_rigid(mechanism: Mechanism) -> Rigid:
     """Return the mean over the input of the mass matrices of a mechanism held rigid."""
     def moments(x: Array) -> Array:
-        """Return centre of gravity and inertia about O1 at inputs, shape (3, n)."""
         held = held_rigid(mechanism, mechanism.motion(x))
         about_o1 = held.inertia + held.mass * (held.x * held.x + held.y * held.y)
         return np.array([np.broadcast_to(value, x.shape) for value in (held.x, held.y, about_o1)])

@@ -23,6 +23,7 @@ from typing import Any, ClassVar, NamedTuple
 from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
 from fourbar_ros.mechanisms import parts
+from fourbar_ros.mechanisms.checks import checked
 from fourbar_ros.mechanisms.curves import LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
@@ -114,9 +115,17 @@ class Kind(Mechanism):
     FROM_HALF_A_TURN: ClassVar[Coordinate | None] = None        # it counts from there
     BODIES, EXTERNAL = Bodies, External
 
+    def __post_init__(self) -> None:
+        """Check the parameters, keep them as numbers and records."""
+        self._set(**checked(self))
+        self._require_closing()
+        self._check_fit()
+
+    def _require_closing(self) -> None:
+        """Raise InvalidParameter if the links close nowhere."""
+
     @property
     def drive(self) -> DrivenMachine:
-        """Return the machine that it is for its input."""
         return self.DRIVES[self.input]
 
     @cached_by_lengths
@@ -143,7 +152,6 @@ class Kind(Mechanism):
 
     @classmethod
     def load_fields(cls) -> tuple[str, ...]:
-        """Return the names of the fields of loads."""
         forces = ('f41', 'f21', 'f32', 'f43')
         reactions = next(iter(cls.DRIVES.values())).reactions
         return (*[f'{force}_{axis}' for force in forces for axis in 'xy'], *forces,
@@ -223,26 +231,26 @@ class Kind(Mechanism):
 
         ``are_ratios``: per unit of the input, without accelerations.
         """
-        ratio_of = {coordinate: name for name, coordinate in self.RATIOS.items()}
-
-        def rates(coordinate: Coordinate) -> tuple[Scalar, Scalar]:
-            if not are_ratios:
-                return getattr(motion, coordinate.rate), getattr(motion, coordinate.acceleration)
-            # the input has no field for its ratio
-            return getattr(motion, ratio_of[coordinate]) if coordinate in ratio_of else 1.0, 0.0
-
-        def turning(name: str) -> dyads.Direction:
-            return (getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
-                    *rates(self.DIRECTIONS[name]))
-
-        crank = LinkMotion(*dyads.ORIGIN, *turning('x'))
+        rates: dict[Coordinate, tuple[Scalar, Scalar]]
+        if are_ratios:
+            rates = {self.input_coordinate: (1.0, 0.0), **{
+                coordinate: (getattr(motion, name), 0.0)
+                for name, coordinate in self.RATIOS.items()}}
+        else:
+            rates = {coordinate: (getattr(motion, coordinate.rate),
+                                  getattr(motion, coordinate.acceleration))
+                     for coordinate in self.PARTS}
+        turning: dict[str, dyads.Direction] = {
+            name: (getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
+                   *rates[coordinate]) for name, coordinate in self.DIRECTIONS.items()}
+        crank = LinkMotion(*dyads.ORIGIN, *turning['x'])
         coupler = LinkMotion(*point_of(crank, lengths[0]),
-                             *(turning(self.COUPLER) if self.COUPLER else UP))
+                             *(turning[self.COUPLER] if self.COUPLER else UP))
         if self.OUTPUT:
             a4 = lengths[self.length_names.index('a4')]
-            output = LinkMotion(a4, 0.0, 0.0, 0.0, 0.0, 0.0, *turning(self.OUTPUT))
+            output = LinkMotion(a4, 0.0, 0.0, 0.0, 0.0, 0.0, *turning[self.OUTPUT])
         else:
-            velocity, acceleration = rates(TRAVEL)
+            velocity, acceleration = rates[TRAVEL]
             output = LinkMotion(motion.slide * per_unit, lengths[-1], velocity * per_unit, 0.0,
                                 acceleration * per_unit, 0.0, 1.0, 0.0, 0.0, 0.0)
         return dict(zip(LINKS, (crank, coupler, output)))

@@ -8,7 +8,7 @@ Its formulas are called for one input or for arrays by the same rules for all. W
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
@@ -16,16 +16,7 @@ from math import inf, isfinite
 from numbers import Real
 from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
-from fourbar_ros.errors import (
-    FourBarError,
-    InvalidParameter,
-    Locked,
-    MissingBodies,
-    OutOfRange,
-    Toggle,
-    UnknownBaseMotion,
-    UnknownForce,
-)
+from fourbar_ros import errors
 from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
@@ -60,8 +51,9 @@ class Mechanism(MechanismGeometry):
     """
 
     @cached_by_lengths
-    def _motion_line(self) -> Function:
-        return line_of(self, with_loads=False)
+    def _motion_line(self) -> tuple[Function, Function]:
+        """Return the line of the motion, and the function that makes a record of it."""
+        return line_of(self, with_loads=False), self.MOTION._make
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of one of its ``LINKS`` by name, from one of its motions."""
@@ -142,7 +134,6 @@ class Mechanism(MechanismGeometry):
 
     @cached_property
     def _step_line(self) -> tuple[Function, Function, Function]:
-        """Return the line of motion and loads, and the functions that make records of both."""
         self.require_loads()
         return line_of(self, with_loads=True), self.MOTION._make, self.LOADS._make
 
@@ -156,21 +147,16 @@ class Mechanism(MechanismGeometry):
         """Return for a user why there are no loads; '' if there are."""
         try:
             self.require_loads()
-        except FourBarError as error:
+        except errors.FourBarError as error:
             return str(error)
         return ''
 
     def require_loads(self) -> None:
         """Raise MissingBodies or UnknownBaseMotion where there are no loads."""
         if self.bodies is None:
-            raise MissingBodies
+            raise errors.MissingBodies
         if isinstance(self.gravity, UnknownBase):
-            raise UnknownBaseMotion
-
-    @cached_by_lengths
-    def _as_motion(self) -> Callable[[Iterable[Any]], NamedFields]:
-        make: Callable[[Iterable[Any]], NamedFields] = self.MOTION._make
-        return make
+            raise errors.UnknownBaseMotion
 
     def prepare(self) -> Function:
         """
@@ -179,7 +165,7 @@ class Mechanism(MechanismGeometry):
         Tracing and compiling the first mechanism of a structure takes some 10 ms. ArithmeticError
         or ValueError where numbers overflow.
         """
-        return self._step_line[0] if self.has_loads else self._motion_line
+        return (self._step_line if self.has_loads else self._motion_line)[0]
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
         """
@@ -234,12 +220,13 @@ class Mechanism(MechanismGeometry):
                                                    (position, rate, acceleration))
                 return self.motion(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
-            return self._as_motion(evaluate(self, (position, rate, acceleration), None, False))
+            return self.MOTION._make(evaluate(self, (position, rate, acceleration), None, False))
         # one comparison for all
         if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
-            return self._as_motion(self._motion_line(position, rate, acceleration))
+            line, as_motion = self._motion_line
+            return as_motion(line(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
@@ -256,7 +243,7 @@ class Mechanism(MechanismGeometry):
         if _are_numbers(position, rate, acceleration, *base):
             return self.with_base(base).step(position, rate, acceleration)[1]
         if self.bodies is None:
-            raise MissingBodies
+            raise errors.MissingBodies
         from fourbar_ros.mechanisms.batches import loads_on_bases
         return loads_on_bases(self, (position, rate, acceleration), base)
 
@@ -317,12 +304,11 @@ class Mechanism(MechanismGeometry):
     def require_no_friction(self, what: str) -> None:
         """Refuse a mechanism with friction for what does not take it, by name."""
         if self.friction:
-            raise InvalidParameter(f'friction.{self.friction[0][0]}', None,
-                                   f'{what} takes no friction yet')
+            raise errors.InvalidParameter(f'friction.{self.friction[0][0]}', None,
+                                          f'{what} takes no friction yet')
 
     @cached_property
     def without_friction(self: _Self) -> _Self:
-        """Return the same mechanism without friction."""
         return self._copy(**self._geometry, friction=()) if self.friction else self
 
     @property
@@ -368,14 +354,15 @@ class Mechanism(MechanismGeometry):
             self._refuse(position, rate, acceleration)
         try:
             motion, loads = line(position, rate, acceleration)
-        except UnknownForce:        # of a user's function
+        except errors.UnknownForce:        # of a user's function
             raise
         except (ValueError, ZeroDivisionError):
             motion = self.motion(position, rate, acceleration)      # its error, if it has one
             if not (self.elements and isfinite(motion.condition)):
                 raise self._why_no_motion(position) from None
-            raise UnknownForce(self.input_coordinate.position, position, 'the ends of a spring '
-                               'meet there: it has no direction') from None
+            raise errors.UnknownForce(
+                self.input_coordinate.position, position, 'the ends of a spring meet there: it '
+                'has no direction') from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise self._why_no_loads(motion)
         return as_motion(motion), as_loads(loads)
@@ -397,19 +384,18 @@ class Mechanism(MechanismGeometry):
         """Return an input as a float; refuse an angle that is too far, and what is no number."""
         position = finite(name, value)
         if not isfinite(position * self.overflowing):
-            raise InvalidParameter(name, value, NOT_SO_FAR)
+            raise errors.InvalidParameter(name, value, NOT_SO_FAR)
         return position
 
     def _refuse(self, *values: float) -> NoReturn:
-        """Raise the error for the first of position, rate and acceleration that is refused."""
         for name, value in zip(self.input_coordinate, values):
             if not isfinite(value):
-                raise InvalidParameter(name, value, 'must be a finite number')
+                raise errors.InvalidParameter(name, value, 'must be a finite number')
         self.checked_input(self.input_coordinate.position, values[0])
-        raise InvalidParameter(self.input_coordinate.rate, values[1],
-                               'so fast that its square overflows')
+        raise errors.InvalidParameter(self.input_coordinate.rate, values[1],
+                                      'so fast that its square overflows')
 
-    def _why_no_loads(self, motion: Sequence[float]) -> FourBarError:
+    def _why_no_loads(self, motion: Sequence[float]) -> errors.FourBarError:
         """Return the error for a motion of which a load is not finite."""
         fields = self.MOTION._make(motion)
         position, rate, _ = (getattr(fields, name) for name in self.input_coordinate)
@@ -420,12 +406,13 @@ class Mechanism(MechanismGeometry):
             if locks != 0.0:
                 named = {self.joint_in_layout(name): name for name, _ in self.friction
                          if name != DRIVE}
-                return Locked(self.input_coordinate.position, position,
-                              self.input_coordinate.unit, [named[joint] for joint in joints])
-        return InvalidParameter(self.input_coordinate.rate, rate,
-                                'so fast, or with such masses, that loads overflow')
+                locked = [named[joint] for joint in joints]
+                return errors.Locked(self.input_coordinate.position, position,
+                                     self.input_coordinate.unit, locked)
+        return errors.InvalidParameter(self.input_coordinate.rate, rate,
+                                       'so fast, or with such masses, that loads overflow')
 
-    def _why_no_motion(self, position: float) -> FourBarError:
+    def _why_no_motion(self, position: float) -> errors.FourBarError:
         """Return the error for an input at which a square root was not real or a sine zero."""
         name, unit = self.input_coordinate.position, self.input_coordinate.unit
         # A limit and the input compared with it are each rounded, and so is their distance.
@@ -434,8 +421,8 @@ class Mechanism(MechanismGeometry):
         is_at_limit = any(abs(self.distance(position, end)) <= tolerance
                           for ends in self.closing_ranges for end in ends)
         if self.is_in_stroke(position) and (is_flat or is_at_limit):
-            return Toggle(name, position, unit)
-        return OutOfRange(name, position, self.input_ranges, unit)
+            return errors.Toggle(name, position, unit)
+        return errors.OutOfRange(name, position, self.input_ranges, unit)
 
     def _only(self, fields: Iterable[str], inputs: tuple[ArrayLike, ArrayLike, ArrayLike],
               with_loads: bool) -> tuple[Any, ...]:
@@ -463,7 +450,7 @@ def _indices_of(motion: NamedFields, loads: NamedFields,
     known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
         if name not in known or not isinstance(fields, tuple):
-            raise InvalidParameter('fields', name, f'must be some of {", ".join(known)}')
+            raise errors.InvalidParameter('fields', name, f'must be some of {", ".join(known)}')
     wanted = tuple(map(known.index, fields))
     return wanted, any(i >= len(motion._fields) for i in wanted)
 

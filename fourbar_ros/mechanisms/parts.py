@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Iterable
 from functools import cache
 from math import ceil, floor, inf
 from typing import Any, NamedTuple, NoReturn
 
-from fourbar_ros.errors import InvalidParameter, MissingBodies, one_of
+from fourbar_ros.errors import MissingBodies
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -66,7 +65,6 @@ class Coordinate(NamedTuple):
 
     @property
     def units(self) -> tuple[str, str, str]:
-        """Return the units of position, rate and acceleration."""
         return self.unit, f'{self.unit}/s', f'{self.unit}/s^2'
 
 
@@ -98,7 +96,6 @@ def record_type(name: str, fields: tuple[str, ...], shown: int | None = None) ->
 
 def restored(name: str, fields: tuple[str, ...], shown: int | None,
              values: tuple[Any, ...]) -> Any:
-    """Return a record of :func:`record_type` that was pickled."""
     return record_type(name, fields, shown)._make(values)
 
 
@@ -132,7 +129,6 @@ class Quantity(NamedTuple):
     is_load: bool
 
     def of(self, motion: NamedFields, loads: NamedFields | NoLoads | None) -> Scalar:
-        """Return its value from what :meth:`.Mechanism.step` returns."""
         value: Scalar = getattr(loads if self.is_load else motion, self.name)
         return value
 
@@ -155,15 +151,6 @@ class Link(NamedTuple):
     turns: bool = True      # whether it needs a moment of inertia
 
 
-def find_link(links: Iterable[Link], name: str) -> Link:
-    """Return the :class:`Link` of a name; InvalidParameter if there is none."""
-    links = tuple(links)
-    for link in links:
-        if link.name == name:
-            return link
-    raise InvalidParameter('link', name, one_of((link.name for link in links), name))
-
-
 class Joint(NamedTuple):
     """
     A joint as ``joint_states`` shows it.
@@ -184,22 +171,23 @@ class Reaction(NamedTuple):
     """
     Action of one body on another at a joint: force along the ground axes, and couple.
 
-    ``magnitude``, ``x``, ``y`` and ``couple`` are names of fields of the loads.
+    ``magnitude``, ``x``, ``y`` and ``couple`` are names of fields of the loads: f41, f41_x, f41_y.
     """
 
     joint: str          # its name: letters, digits and _. A topic is named after it
     text: str           # acting and loaded body: 'ground on crank'
     magnitude: str      # [N]
-    x: str
-    y: str
     couple: str = ''    # [N m]; empty of a pin, which transmits none
+
+    @property
+    def x(self) -> str:
+        return f'{self.magnitude}_x'
+
+    @property
+    def y(self) -> str:
+        return f'{self.magnitude}_y'
 
     @property
     def symbol(self) -> str:
         """Return the symbol of the force: F41 of f41, else the name of the joint."""
         return self.magnitude.upper() if self.magnitude[1:].isdigit() else self.joint
-
-
-def reaction(joint: str, text: str, force: str, couple: str = '') -> Reaction:
-    """Return the :class:`Reaction` whose components are called FORCE_x and FORCE_y."""
-    return Reaction(joint, text, force, f'{force}_x', f'{force}_y', couple)

@@ -95,7 +95,6 @@ class Force(NamedTuple):
 
     @property
     def size(self) -> float:
-        """Return its magnitude [N]."""
         return hypot(*self.vector)
 
 
@@ -118,7 +117,6 @@ def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
 
 
 def of_kind(kind: type[Drawn], primitives: Iterable[Primitive]) -> list[Drawn]:
-    """Return the primitives of one kind."""
     return [primitive for primitive in primitives if isinstance(primitive, kind)]
 
 

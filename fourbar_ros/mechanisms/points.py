@@ -35,7 +35,6 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
     hypot, where = n.hypot, n.where
 
     def point(motion: NamedFields) -> tuple[Scalar, ...]:
-        """Return place, velocity, acceleration, speed, both parts of that, and curvature."""
         x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed

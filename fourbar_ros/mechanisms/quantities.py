@@ -58,15 +58,12 @@ class OfDrive(NamedTuple):
 
     @property
     def is_load(self) -> bool:
-        """Return whether it needs masses."""
         return self.quantity.is_load
 
     def links(self, linkage: Mechanism) -> Mechanism:
-        """Return the links whose ``quantity`` it is."""
         return linkage.weightless if self.is_weightless else linkage
 
     def rates(self, rate: float) -> tuple[float, float]:
-        """Return its rate and acceleration where the input has a rate."""
         return (rate if self.rate is None else self.rate), self.acceleration
 
     def values(self, linkage: Mechanism, position: ArrayLike, rate: float) -> Array:

@@ -61,14 +61,11 @@ class OffsetSlide(Kind):
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
 
-    def __post_init__(self) -> None:
-        """Check what is given, and that both rods together reach over the offset e."""
-        self._check()
+    def _require_closing(self) -> None:
         (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
         if exact_sum((p, r, -abs(e))) <= 0.0:
             raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                    f'{p_name} + {r_name} ({p + r:.12g})')
-        self._check_fit()
 
 
 class SliderDeadPoint(NamedTuple):
@@ -97,17 +94,13 @@ class SliderCrank(OffsetSlide):
         'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, coupler from A, slider (``output``) from B along x.
-    gravity : tuple of 2 floats, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on coupler and slider (``output``), as gas forces.
     stroke : tuple of 2 floats, optional
         Lowest and highest theta1 [rad], in any turn, or slide [m], as a cylinder has; not given:
         all at which the links close.
-    elements : tuple
-        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
-    friction : mapping {joint: JointFriction}
-        By its name, as 'guide'; 'drive': a DriveFriction.
+    gravity, elements, friction
+        As of :class:`.FourBar`.
 
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
     about B.
@@ -134,10 +127,10 @@ class SliderCrank(OffsetSlide):
     JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'rod'),
               parts.Joint('B', parts.THETA3, 'pin'), parts.Joint('guide', TRAVEL, 'slider'))
     OUTPUTS = {CRANK: (OF_SLIDE,), SLIDE: (OF_CRANK,)}
-    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
-                 parts.reaction('A', 'coupler on crank', 'f21'),
-                 parts.reaction('B', 'slider on coupler', 'f32'),
-                 parts.reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
+    REACTIONS = (parts.Reaction('O1', 'ground on crank', 'f41'),
+                 parts.Reaction('A', 'coupler on crank', 'f21'),
+                 parts.Reaction('B', 'slider on coupler', 'f32'),
+                 parts.Reaction('guide', 'guide on slider', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'coupler to crank', parts.THETA3: 'slider to coupler',
              TRAVEL: 'slider', BETA: 'coupler'}
     CLASSES = {(1, -1): 'Grashof crank-slider', (-1, 1): 'Grashof rocker-slider',
@@ -162,10 +155,10 @@ class SliderCrank(OffsetSlide):
              **OF_DRIVEN_SLIDER}, reversed={'coupler': 'a2'}, transmission=THETA2)}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of the output, (C2)."""
-        (a1, a2, offset), of_coupler, turn = lengths, coordinates[BETA], coordinates[THETA2]
-        condition: Scalar = (a1 * fabs(turn[0]) + a2 + fabs(offset * of_coupler[1])) / (
-            (fabs(of_coupler[0]) if self.input == CRANK else a1 * fabs(turn[1])) + TINY)
+        a1, a2, offset = lengths
+        (cos_2, sin_2, *_), (cos_b, sin_b, *_) = coordinates[THETA2], coordinates[BETA]
+        condition: Scalar = (a1 * fabs(cos_2) + a2 + fabs(offset * sin_b)) / (            # (C2)
+            (fabs(cos_b) if self.input == CRANK else a1 * fabs(sin_2)) + TINY)
         return condition
 
     def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
@@ -203,24 +196,16 @@ class InvertedSlider(OffsetSlide):
         Distance of the path of A from O4, to the left of the bar [m], shorter than a1 + a4.
     mode : int
         Assembly mode. Crank input: 2 has slide > 0 (bar points from O4 towards A), 1 has slide <
-        0.
-        Slide input: 2 has sin(theta1) > 0 (A to the left of O1-O4), 1 < 0.
+        0. Slide input: 2 has sin(theta1) > 0 (A to the left of O1-O4), 1 < 0.
     input : str
         'crank' or 'slide': the driven coordinate, theta1 or slide.
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the bar, bar (``output``) from O4 along
         itself.
-    gravity : tuple of 2 floats, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on block (``coupler``) and bar (``output``).
-    stroke : tuple of 2 floats, optional
-        Lowest and highest theta1 [rad], in any turn, or slide [m], as a cylinder has; not given:
-        all at which the links close.
-    elements : tuple
-        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
-    friction : mapping {joint: JointFriction}
-        By its name, as 'slide'; 'drive': a DriveFriction.
+    gravity, stroke, elements, friction
+        As of :class:`SliderCrank`.
 
     Guide force: of the bar on the block, + to the left of the bar; guide couple: of the bar on the
     block about A. The driving force pushes the block along the bar as ``slide`` grows, and the bar
@@ -250,10 +235,10 @@ class InvertedSlider(OffsetSlide):
     JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'block'),
               parts.Joint('slide', TRAVEL, 'slide'), parts.Joint('O4', THETA4, 'bar'))
     OUTPUTS = {CRANK: (parts.Output(THETA4, 'output_ratio'),), SLIDE: (OF_CRANK,)}
-    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
-                 parts.reaction('A', 'block on crank', 'f21'),
-                 parts.reaction('slide', 'bar on block', 'f32', 'guide_couple'),
-                 parts.reaction('O4', 'ground on bar', 'f43'))
+    REACTIONS = (parts.Reaction('O1', 'ground on crank', 'f41'),
+                 parts.Reaction('A', 'block on crank', 'f21'),
+                 parts.Reaction('slide', 'bar on block', 'f32', 'guide_couple'),
+                 parts.Reaction('O4', 'ground on bar', 'f43'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', THETA4: 'bar', TRAVEL: 'block on the bar'}
     SLIDE_DIRECTION = ('cos_y', 'sin_y')
     CLASSES = {(1, -1): 'Grashof crank-rocker', (-1, 1): 'Grashof double-crank',
@@ -278,7 +263,6 @@ class InvertedSlider(OffsetSlide):
              **OF_DRIVEN_SLIDER}, reversed={'crank': 'a1', parts.GROUND: 'a4'}, sign=-1.0)}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of the output, (C3)."""
         (a1, a4, offset), (cosine, sine, *_) = lengths, coordinates[THETA1]
         if self.input == CRANK:
             error = (a1 * fabs(coordinates[THETA2][1]) + a4 * fabs(coordinates[THETA4][1])
@@ -287,7 +271,7 @@ class InvertedSlider(OffsetSlide):
         else:
             error = a1 * fabs(a1 - a4 * cosine) + a4 * fabs(a4 - a1 * cosine) + offset * offset
             size = a1 * a4 * fabs(sine)
-        condition: Scalar = error / (size + TINY)
+        condition: Scalar = error / (size + TINY)                                         # (C3)
         return condition
 
     def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: DyadMotion
@@ -327,7 +311,6 @@ class InvertedSlider(OffsetSlide):
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
-        """Return the input and its two derivatives; ``curves``: motions of the links by it."""
         if not self.is_driven_by_slide:
             return super().read_coordinate(n, curves)
         # the slide is the part of O4-A along the bar; the block has its joint at A and turns
@@ -370,16 +353,12 @@ class ScotchYoke(Kind):
     bodies : Bodies, optional
         Crank from O1, block (``coupler``) from A along the slot (y), yoke (``output``) from B,
         where slot and guide cross, along x. Block and yoke do not turn.
-    gravity : tuple of 2 floats, or Base
-        Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
         Lowest and highest theta1 [rad], in any turn, or slide [m]; not given: all.
-    elements : tuple
-        Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
-    friction : mapping {joint: JointFriction}
-        By its name, as 'slot'; 'drive': a DriveFriction.
+    gravity, elements, friction
+        As of :class:`.FourBar`.
 
     """
 
@@ -403,10 +382,10 @@ class ScotchYoke(Kind):
               parts.Joint('slot', parts.SLOT, 'slot'), parts.Joint('guide', TRAVEL, 'yoke'))
     INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (OF_SLIDE,), SLIDE: (OF_CRANK,)}
-    REACTIONS = (parts.reaction('O1', 'ground on crank', 'f41'),
-                 parts.reaction('A', 'block on crank', 'f21'),
-                 parts.reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
-                 parts.reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
+    REACTIONS = (parts.Reaction('O1', 'ground on crank', 'f41'),
+                 parts.Reaction('A', 'block on crank', 'f21'),
+                 parts.Reaction('slot', 'yoke on block', 'f32', 'slot_couple'),
+                 parts.Reaction('guide', 'guide on yoke', 'f43', 'guide_couple'))
     PARTS = {THETA1: 'crank', THETA2: 'block to crank', TRAVEL: 'yoke',
              parts.SLOT: 'block in the slot'}
     DRAWN = (THETA1, TRAVEL, parts.SLOT)
@@ -430,19 +409,13 @@ class ScotchYoke(Kind):
             slides=(parts.SLOT,), transmission=THETA1)}
     MARGIN_SIGNS, CLASSES = ((1, 0),), {(1,): 'harmonic motion'}
 
-    def __post_init__(self) -> None:
-        self._check()
-        self._check_fit()
-
     @property
     def modes(self) -> dict[int, str]:
-        """Return the assembly modes: two for a driven slide, one for a driven crank."""
         return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        """Return the error of the output, (C4)."""
         cosine, sine, *_ = coordinates[THETA1]
-        condition: Scalar = (lengths[0] * fabs(cosine) if self.input == CRANK
+        condition: Scalar = (lengths[0] * fabs(cosine) if self.input == CRANK             # (C4)
                              else fabs(cosine / sine))
         return condition
 

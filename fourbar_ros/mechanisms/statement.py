@@ -14,20 +14,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Gravity
+from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.mechanisms.parts import (
-    Coordinate,
-    CROSSED,
-    Joint,
-    Length,
-    Link,
-    NamedFields,
-    OPEN,
-    Output,
-    Quantity,
-    Ranges,
-    Reaction,
-)
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 if TYPE_CHECKING:
@@ -46,14 +34,14 @@ class StatedMechanism(ABC):
 
     TITLE: str                      # name of the kind in texts
     TEXT: str                       # description, for the manual
-    LENGTHS: tuple[Length, ...]     # in the order of ``lengths``
-    LINKS: tuple[Link, ...]         # the moving links, in the order of the fields of BODIES
-    JOINTS: tuple[Joint, ...]       # as ``joint_states`` shows them, from O1 on
-    REACTIONS: tuple[Reaction, ...]     # forces and couples at each joint
-    PARTS: Mapping[Coordinate, str]     # moving coordinates as text: the table of a pose
-    DRAWN: tuple[Coordinate, ...]       # coordinates written below a picture
-    INPUTS: Mapping[str, Coordinate]    # {name of the input: its coordinate}
-    OUTPUTS: Mapping[str, tuple[Output, ...]]   # {name of the input: the published one first}
+    LENGTHS: tuple[parts.Length, ...]     # in the order of ``lengths``
+    LINKS: tuple[parts.Link, ...]         # the moving links, in the order of the fields of BODIES
+    JOINTS: tuple[parts.Joint, ...]       # as ``joint_states`` shows them, from O1 on
+    REACTIONS: tuple[parts.Reaction, ...]     # forces and couples at each joint
+    PARTS: Mapping[parts.Coordinate, str]     # moving coordinates as text: the table of a pose
+    DRAWN: tuple[parts.Coordinate, ...]       # coordinates written below a picture
+    INPUTS: Mapping[str, parts.Coordinate]    # {name of the input: its coordinate}
+    OUTPUTS: Mapping[str, tuple[parts.Output, ...]]   # {name of the input: published one first}
     # Types of the results, NamedTuples. A motion has ``transmission_angle`` and ``condition``,
     # loads have ``shaking_force_x``, ``_y``, ``shaking_force`` and ``shaking_moment``.
     MOTION: Any
@@ -62,10 +50,11 @@ class StatedMechanism(ABC):
     # that can be loaded.
     BODIES: Any
     EXTERNAL: Any
-    QUANTITIES: tuple[Quantity, ...] = ()       # quantities that no other kind has
+    QUANTITIES: tuple[parts.Quantity, ...] = ()       # quantities that no other kind has
     # How the size of each length enters each of ``margins``: 1, -1 or, not at all, 0.
     MARGIN_SIGNS: tuple[tuple[int, ...], ...]
-    MODES: Mapping[int, str] = {CROSSED: '1', OPEN: '2'}    # {assembly mode: its name}, see modes
+    # {assembly mode: its name}, see modes
+    MODES: Mapping[int, str] = {parts.CROSSED: '1', parts.OPEN: '2'}
     # Fields of the motion: cosine and sine of the direction of a driven slide; None: it is x.
     SLIDE_DIRECTION: tuple[str, str] | None = None
     # Whether a single step leaves out products with masses and lengths of zero. A zero in its
@@ -92,7 +81,7 @@ class StatedMechanism(ABC):
         """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
 
     @abstractmethod
-    def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
+    def joint_loads(self, n: NumberType, constants: Constants, motion: parts.NamedFields,
                     told: list[Any] | None = None) -> Any:
         """
         Return the fields of LOADS that are no DERIVED ones, for constants of a number type.
@@ -107,7 +96,7 @@ class StatedMechanism(ABC):
 
     @property
     @abstractmethod
-    def closing_ranges(self) -> Ranges:
+    def closing_ranges(self) -> parts.Ranges:
         """Return the ranges (low, high) of the input in which the links close [rad or m]."""
 
     @property
@@ -126,7 +115,8 @@ class StatedMechanism(ABC):
         """Return the type by name: which links turn fully."""
 
     @abstractmethod
-    def link_motions(self, motion: NamedFields, lengths: Any = None) -> Mapping[str, LinkMotion]:
+    def link_motions(self, motion: parts.NamedFields, lengths: Any = None
+                     ) -> Mapping[str, LinkMotion]:
         """
         Return {name of one of its ``LINKS``: its motion}, from one of its motions.
 
@@ -136,7 +126,7 @@ class StatedMechanism(ABC):
         """
 
     @abstractmethod
-    def transmission_sine(self, motion: NamedFields) -> Scalar:
+    def transmission_sine(self, motion: parts.NamedFields) -> Scalar:
         """
         Return a number of at most one in size that is zero where the dyad is in line.
 

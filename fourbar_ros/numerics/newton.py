@@ -27,17 +27,9 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
 
     Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
     The last step is not looked at again: its error is about its square over the width of the
-    bracket. A root that is found stays where it is until all are.
-
-    Parameters
-    ----------
-    function : callable
-        (x, row) -> f, and the step f/f' (NaN: not known, so halve).
-    row : ndarray
-        The row of each bracket.
-    xa, xb, fa, x : ndarray
-        Where f changes its sign, its value at the first of them, and a first guess.
-
+    bracket. A root that is found stays where it is until all are. ``function``: (x, row) -> f, and
+    the step f/f' (NaN: not known, so halve); ``xa``, ``xb``, ``fa``, ``x``: where f changes its
+    sign, its value at the first of them, and a first guess.
     """
     # A zero at an end may not be where the sign changes: it counts as positive.
     x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))

@@ -83,7 +83,6 @@ class NumberType:
 
 
 def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
-    """Return ``if_true`` if ``condition`` else ``if_false``."""
     return if_true if condition else if_false
 
 

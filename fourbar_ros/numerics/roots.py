@@ -51,17 +51,9 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
     sign, or less by two. One root is plain; where there could be more, also if the inner
     coefficients were a little smaller, the interval needs a closer look. Where one sample is so
     small for its slope that the sign changes in an interval without a root, so do both intervals
-    beside it.
-
-    Parameters
-    ----------
-    f, rise : ndarray, shape (n, m)
-        At equal steps, and a third of what f rises in one at its slope.
-    is_closed : bool
-        After the last sample comes the first.
-    gaps : ndarray, optional
-        Indices of intervals that are left out.
-
+    beside it. ``f``, ``rise``, shape (n, m): at equal steps, and a third of what f rises in one at
+    its slope. ``is_closed``: after the last sample comes the first; ``gaps``: indices of intervals
+    that are left out.
     """
     if is_closed:
         f, rise = (np.concatenate((v, v[:1])) for v in (f, rise))
@@ -188,19 +180,10 @@ def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_clo
     """
     Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
 
-    Parameters
-    ----------
-    function : callable
-        (x, row) -> f of the rows given, or a positive multiple.
-    x : callable
-        (i, row) -> where sample i of the row is [rad], and a third of what x rises in a step
-        there.
-    f, rise, is_closed, gaps
-        As in :func:`changes_and_doubts`; ``i`` counts the interval after the last sample as the
-        last.
-    period : float
-        After which the angles x begin again.
-
+    ``function``: (x, row) -> f of the rows given, or a positive multiple. ``x``: (i, row) -> where
+    sample i of the row is [rad], which begins again after ``period``, and a third of what x rises
+    in a step there. ``f``, ``rise``, ``is_closed``, ``gaps``: as in :func:`changes_and_doubts`;
+    the interval after the last sample counts as the last.
     """
     changes, doubtful = changes_and_doubts(f, rise, is_closed, gaps)
     i, row = np.nonzero(changes | doubtful)

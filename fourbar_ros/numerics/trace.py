@@ -59,11 +59,9 @@ class Step(NamedTuple):
 
     @property
     def is_given(self) -> bool:
-        """Return whether nothing is computed."""
         return self.operation in ('input', 'datum', 'constant', 'nothing')
 
     def of(self, *values: float) -> Any:
-        """Return the result of the operation for floats."""
         return (OPERATIONS.get(self.operation) or self.value)(*values)
 
 
@@ -263,7 +261,6 @@ class Trace:
                           and step.arguments[0] not in self.varies])
 
     def is_switched(self, data: Sequence[float]) -> bool:
-        """Return whether a switch is true for some data."""
         values = self.constants(data, self.makes_switches)
         return any(values[index] for index in self.switches)
 

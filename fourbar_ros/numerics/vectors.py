@@ -43,11 +43,9 @@ class Vector:
         return Vector(-self.y, self.x)
 
     def dot(self, vector: Vector) -> Scalar:
-        """Return the dot product."""
         return self.x * vector.x + self.y * vector.y
 
     def cross(self, vector: Vector) -> Scalar:
-        """Return the z component of the cross product."""
         return self.x * vector.y - self.y * vector.x
 
     def along(self, direction: Vector) -> Vector:

@@ -74,19 +74,9 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
     """
     if zeros:
         trace = trace.simplified({**trace.literals(), **dict.fromkeys(zeros, 0.0)})
-    text, functions = _text_of(trace)
-    make = compiled(text, name)
-    return lambda data: make(*data, inf, nan, *[OPERATIONS[name] for name in _CALLED], *functions)
-
-
-def _text_of(trace: Trace) -> tuple[str, list[Function]]:
-    """
-    Return the text of ``make(data, functions)``, and those of users among the functions.
-
-    ``make`` computes what depends on data alone, once, and returns the function ``line``, which
-    takes the inputs and gets the results of ``make`` as default arguments: local names are the
-    fastest.
-    """
+    # Text of a function ``make``, which computes what depends on data alone, once, and returns the
+    # function ``line``. That takes the inputs and gets the results of ``make`` as default
+    # arguments: local names are the fastest.
     made, lines = list[str](), list[str]()
     texts = dict[int, tuple[str, int]]()          # of each index its expression, its depth
     functions = list[Function]()                  # that are no formulas, as a table of forces
@@ -119,8 +109,7 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
             (lines if varies else made).append(f'{"    " * (1 + varies)}v{index} = {whole}')
             texts[index] = f'v{index}', 0
 
-    def nested(indices: NestedIndices) -> str:
-        """Return the text of results as the formula returns them: '(v5, (v7, x0, ), )'."""
+    def nested(indices: NestedIndices) -> str:      # '(v5, (v7, x0, ), )', as the formula has them
         return (texts[indices][0] if isinstance(indices, int)
                 else f'({"".join([f"{nested(part)}, " for part in indices])})')
 
@@ -134,7 +123,8 @@ def _text_of(trace: Trace) -> tuple[str, list[Function]]:
                    if name in used]
     text = [f'def make({", ".join(names)}):', *made, f'    def line({", ".join(inputs)}):', *lines,
             f'        return {answer}', '    return line', '']
-    return '\n'.join(text), functions
+    make = compiled('\n'.join(text), name)
+    return lambda data: make(*data, inf, nan, *[OPERATIONS[name] for name in _CALLED], *functions)
 
 
 @lru_cache(maxsize=KEPT)

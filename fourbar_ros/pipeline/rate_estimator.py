@@ -141,7 +141,6 @@ class RateEstimator:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all samples."""
         self._samples.clear()
         # a sample older than the newest one, if it came last
         self._late_sample: _Sample | None = None

@@ -8,7 +8,6 @@ A Stepper evaluates those of a scene, by its policy out of range and in its asse
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
 from types import MappingProxyType
@@ -264,27 +263,23 @@ class _Branch:
             self.rest_of = inertia.rest_of
         if scene.points or 'links' in scene.outputs:
             from fourbar_ros.mechanisms import points  # imported where a scene needs it
-        # outputs: (name, function of motion, or of mechanism, motion and loads, unknown values)
-        self._of_motion: list[tuple[str, Callable[[NamedFields], Iterable[float]],
-                                    tuple[float, ...]]] = []
-        self._of_loads: list[tuple[
-            str, Callable[[Mechanism, NamedFields, NamedFields], Iterable[float]],
-            tuple[float, ...]]] = []
+        # of each output its function of motion, or of mechanism, motion and loads
+        self._outputs = list[tuple[str, tuple[float, ...], Callable[..., Iterable[float]], bool]]()
         for output, group in scene.layout.groups.items():
             unknown, (family, _, name) = scene.layout.unknown[group], output.partition('/')
             if family == 'points':
-                self._of_motion.append((output, points.make_point(
-                    REAL, scene.linkage, *scene.points[name]), unknown))
+                point = points.make_point(REAL, scene.linkage, *scene.points[name])
+                self._outputs.append((output, unknown, point, True))
             elif family == 'links':
-                self._of_motion.append((output, partial(points.link_fields, scene.linkage,
-                                                        link=name), unknown))
+                link = partial(points.link_fields, scene.linkage, link=name)
+                self._outputs.append((output, unknown, link, True))
             elif output == 'equation':
-                self._of_loads.append((output, partial(
-                    _equation, scene.linkage.weightless, scene.drive.carried_inertia),
-                    unknown))
+                equation = partial(_equation, scene.linkage.weightless,
+                                   scene.drive.carried_inertia)
+                self._outputs.append((output, unknown, equation, False))
             elif output == 'inertia':
-                self._of_loads.append((output, lambda mechanism, motion, _: inertia.held_rigid(
-                    mechanism, motion), unknown))
+                self._outputs.append((output, unknown, lambda mechanism, motion, _:
+                                      inertia.held_rigid(mechanism, motion), False))
 
     def load(self, acting: Mapping[str, ActingInput]) -> None:
         """Let wrenches and the motion of the base act; if any is unknown, no load is known."""
@@ -301,14 +296,18 @@ class _Branch:
 
         The last two are NaN also where the status is not OK.
         """
-        values = [value for name, function, unknown in self._of_motion
-                  for value in (function(motion) if name in wanted else unknown)]
-        for name, function, unknown in self._of_loads:
-            result = unknown
-            if status == OK and name in wanted:
-                with suppress(FourBarError):        # an overflow
+        values = list[float]()
+        for name, unknown, function, is_of_motion in self._outputs:
+            if name not in wanted or not is_of_motion and status != OK:
+                values += unknown
+            elif is_of_motion:
+                values += function(motion)
+            else:
+                try:
                     result = tuple(function(mechanism, motion, loads))
-            values += result if isfinite(sum(result)) else unknown
+                except FourBarError:        # an overflow
+                    result = unknown
+                values += result if isfinite(sum(result)) else unknown
         return values
 
 

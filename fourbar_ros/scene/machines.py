@@ -10,7 +10,7 @@ from typing import Any
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.machine.describe.description import ANGLES, by_link, Cylinder, Dyad
+from fourbar_ros.mechanisms.machine.description import ANGLES, by_link, Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths

@@ -22,7 +22,7 @@ from fourbar_lab.live.downloads import cycle_csv
 from fourbar_lab.live.model import shown
 from fourbar_ros import load_scene
 from fourbar_ros.cli.main import main
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.spreadsheet import CsvStyle
 import numpy as np

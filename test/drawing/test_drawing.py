@@ -8,7 +8,7 @@ from fourbar_lab.drawing.labels import significant
 from fourbar_lab.drawing.polygons import acceleration_polygon, renamed, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.machine.structure import BASE
 from fourbar_ros.mechanisms.picture import diagram_of

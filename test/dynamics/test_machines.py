@@ -7,7 +7,7 @@ from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 import pytest

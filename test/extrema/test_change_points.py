@@ -14,7 +14,7 @@ from fourbar_ros import Bodies, Body, find_extrema, FourBar, InvertedSlider, Sli
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known_quantities
 import numpy as np

@@ -17,7 +17,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import _most_extreme
 from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import Function, known_quantities
 from hypothesis import given

@@ -11,7 +11,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema, Search
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes
 from fourbar_ros.extrema.sampling import Sampler
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import positions, select
 import numpy as np

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.elements import Attachment, Spring
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from flint import arb
 from fourbar_ros import Applied, Body, FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 from support.cartesian import BEGIN

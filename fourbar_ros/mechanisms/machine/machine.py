@@ -16,43 +16,18 @@ from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
-from fourbar_ros.mechanisms.checks import checked_gravity, friction_of, STROKE, two_numbers
+from fourbar_ros.mechanisms import checks
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
-from fourbar_ros.mechanisms.machine.describe.description import (
-    ANGLES,
-    by_link,
-    checked_cylinder,
-    checked_dyads,
-    Cylinder,
-    Dyad,
-    require_name,
-    with_lengths,
-)
-from fourbar_ros.mechanisms.machine.describe.layout import layout_of
-from fourbar_ros.mechanisms.machine.describe.names import lengths_of, names_of
-from fourbar_ros.mechanisms.machine.joined import PairRange, shaped
-from fourbar_ros.mechanisms.machine.margins import make_along
-from fourbar_ros.mechanisms.machine.ranges import (
-    DOUBLE,
-    DyadRanges,
-    find_ranges,
-    Limit,
-    Near,
-    RangeEnds,
-    SAME,
-)
+from fourbar_ros.mechanisms.machine import description, ranges, structure
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad
+from fourbar_ros.mechanisms.machine.margins import make_along, PairRange
+from fourbar_ros.mechanisms.machine.ranges import Limit, RangeEnds
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
 from fourbar_ros.mechanisms.machine.solve.motion import motion_of
-from fourbar_ros.mechanisms.machine.structure import (
-    CRANK_LINK,
-    CYLINDER,
-    DIMENSIONS,
-    DyadLengths,
-    Layout,
-    OF_ONE_MODE,
-)
+from fourbar_ros.mechanisms.machine.solve.pairs import shaped
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, CROSSED, GROUND, NamedFields, OPEN, SLIDE
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
@@ -107,7 +82,7 @@ class Machine(Mechanism):
 
     Examples
     --------
-    >>> from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+    >>> from fourbar_ros.mechanisms.machine.description import Dyad, Point
     >>> four_bar = Machine([Dyad('d', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
     ...                          ('coupler', 'rocker'), length_1=1.2, length_2=0.8)])
     >>> round(four_bar.motion(0.5, 25.0).omega_rocker, 6)
@@ -164,26 +139,28 @@ class Machine(Mechanism):
             A point that is missing, links that form no dyads, a mode that cannot be read.
 
         """
-        from fourbar_ros.mechanisms.machine.describe.from_points import read_drawing
+        from fourbar_ros.mechanisms.machine.from_points import read_drawing
         return read_drawing(points, links, ground, slides, modes, **options).machine
 
     def __post_init__(self) -> None:
         """Check the fields, in the order in which one part needs another; derive the layout."""
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
-        self._set(dyads=checked_dyads(self.dyads, self.input),
-                  cylinder=checked_cylinder(self.cylinder, self.input))
-        require_name('carrier', self.carrier)
-        if self.carrier != GROUND and (self.input != CRANK or self.carrier == CRANK_LINK):
+        self._set(dyads=description.checked_dyads(self.dyads, self.input),
+                  cylinder=description.checked_cylinder(self.cylinder, self.input))
+        description.require_name('carrier', self.carrier)
+        if self.carrier != GROUND and (self.input != CRANK
+                                       or self.carrier == structure.CRANK_LINK):
             raise InvalidParameter('carrier', self.carrier, 'carries a driven crank, as another '
                                    'link; of a cylinder between moving links give cylinder.base')
-        layout = layout_of(self.input, self.stages, self.output, self.carrier)
-        self._set(base_layout=layout, output=layout.output, **names_of(layout),
-                  LENGTHS=tuple([length for length, _ in lengths_of(self.stages)]))
+        layout = description.layout_of(self.input, self.stages, self.output, self.carrier)
+        self._set(base_layout=layout, output=layout.output, **structure.names_of(layout),
+                  LENGTHS=tuple([length for length, _ in description.lengths_of(self.stages)]))
+        by_link = description.by_link
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
                   external=by_link('external', self.external, Applied, self.EXTERNAL,
                                    NOT_APPLIED) or self.EXTERNAL(),
-                  gravity=checked_gravity(self.gravity), friction=friction_of(self))
+                  gravity=checks.checked_gravity(self.gravity), friction=checks.friction_of(self))
         self._require_closing()
         self._check_fit()
 
@@ -205,10 +182,6 @@ class Machine(Mechanism):
         machine.__post_init__()
         return machine
 
-    def _set(self, **values: Any) -> None:      # past the frozen dataclass
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
-
     @cached_by_lengths
     def stages(self) -> tuple[Dyad, ...]:
         """Return all dyads; a cylinder is one whose slide is driven, and stands first."""
@@ -219,7 +192,6 @@ class Machine(Mechanism):
 
     @cached_by_lengths
     def dyad_lengths(self) -> tuple[DyadLengths, ...]:
-        """Return what the formulas of each dyad take."""
         return tuple(shaped(REAL, self.base_layout, [dyad.lengths for dyad in self.stages]))
 
     @cached_by_lengths
@@ -232,12 +204,13 @@ class Machine(Mechanism):
     @property
     def lengths(self) -> tuple[float, ...]:
         """Return the lengths that are not zero [m]: of points, rods and offsets."""
-        return tuple([value for _, value in lengths_of(self.stages)])
+        return tuple([value for _, value in description.lengths_of(self.stages)])
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
         """Return the same machine with other :attr:`lengths`; it may close nowhere."""
         by_name = dict(zip(self.length_names, lengths))
-        return self._with_stages([with_lengths(dyad, by_name) for dyad in self.stages])
+        return self._with_stages([description.with_lengths(dyad, by_name)
+                                  for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
         """
@@ -258,13 +231,12 @@ class Machine(Mechanism):
         for dyad in self.stages:        # in the order of DyadLengths: p, q, sizes
             names += [f'{dyad.name}.{end}.{name}' for end in ('first', 'second')
                       for name in ('along', 'across')]
-            for name in DIMENSIONS[dyad.kind]:
-                names += ('', '') if name in ANGLES else (f'{dyad.name}.{name}',)
+            for name in structure.DIMENSIONS[dyad.kind]:
+                names += ('', '') if name in description.ANGLES else (f'{dyad.name}.{name}',)
         return tuple(names)
 
     @property
     def signs(self) -> tuple[float, ...]:
-        """Return the assembly modes of all dyads as +-1."""
         return tuple([dyad.sign for dyad in self.stages])
 
     sign = signs     # type: ignore[assignment]  # one for each dyad
@@ -283,30 +255,29 @@ class Machine(Mechanism):
                                   for dyad, its_mode in zip(self.stages, modes)])
 
     def crank_angle(self, motion: NamedFields) -> Scalar:
-        """Return the angle of the crank in a motion [rad]; NaN of a machine without one."""
         angle: Scalar = motion.theta_crank if self.input != SLIDE else nan * motion.rate
         return angle
 
     # --- where it closes -------------------------------------------------------------------------
 
     @cached_by_lengths
-    def _ranges(self) -> DyadRanges:
+    def _ranges(self) -> ranges.DyadRanges:
         """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
         size = sum(map(abs, self.lengths))
-        stroke = two_numbers('stroke', self.stroke, STROKE) if self.stroke is not None else ()
+        stroke = () if self.stroke is None else checks.two_numbers('stroke', self.stroke,
+                                                                   checks.STROKE)
         far = 2.0 * max([size, *map(abs, stroke)])
-        ranges = find_ranges(self.base_layout, self.dyad_lengths, self.signs, (-far, far),
-                             self.input_unit)
+        closing = ranges.find_ranges(self.base_layout, self.dyad_lengths, self.signs, (-far, far),
+                                     self.input_unit)
         if self.input == SLIDE and self.stroke is None and any(
                 bound is not None and far in map(abs, (bound[0].x, bound[1].x))
-                for bound in ranges.limits):
+                for bound in closing.limits):
             raise InvalidParameter('stroke', self.stroke, 'must be given: no dyad limits the '
                                                           'slide')
-        return ranges
+        return closing
 
     @cached_by_lengths
     def singular_inputs(self) -> list[complex]:
-        """Return where a dyad is in line or its ends meet: real inputs, then complex ones."""
         real = [end.x for end in self._ends] + list(self.flat_inputs)
         return [*map(complex, real), *self._complex_toggles, *self._off_real(self._ranges.poles)]
 
@@ -314,17 +285,16 @@ class Machine(Mechanism):
     def _complex_toggles(self) -> list[complex]:
         return self._off_real(self._ranges.near)
 
-    def _off_real(self, searches: Sequence[Near]) -> list[complex]:
+    def _off_real(self, searches: Sequence[ranges.Near]) -> list[complex]:
         """Return the complex inputs that searches find, without real ones found a bit beside."""
-        real = [(end.x, DOUBLE if end.is_flat else SAME) for end in self._ends]
-        real += [(x, DOUBLE) for x in self.flat_inputs]
+        real = [(end.x, ranges.DOUBLE if end.is_flat else ranges.SAME) for end in self._ends]
+        real += [(x, ranges.DOUBLE) for x in self.flat_inputs]
         return [z for search in searches for z in search()
                 if all(abs(self.distance(z.real, x) + 1j * z.imag) > same * self.input_unit
                        for x, same in real)]
 
     @property
     def flat_inputs(self) -> tuple[float, ...]:
-        """Return the inputs inside the ranges at which a pair lies flat [rad or m], in order."""
         return tuple(self._ranges.flats)
 
     @property
@@ -333,12 +303,10 @@ class Machine(Mechanism):
 
     @property
     def flat_limits(self) -> tuple[float, ...]:
-        """Return the ends of :attr:`closing_ranges` that are change points [rad or m]."""
         return tuple([end.x for end in self._ends if end.is_flat])
 
     @property
     def closing_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Return the ranges of the input in which all dyads close [rad or m]."""
         return tuple([(-pi, pi) if bound is None else (bound[0].x, bound[1].x)
                       for bound in self._ranges.limits])
 
@@ -373,7 +341,6 @@ class Machine(Mechanism):
                                      if dyad.kind not in OF_ONE_MODE) or 'one'}
 
     def mode_beyond(self, limit: float) -> int:
-        """Return the mode into which quantities go on smoothly at a toggle, a limit."""
         dyad = self._stage_at(limit)
         # of these they go on in x, not in its root
         return self.mode if self.stages[dyad].kind in OF_ONE_MODE else 1 + (
@@ -381,7 +348,6 @@ class Machine(Mechanism):
 
     @property
     def modes_passed(self) -> tuple[int, ...]:
-        """Return the modes between which a motion goes on at toggles."""
         return tuple(sorted({self.mode, *[self.mode_beyond(end.x) for end in self._ends
                                           if end.dyad]}))
 
@@ -416,7 +382,6 @@ class Machine(Mechanism):
         return [dyad.name for dyad in self.stages].index(end.dyad)
 
     def _why_no_motion(self, position: float) -> FourBarError:
-        """Return OutOfRange, or Toggle with its dyad, for an input at which there is no motion."""
         error = super()._why_no_motion(position)
         unit = self.input_coordinate.unit
         if isinstance(error, Toggle):
@@ -448,7 +413,6 @@ class Machine(Mechanism):
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """Return the cache key of traced formulas: equal if machines differ in their data only."""
         return type(self), self.layout
 
     @cached_property
@@ -459,10 +423,9 @@ class Machine(Mechanism):
                          tuple([friction for _, friction in self.friction]))
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
-        """Return its :attr:`constants` with other lengths, of any kind of numbers."""
         by_name = dict(zip(self.length_names, lengths))
         return self.constants._replace(lengths=tuple([
-            with_lengths(dyad, by_name).lengths for dyad in self.stages]))
+            description.with_lengths(dyad, by_name).lengths for dyad in self.stages]))
 
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
@@ -477,17 +440,14 @@ class Machine(Mechanism):
 
     @property
     def is_driven_by_slide(self) -> bool:
-        """Return whether the input is a length, not an angle."""
         return self.input != CRANK
 
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
         return partial(motion_of, n, self.layout, shaped(n, self.layout, constants.lengths),
                        constants.sign)
 
     def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
                     told: list[Any] | None = None) -> Any:
-        """Return the fields of LOADS for constants of a number type."""
         return loads_of(n, self.layout, constants.lengths, constants.bodies, constants.gravity,
                         constants.external, motion,
                         self.friction_in(n, constants, 1.0, told, motion.rate)
@@ -499,11 +459,10 @@ class Machine(Mechanism):
         return ' + '.join(dyad.kind for dyad in self.dyads) or 'cylinder on a crank'
 
     def link_motions(self, motion: NamedFields, lengths: Any = None) -> dict[str, LinkMotion]:
-        """Return the motions of links by name, from coefficients and the input's rates."""
         return {link.name: self.link_motion(motion, link.name) for link in self.LINKS}
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
-        """Return the motion of one link: the others of a large machine need not be made."""
+        # the others of a large machine need not be made
         i = self.MOTION._fields.index(f'x_{self.link(link).name}')
         return LinkMotion(*tuple(motion)[i:i + 10]).at(motion.rate, motion.acceleration)
 

@@ -4,7 +4,8 @@
 Assembly margins: scalars whose signs tell whether dyads can be assembled.
 
 A dyad closes where its *assembly margin* is positive, a number without unit that vanishes at its
-toggles. That of a pair is in :mod:`.pairs`; of others
+toggles. That of a pair (:mod:`.solve.pairs`) is a product of factors, see :class:`PairRange`; of
+others
 
     (X1)  RRR: ((r1 + r2)^2 - q)(q - (r1 - r2)^2) / (r1 + r2)^4
     (X2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
@@ -14,16 +15,148 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import atan2, pi, remainder
 from typing import Any
 
-from fourbar_ros.mechanisms.machine.joined import PairRange
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends, Node, turned
 from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.motion import driven_link
+from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics import number_types
+from fourbar_ros.numerics.number_types import exact_sum, Function, NumberType, REAL, Scalar
 
 CLOSING = ('RRR', 'RRP', 'RPR', 'PRP')     # kinds that do not close at any input
+# (plus, minus) of a factor of the discriminant of a pair, by exact sums of its lengths. Of an
+# angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line; of a
+# slide: plus sigma^2 + minus.
+Factor = tuple[float, float]
+
+
+class PairRange:
+    """
+    Where a pair closes: where the factors of its discriminant are positive.
+
+    Of two factors one at most is negative. One that vanishes in one direction and is positive
+    elsewhere makes a change point; their exact signs tell. ``flats`` has its directions: +1.0 for
+    x = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
+    """
+
+    def __init__(self, stage: Stage, lengths: DyadLengths) -> None:
+        """
+        Compute the factors once, from the dyad's lengths with their ``shape``.
+
+        That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma where
+        the slide is zero, e, ...): see :func:`shaped`.
+        """
+        assert stage.pair is not None
+        self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
+        # sigma where the slide is zero, or the direction of the other link where the angle is
+        self._start: Any = (lengths.shape[0] if self.slides
+                            else turned_by(lengths.shape[2], lengths.shape[2]))
+        self._factors = _factors(stage, lengths)
+        self._arms: tuple[Scalar, ...] = lengths.shape[:2]
+        self.is_impossible = any(max(factor) <= 0.0 for factor in self._factors)
+        self.has_limits = any(plus * minus < 0.0 for plus, minus in self._factors)
+        self.flats = [sign for factor in self._factors for sign in self._flats_of(factor)]
+        # those that vanish at toggles, real or complex, and not at flat positions
+        self._toggles = [factor for factor in self._factors if not self._flats_of(factor)]
+        self.has_toggles = bool(self._toggles)
+
+    def _flats_of(self, factor: Factor) -> list[float]:
+        """Return the directions in which a factor vanishes, as in ``flats``."""
+        plus, minus = factor
+        if self.slides:
+            return [0.0] if minus == 0.0 < plus else []
+        return [sign for sign, value in ((1.0, plus), (-1.0, minus)) if value == 0.0]
+
+    def flatness(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+        """
+        Return the distance from a flat position, and the side, at an angle or slide of a pair.
+
+        Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
+        """
+        if self.slides:
+            return relative[0] + self._start, 0.0
+        c, s = turned_by(relative[:2], self._start)
+        return (c, s) if self.is_sine else (s, c)
+
+    def assembly_margin(self, n: NumberType, ends: Ends) -> Scalar:
+        """
+        Return the product of the scaled factors of a pair that have toggles.
+
+        A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
+        s, both from the flat position. It is positive where the pair closes, zero at its toggles.
+        """
+        sine, cosine = self.flatness(ends.relative)
+        of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
+        if not self.slides:
+            _, _, of_minus, of_plus, _ = half_angle(n, cosine, sine, True)
+        for plus, minus in self._toggles:
+            # of a slide far above the sizes of ``minus``, so that no pole is near its roots
+            size = abs(plus) * of_plus + 64.0 if self.slides else abs(plus) + abs(minus)
+            product = product * ((plus * of_plus + minus * of_minus) * (1.0 / size))
+        return product
+
+    def square(self, n: NumberType, ends: Ends) -> Scalar:
+        """
+        Return |Q - P|^2 of RRR or RPR; the motion has poles where it is zero.
+
+        With a pin it is divided by (|a| + |g|)^2.
+        """
+        (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
+        if self.slides:
+            return beside * beside + arm_2 * arm_2
+        _, _, ss, cc, _ = half_angle(n, ahead, beside, True)
+        # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
+        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
+
+    def input_at(self, flat: float, is_driven: bool) -> float:
+        """
+        Return the input where a pair of the driven link and the ground lies flat [rad or m].
+
+        ``flat``: one of ``flats``; ``is_driven``: whether the driven link, not the ground, moves
+        in the pair's frame.
+        """
+        if self.slides:
+            return float(0.0 - self._start)
+        angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
+        turn = angle - atan2(*self._start[::-1])
+        folded = remainder(turn if is_driven else -turn, 2.0 * pi)
+        return pi if folded == -pi else folded + 0.0
+
+
+def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
+    """
+    Return the one or two factors of a pair's discriminant, positive where it closes.
+
+    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d the distance of P and Q. Where
+    a pin joins the links, |a| and |g| add up to it at the angle pi and differ by it at 0: the
+    ``minus`` and the ``plus`` of a factor are its values there. With a slide d^2 = sigma^2 + e^2.
+    Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
+    change point.
+    """
+    assert stage.pair is not None
+    unit = number_types.power_of_two(*lengths.sizes[:1 + (stage.kind == 'RRR')],
+                                     *lengths.shape[stage.pair.slides:2])
+    sizes = [size / unit for size in lengths.sizes]
+    squares = REAL.difference_of_squares
+    # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
+    first, second = [arm / unit for arm in lengths.shape[:2]]
+    if stage.pair.slides:
+        if stage.kind == 'RPR':
+            return [(unit**-2, squares(second, 0.0, sizes[0], 0.0))]
+        return [(-unit**-2, squares(sizes[0], sizes[1], second, 0.0)),
+                (unit**-2, -squares(sizes[0], -sizes[1], second, 0.0))]
+    if stage.kind == 'RRP':
+        r = sizes[0]
+        return [(exact_sum((r, -second, first)), exact_sum((r, -second, -first))),
+                (exact_sum((r, second, -first)), exact_sum((r, second, first)))]
+    near, far = (first, -second), (first, second)
+    if stage.kind == 'RPR':
+        return [(squares(*near, sizes[0], 0.0), squares(*far, sizes[0], 0.0))]
+    return [(squares(sizes[0], sizes[1], *near), squares(sizes[0], sizes[1], *far)),
+            (squares(*near, sizes[0], -sizes[1]), squares(*far, sizes[0], -sizes[1]))]
 
 
 def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) -> Scalar:
@@ -104,7 +237,6 @@ def make_along(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths
 
 
 def has_toggles(stage: Stage, lengths: DyadLengths) -> bool:
-    """Return whether a dyad has toggles, at real or at complex inputs."""
     if stage.pair:
         return PairRange(stage, lengths).has_toggles
     return stage.kind in CLOSING and stage.name != CYLINDER

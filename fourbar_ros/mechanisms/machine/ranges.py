@@ -32,13 +32,7 @@ from math import inf, nextafter, pi
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.mechanisms.machine.joined import PairRange
-from fourbar_ros.mechanisms.machine.margins import (
-    has_toggles,
-    make_assembly_margin,
-    make_flatness,
-    make_square,
-)
+from fourbar_ros.mechanisms.machine import margins
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
@@ -120,13 +114,13 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
         limits = [(Limit(low, name), Limit(high, name))]
     near, flats, twice = list[Near](), dict[float, str](), ''
     for i, (stage, lengths) in enumerate(zip(layout.stages, dyad_lengths)):
-        pair_range = PairRange(stage, lengths) if stage.pair else None
+        pair_range = margins.PairRange(stage, lengths) if stage.pair else None
         is_driven = (pair_range is not None and {stage.first, stage.second} == {0, 1}
                      and layout.driver != CYLINDER)
         if pair_range and pair_range.is_impossible:
             return DyadRanges((), (), stage.name, layout=search.layout)
         turns = 2 if twice and not is_driven else 1
-        if has_toggles(stage, lengths):
+        if margins.has_toggles(stage, lengths):
             split = [search.split(bound, i, turns) for bound in limits]
             limits = [part for parts, _ in split for part in parts]
             near += [toggles for _, toggles in split]
@@ -155,7 +149,7 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
                       turns=turns, layout=search.layout)
 
 
-def flats_of_driven(pair_range: PairRange, is_moving: bool, limits: Sequence[RangeEnds]
+def flats_of_driven(pair_range: margins.PairRange, is_moving: bool, limits: Sequence[RangeEnds]
                     ) -> list[float]:
     """
     Return the inputs within ``limits`` at which a pair between frame and driven link lies flat.
@@ -181,7 +175,6 @@ class _Path(NamedTuple):
 
     @classmethod
     def of(cls, bound: RangeEnds, turns: int) -> _Path:
-        """Return the path of a range, or of a crank that turns fully."""
         return (cls(-pi * turns, pi * turns, True) if bound is None
                 else cls(bound[0].x, bound[1].x, False))
 
@@ -198,46 +191,22 @@ class _Path(NamedTuple):
         return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
 
 
-def _margin_terms(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
-                  dyad: int) -> Callable[[Decimal], tuple[Decimal, Decimal, Decimal]]:
-    """
-    Return input -> c0, c1, c2 there, as in (X4), of the margin of a dyad in many digits.
-
-    To be made and called within the context of many digits.
-    """
-    data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
-    trace = Trace(lambda n, converted: make_assembly_margin(n, layout, dyad_lengths, signs, dyad,
-                                                            converted), 1, data)
-    value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
-
-    def terms(x: Decimal) -> tuple[Decimal, Decimal, Decimal]:
-        """Return the terms by central differences, whose error is h^2."""
-        (before,), (here,), (after,) = [value(x + k * h) for k in (-1, 0, 1)]
-        return here, (after - before) / (2 * h), (after - 2 * here + before) / (2 * h * h)
-    return terms
-
-
 def _near(margin: Function, path: _Path, phi: Array, value: Array,
           slope: Array) -> list[complex]:
     """Return the complex roots of a margin next to its minima between samples at phi."""
-    is_open = value > 0.0
-    return [z for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
-                                      & is_open[:-1] & is_open[1:])
-            for z in _complex_toggle(margin, path, phi[i:i + 2], value[i:i + 2], slope[i:i + 2])]
-
-
-def _minima(phi: Array, value: Array, slope: Array) -> list[tuple[float, Array]]:
-    """Return (phi, indices of samples of doubtful sign) of minima below :data:`DOUBTFUL`."""
-    minima: list[tuple[float, Array]] = []
-    for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
-        curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
-        lowest = phi[i] - slope[i] / curve
-        least = value[i] - 0.5 * slope[i] * slope[i] / curve
-        inner = np.flatnonzero(np.abs(phi - lowest)
-                               < np.sqrt(4.0 * (DOUBTFUL + abs(least)) / curve))
-        if abs(least) < DOUBTFUL and not any(np.isin(inner, known).any() for _, known in minima):
-            minima.append((lowest, inner))
-    return minima
+    roots, h, is_open = list[complex](), 2.0**-26, value > 0.0
+    for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0) & is_open[:-1] & is_open[1:]):
+        width, change = phi[i + 1] - phi[i], slope[i + 1] - slope[i]
+        lowest, least = phi[i] - slope[i] * width / change, value[i:i + 2].min()
+        z = np.array([lowest + 1j * np.sqrt(2.0 * least * width / change)])
+        with np.errstate(all='ignore'):
+            for _ in range(NEWTON_STEPS):
+                at_z, ahead = (margin(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
+                z = z - at_z * h / (ahead - at_z)
+            x = complex(path.to_input(z)[0])
+        if np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0:
+            roots.append(x)
+    return roots
 
 
 class _Search:
@@ -258,7 +227,6 @@ class _Search:
 
     @property
     def layout(self) -> Layout:
-        """Return the structure of the machine as it is known."""
         return self._machine[0]
 
     def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], Near]:
@@ -268,10 +236,10 @@ class _Search:
         ``turns``: of a full turn, after which the dyad is again where it was.
         """
         stage = self._machine[0].stages[dyad]
-        in_complex, in_floats = [make_assembly_margin(n, *self._machine, dyad)
+        in_complex, in_floats = [margins.make_assembly_margin(n, *self._machine, dyad)
                                  for n in (ARRAY, REAL)]
         path = _Path.of(bound, turns)
-        phi, value, slope = _resolved(path.start(), _sampled(in_complex, path), stage.name)
+        phi, value, slope = _resolved(in_complex, path, stage.name)
         is_open = value > 0.0
 
         def changes() -> list[Limit]:
@@ -282,11 +250,14 @@ class _Search:
                 limits.append(Limit(_root(in_floats, low, high, bool(is_open[i])), stage.name))
             return limits
 
-        if stage.kind == 'PRP':     # it closes with a margin of either sign
-            return _parts_between(bound, changes()), partial(
+        if stage.kind == 'PRP':     # it closes with a margin of either sign, on both sides of ends
+            ends = changes()
+            if ends:
+                ends = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
+            return list(zip(ends, ends[1:])) or [bound], partial(
                 _near, in_complex, path, phi, np.abs(value), np.where(is_open, slope, -slope))
         flats = [] if stage.pair else self._minima(dyad, path, phi, value, slope)
-        if stage.pair and not PairRange(stage, self._machine[1][dyad]).has_limits:
+        if stage.pair and not margins.PairRange(stage, self._machine[1][dyad]).has_limits:
             is_open[:] = True
         for inner, roots in flats:
             is_open[inner] = True           # their signs are noise; the roots are known
@@ -306,8 +277,17 @@ class _Search:
         The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
         whose roots are not in the range are left out: the signs of samples tell.
         """
-        decided = []
-        for lowest, inner in _minima(phi, value, slope):
+        minima, decided = list[tuple[float, Array]](), []       # phi, samples of doubtful sign
+        for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
+            curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
+            lowest = phi[i] - slope[i] / curve
+            least = value[i] - 0.5 * slope[i] * slope[i] / curve
+            inner = np.flatnonzero(np.abs(phi - lowest)
+                                   < np.sqrt(4.0 * (DOUBTFUL + abs(least)) / curve))
+            if abs(least) < DOUBTFUL and not any(np.isin(inner, known).any()
+                                                 for _, known in minima):
+                minima.append((lowest, inner))
+        for lowest, inner in minima:
             try:
                 limits = self._decided(dyad, float(path.to_input(np.array([lowest]))[0]))
             except (ArithmeticError, ValueError):   # it led to where dyads before do not close
@@ -323,8 +303,19 @@ class _Search:
         None if it is positive, twice the same for a double root, else two roots, each rounded to
         the side on which the dyad closes.
         """
+        _, dyad_lengths, _ = self._machine
+        data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
+        trace = Trace(lambda n, converted: margins.make_assembly_margin(
+            n, *self._machine, dyad, converted), 1, data)
         with localcontext(MANY_DIGITS):
-            terms, lowest = _margin_terms(*self._machine, dyad), Decimal(x)
+            value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
+
+            def terms(x: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+                """Return c0, c1, c2 at x by central differences, whose error is h^2."""
+                (before,), (here,), (after,) = [value(x + k * h) for k in (-1, 0, 1)]
+                return here, (after - before) / (2 * h), (after - 2 * here + before) / (2 * h * h)
+
+            lowest = Decimal(x)
             for _ in range(NEWTON_STEPS):       # to the minimum
                 c0, c1, c2 = terms(lowest)
                 lowest -= c1 / (2 * c2)
@@ -346,8 +337,7 @@ class _Search:
                         break
                 limit = float(root)
                 is_beyond = Decimal(limit) >= root if half > 0 else Decimal(limit) <= root
-                limits.append(limit if is_beyond
-                              else nextafter(limit, side))
+                limits.append(limit if is_beyond else nextafter(limit, side))
             return tuple(limits)
 
     def poles(self, bound: RangeEnds, turns: int) -> list[complex]:
@@ -356,8 +346,8 @@ class _Search:
         for dyad, stage in enumerate(self._machine[0].stages):
             if stage.kind not in ('RRR', 'RPR') or stage.name == CYLINDER:
                 continue
-            square = make_square(ARRAY, *self._machine, dyad)
-            samples = _resolved(path.start(), _sampled(square, path), stage.name)
+            square = margins.make_square(ARRAY, *self._machine, dyad)
+            samples = _resolved(square, path, stage.name)
             # of a chain of equal loops one is enough
             with np.errstate(all='ignore'):
                 is_known = any(np.abs(square(np.array([z]))).min() < DOUBLE**2 for z in poles)
@@ -365,7 +355,7 @@ class _Search:
                 poles += _near(square, path, *samples)
         return poles
 
-    def flats(self, pair_range: PairRange, limits: Sequence[RangeEnds], dyad: int,
+    def flats(self, pair_range: margins.PairRange, limits: Sequence[RangeEnds], dyad: int,
               turns: int) -> list[float]:
         """
         Return the inputs within ``limits`` where a pair away from the crank lies flat, in order.
@@ -374,12 +364,12 @@ class _Search:
         """
         stage, signs = self._machine[0].stages[dyad], pair_range.flats
         name, is_driven = stage.name, {stage.first, stage.second} == {0, 1}
-        in_complex, in_floats = [make_flatness(n, *self._machine, dyad) for n in (ARRAY, REAL)]
+        in_complex, in_floats = [margins.make_flatness(n, *self._machine, dyad)
+                                 for n in (ARRAY, REAL)]
         flats = []
         for bound in limits:
             path = _Path.of(bound, turns)
-            phi, value, _ = _resolved(path.start(), _sampled(
-                lambda x: in_complex(x)[0], path), name)
+            phi, value, _ = _resolved(lambda x: in_complex(x)[0], path, name)
             moves = np.abs(value).max() > SAME
             changes = np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)) if moves else [0]
             for i in changes:
@@ -397,14 +387,6 @@ class _Search:
                     flats.append(x - 2.0 * pi if is_angle and x > pi else
                                  x + 2.0 * pi if is_angle and x <= -pi else x)
         return sorted(flats)
-
-
-def _parts_between(bound: RangeEnds, ends: list[Limit]) -> list[RangeEnds]:
-    """Return the parts into which ends divide a range; it closes on both sides of each."""
-    if not ends:
-        return [bound]
-    every = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
-    return list(zip(every, every[1:]))
 
 
 def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
@@ -428,24 +410,19 @@ def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
     return list(zip(ends[::2], ends[1::2]))
 
 
-def _sampled(values: Function, path: _Path) -> Callable[[Array], tuple[Array, Array]]:
-    """Return phi -> values and derivatives by phi of a function of the input."""
-    def sample(phi: Array) -> tuple[Array, Array]:
-        """Return both by one complex step; NaN where the function has no value."""
-        with np.errstate(all='ignore'):
-            value = values(path.to_input(phi + 1j * STEP)) + 0.0 * phi
-        return value.real, value.imag / STEP
-    return sample
-
-
-def _resolved(phi: Array, sample: Callable[[Array], tuple[Array, Array]],
-              dyad: str) -> tuple[Array, Array, Array]:
+def _resolved(values: Function, path: _Path, dyad: str) -> tuple[Array, Array, Array]:
     """
-    Return phi, values and slopes of a function at samples so close that cubics hold between them.
+    Return phi, values and slopes of a function of the input, so close that cubics hold between.
 
     Pieces that :func:`_doubtful` names are halved, MOST_HALVINGS times at most; what is doubtful
     then stays so. InvalidParameter for ``dyad`` if there are too many samples.
     """
+    def sample(phi: Array) -> tuple[Array, Array]:
+        with np.errstate(all='ignore'):     # NaN where the function has no value
+            value = values(path.to_input(phi + 1j * STEP)) + 0.0 * phi
+        return value.real, value.imag / STEP
+
+    phi = path.start()
     value, slope = sample(phi)
     pending = np.ones(phi.size - 1, bool)       # pieces not yet compared with their cubic
     for _ in range(MOST_HALVINGS):
@@ -515,19 +492,3 @@ def _root(margin: Function, low: float, high: float, opens_low: bool) -> float:
         except (ValueError, ZeroDivisionError):
             return False
     return halve(closes, *((low, high) if opens_low else (high, low)))[0]
-
-
-def _complex_toggle(margin: Function, path: _Path, phi: Array, value: Array,
-                    slope: Array) -> list[complex]:
-    """Return the complex input near a minimum at which a margin is zero, [] if it is far away."""
-    width = phi[1] - phi[0]
-    lowest = phi[0] - slope[0] * width / (slope[1] - slope[0])
-    z = np.array([lowest + 1j * np.sqrt(2.0 * value.min() * width / (slope[1] - slope[0]))])
-    h = 2.0**-26
-    with np.errstate(all='ignore'):
-        for _ in range(NEWTON_STEPS):
-            at_z, ahead = (margin(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
-            z = z - at_z * h / (ahead - at_z)
-        x = complex(path.to_input(z)[0])
-    is_near = np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0
-    return [x] if is_near else []

@@ -3,7 +3,9 @@
 """
 The structure of a machine: which dyad hangs on which links, and the names of joints and fields.
 
-How long the links are is in the :class:`DyadLengths` of each dyad.
+How long the links are is in the :class:`DyadLengths` of each dyad. The records of a machine
+(motion, loads, bodies) are NamedTuple types that are made at run time; their values pass from
+process to process.
 """
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ from collections.abc import Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.load_table import DERIVED
-from fourbar_ros.mechanisms.parts import Coordinate, GROUND, SLIDE
 from fourbar_ros.numerics.number_types import Scalar
 
 CRANK_LINK, SLIDER_LINK, CYLINDER = 'crank', 'slider', 'cylinder'
@@ -35,7 +37,7 @@ class DyadLengths(NamedTuple):
     q: tuple[Scalar, Scalar]            # ... of ``second``
     sizes: tuple[Scalar, ...]           # its dimensions
     reach: tuple[Scalar, ...] = ()      # sizes of p and q
-    shape: tuple[Any, ...] = ()         # of links joined to each other, see :func:`.joined.shaped`
+    shape: tuple[Any, ...] = ()         # of links joined to each other, see :func:`.pairs.shaped`
 
 
 JOINTS = ('first', 'inner', 'second')
@@ -118,12 +120,12 @@ class Layout(NamedTuple):
     @property
     def moving(self) -> tuple[str, ...]:
         """Return the names of the moving links; a frame that moves has the ground's place."""
-        return tuple([self.links[0] if link == GROUND else link for link in self.links[1:]])
+        return tuple([self.links[0] if link == parts.GROUND else link for link in self.links[1:]])
 
     @property
     def ground(self) -> int:
         """Return the index of the ground; 0: it is the frame."""
-        return self.links.index(GROUND)
+        return self.links.index(parts.GROUND)
 
     @property
     def driven(self) -> str:
@@ -151,19 +153,20 @@ class Layout(NamedTuple):
 
     def joints(self) -> list[tuple[str, bool]]:
         """Return (name, whether it slides) of all joints, the one of the driven link first."""
-        return [(BASE, self.driver == SLIDE)] + [
+        return [(BASE, self.driver == parts.SLIDE)] + [
             (name, joint in SLIDES[stage.kind]) for stage in self.stages
             for joint, name in stage.joints()]
 
 
-def coordinate(name: str) -> Coordinate:
+def coordinate(name: str) -> parts.Coordinate:
     """Return the coordinate of the angle of a link or a pin."""
-    return Coordinate(f'theta_{name}', f'omega_{name}', f'alpha_{name}')
+    return parts.Coordinate(f'theta_{name}', f'omega_{name}', f'alpha_{name}')
 
 
-def travel(link: str) -> Coordinate:
+def travel(link: str) -> parts.Coordinate:
     """Return the coordinate of a link that slides."""
-    return Coordinate(f'slide_{link}', f'slide_{link}_velocity', f'slide_{link}_acceleration')
+    return parts.Coordinate(f'slide_{link}', f'slide_{link}_velocity',
+                            f'slide_{link}_acceleration')
 
 
 COEFFICIENTS = ('x', 'y', 'dx', 'dy', 'ddx', 'ddy', 'cos', 'sin', 'ratio', 'bend')
@@ -197,3 +200,124 @@ def load_fields(layout: Layout) -> tuple[str, ...]:
             fields += (f'{name}_normal', f'{name}_couple')
     return (*fields, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
             'shaking_force', 'shaking_moment', *(row.name for row in DERIVED))
+
+
+# --- what a machine states by its layout: LINKS to QUANTITIES ------------------------------------
+
+# {kind of dyad: of both links the name in texts, the first joint, and which length it has}
+LINKS_OF_DYADS = {
+    'RRR': (('rod', 'first', 'length_1'), ('rod', 'second', 'length_2')),
+    'RRP': (('rod', 'first', 'length_1'), ('block', 'inner', '')),
+    'RPR': (('block', 'first', ''), ('bar', 'second', '')),
+    'RPP': (('block', 'first', ''), ('yoke', 'second', '')),
+    'PRP': (('block', 'inner', ''), ('block', 'inner', ''))}
+
+
+@cache
+def names_of(layout: Layout) -> dict[str, Any]:
+    """Return the facts of :class:`.Mechanism` that follow from a layout, by name."""
+    turning = layout.turning()
+    links = tuple(_links(layout))
+    coordinates = {'crank': coordinate(BASE if layout.ground else CRANK_LINK),
+                   'slide': travel(SLIDER_LINK)}
+    if layout.driver == CYLINDER:
+        coordinates = {CYLINDER: travel(layout.stages[0].links[0])}
+    shown = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
+    shown.update((travel(link), f'{link} slides') for link in layout.slides())
+    driven = coordinates[layout.driver]
+    return {
+        'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
+        'PARTS': shown, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
+        'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
+        'MOTION': parts.record_type('MachineMotion', motion_fields(layout)),
+        'LOADS': parts.record_type('MachineLoads', load_fields(layout)),
+        'BODIES': parts.record_type('MachineBodies', layout.moving),
+        'EXTERNAL': parts.record_type('MachineExternal', layout.moving),
+        'QUANTITIES': tuple(_quantities(layout, driven))}
+
+
+def _links(layout: Layout) -> list[parts.Link]:
+    """Return the moving links with their first joints: the driven one, then those of dyads."""
+    turning = layout.turning()
+    links = [parts.Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
+                        turns=layout.driven in turning)]
+    for stage in layout.stages:
+        joints = dict(stage.joints())
+        for link, (role, joint, length) in zip(stage.links, LINKS_OF_DYADS[stage.kind]):
+            links.append(
+                parts.Link(layout.links[0], 'frame', BASE) if link == parts.GROUND else
+                parts.Link(link, role, joints[joint], length and f'{stage.name}.{length}',
+                           turns=link in turning))
+    return links
+
+
+def _reactions(layout: Layout) -> list[parts.Reaction]:
+    """Return the reaction at each joint, exerted by the link on which the other hangs."""
+    links = layout.links
+    bodies = {BASE: (links[0], links[1])}
+    for stage in layout.stages:
+        first, second = stage.links
+        pairs = {'first': (links[stage.first], first), 'inner': (second, first),
+                 'second': (links[stage.second], second)}
+        bodies.update((name, pairs[joint]) for joint, name in stage.joints())
+    return [parts.Reaction(name, ' on '.join(bodies[name]), name, is_slide * f'{name}_couple')
+            for name, is_slide in layout.joints()]
+
+
+def _joints(layout: Layout) -> list[parts.Joint]:
+    """Return all joints: pins with the angle between links, slides with the place on them."""
+    moving = {name for name, _, _ in layout.pins()}
+    base = (travel(SLIDER_LINK) if layout.driven == SLIDER_LINK else
+            coordinate(BASE if BASE in moving else CRANK_LINK))
+    joints = [parts.Joint(BASE, base)]
+    for stage in layout.stages:
+        slides = SLIDES[stage.kind]
+        for joint, name in stage.joints():
+            if joint in slides:
+                moves = travel(stage.links[slides[joint]])
+            else:       # of two links that which is not the ground
+                ends = stage.ends(joint)
+                link = layout.links[ends[ends[1] != layout.ground]]
+                moves = coordinate(name if name in moving else link)
+            joints.append(parts.Joint(name, moves))
+    return joints
+
+
+def output_of(layout: Layout) -> parts.Output:
+    """Return the output of a machine: the angle of its output link, or the slide of that."""
+    link = layout.output
+    if link in layout.turning():
+        return parts.Output(coordinate(link), f'ratio_{link}')
+    return parts.Output(travel(link), f'slide_{link}_ratio')
+
+
+def _outputs(layout: Layout, driven: parts.Coordinate) -> tuple[parts.Output, ...]:
+    """Return all outputs, the one that the machine is used for first."""
+    turning = layout.turning()
+    every = [output_of(layout),
+             *(parts.Output(coordinate(link), f'ratio_{link}') for link in layout.moving
+               if link in turning),
+             *(parts.Output(travel(link), f'slide_{link}_ratio') for link in layout.slides())]
+    return tuple(dict.fromkeys(output for output in every if output.coordinate != driven))
+
+
+def _quantities(layout: Layout, driven: parts.Coordinate) -> list[parts.Quantity]:
+    """Return the quantities beyond those of all mechanisms: of links, slides, dyads and joints."""
+    turning, rows = layout.turning(), list[tuple[str, str, str]]()
+    for link in [link for link in layout.moving if link in turning]:
+        rows += zip(coordinate(link), ('rad', 'rad/s', 'rad/s^2'), (
+            f'angle of {link}, continuous', f'angular velocity of {link}',
+            f'angular acceleration of {link}'))
+    for link in layout.slides():
+        rows += zip(travel(link), ('m', 'm/s', 'm/s^2'), [
+            f'{name} of {link} along its slide' for name in ('position', 'velocity',
+                                                             'acceleration')])
+    rows += [(f'transmission_angle_{name}', 'rad', f'transmission angle of dyad {name}')
+             for name in [stage.name for stage in layout.stages]]
+    quantities = [parts.Quantity(*row, False) for row in rows]
+    for name, is_slide in layout.joints():
+        rows = [(name, 'N', f'magnitude of the reaction at joint {name}'),
+                (f'{name}_normal', 'N', f'force square to the slide {name}'),
+                (f'{name}_couple', 'N m', f'couple of the slide {name}')]
+        quantities += [parts.Quantity(*row, True) for row in rows[:3 if is_slide else 1]]
+    return [quantity for quantity in quantities if quantity.name not in driven]

@@ -5,7 +5,7 @@ from itertools import islice
 
 from flint import arb, ctx
 from fourbar_ros import Body
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known_quantities
 import pytest

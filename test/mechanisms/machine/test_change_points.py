@@ -8,7 +8,7 @@ import random
 from fourbar_ros import InvalidParameter, Toggle
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np

@@ -4,7 +4,7 @@
 from functools import cache
 
 from fourbar_ros import Body
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 

@@ -8,7 +8,7 @@ costs is in docs/accuracy.md.
 """
 from flint import ctx
 from fourbar_ros import Body, find_extrema
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import known_quantities
 import pytest

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from fourbar_ros import FourBar
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.machine import Machine
-from fourbar_ros.mechanisms.machine.describe.from_points import read_drawing
+from fourbar_ros.mechanisms.machine.from_points import read_drawing
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest

@@ -5,7 +5,7 @@ from math import pi
 import pickle
 
 from fourbar_ros import Body, MissingBodies, OutOfRange, Toggle
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import numpy as np
 import pytest

@@ -4,7 +4,7 @@
 from math import nan, pi
 
 from fourbar_ros import Body, InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import Cylinder, Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import pytest
 

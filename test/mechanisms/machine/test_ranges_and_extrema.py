@@ -4,7 +4,7 @@
 from math import isinf, pi
 
 from fourbar_ros import find_extrema, InvalidParameter
-from fourbar_ros.mechanisms.machine.describe.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import positions
 import numpy as np

@@ -49,7 +49,7 @@ def hangings(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
     Return how the dyads hang, in their order.
 
     A pair has a motion of its own: the general form would lose digits. ``dyad_lengths``: of each
-    dyad (:func:`.joined.shaped`); ``signs``: its assembly mode as +-1.
+    dyad (:func:`.pairs.shaped`); ``signs``: its assembly mode as +-1.
     """
     joints, hanging = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):

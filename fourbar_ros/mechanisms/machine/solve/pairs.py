@@ -34,11 +34,13 @@ every type of numbers a change point is one, or none.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
+from fourbar_ros.mechanisms import slides
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.loop import HalfAngle, loop
 from fourbar_ros.mechanisms.machine.solve.dyads import Direction, DyadMotion, Ends
-from fourbar_ros.mechanisms.machine.structure import DyadLengths, Pair, Stage
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Pair, Stage
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
 OnLink = tuple[Scalar, Scalar]       # along and across [m], a point of a link
@@ -111,11 +113,7 @@ class Joints:
         return None
 
 
-# --- how a pair moves ----------------------------------------------------------------------------
-
-# {(a link, a second link): :data:`Direction` of the first seen from the second}
-Relations = dict[tuple[int, int], Direction]
-
+# --- what follows from the lengths ---------------------------------------------------------------
 
 def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
                is_cosine_positive: bool) -> HalfAngle:
@@ -142,6 +140,63 @@ def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar
     """Return (cosine, sine) of the sum of two angles, each given so."""
     (c, s), (cosine, sine) = first, second
     return c * cosine - s * sine, s * cosine + c * sine
+
+
+def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints
+           ) -> tuple[Any, ...]:
+    """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
+    assert stage.pair is not None
+    frame, moving = stage.pair.frame, stage.moving
+    (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
+                              else (lengths.q, lengths.p))
+    if stage.pair.slides:
+        (x, y), (c, s) = joints.slides[moving, frame]
+        return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
+    (o_x, o_y), (x, y) = joints.pin(moving, frame)
+    a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
+    if stage.kind == 'RRP':
+        t_x, t_y = lengths.sizes[1:]
+        a1 = n.hypot(a_x, a_y)
+        size = not_zero(n, a1)
+        half = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size, True)
+        half_0 = half.cosine, half.sine
+        return a1, g_y * t_x - g_x * t_y, half_0, g_x * t_x + g_y * t_y, x, y
+    a1, a4 = n.hypot(a_x, a_y), n.hypot(g_x, g_y)
+    scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
+    size, of_g = not_zero(n, n.hypot(scalar, cross)), not_zero(n, a4)
+    half = half_angle(n, scalar / size, cross / size, True)
+    return a1, a4, (half.cosine, half.sine), g_x / of_g, g_y / of_g
+
+
+def not_zero(n: NumberType, length: Scalar) -> Scalar:
+    """Return a length, 1.0 of a point in the pin itself, whose direction then does not matter."""
+    divisor: Scalar = n.where(is_zero(n, length), 1.0, length)
+    return divisor
+
+
+def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
+           ) -> list[DyadLengths]:
+    """
+    Return the lengths of all dyads with what follows from them once and for all.
+
+    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine of half the
+    angle from g to a, of g), of RRP (|a|, distance of the line from O, cosine and sine of half the
+    angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
+    slide is zero, e, its cosine and sine).
+    """
+    joints, with_shapes = Joints(layout.driver, layout.stages, dyad_lengths), []
+    for stage, lengths in zip(layout.stages, dyad_lengths):
+        reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
+        shape = (_shape(n, stage, lengths, joints) if stage.pair
+                 else reach if stage.name == CYLINDER else ())
+        with_shapes.append(lengths._replace(reach=reach, shape=shape))
+    return with_shapes
+
+
+# --- how a pair moves ----------------------------------------------------------------------------
+
+# {(a link, a second link): :data:`Direction` of the first seen from the second}
+Relations = dict[tuple[int, int], Direction]
 
 
 def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
@@ -190,7 +245,6 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     The frame has the line of the block; the crank is a, from the pin O to P on the moving link.
     """
     angle = ends.relative
-    from fourbar_ros.mechanisms.slides import rod_on_line  # of these alone
     (a1, e, half_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), turned_by(half_0, half_0)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
@@ -203,8 +257,8 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     else:
         sin_v, cos_v, *_ = half_angle(n, -sin_x, cos_x,
                                       n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
-    slider = rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v, cos_v,
-                         stage.can_lie_flat)
+    slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
+                                cos_v, stage.can_lie_flat)
     s = unit * slider.s
     d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
     rod = LinkMotion(*ends.p, *turned_by((slider.cos_b, slider.sin_b), line),
@@ -231,14 +285,13 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
     """Return how RPR moves as block and bar of an inverted slider-crank."""
     angle = ends.relative
-    from fourbar_ros.mechanisms.slides import block_on_bar  # of these alone
     (a1, a4, half_0, *of_g), (h,) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a4, h), turned_by(half_0, half_0)
     h, of_a = h / unit, turned_by(of_0, of_g)
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
-    block = block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
+    block = slides.block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
     bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
                       *by_input(angle, block.d_y, block.dd_y))
     on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
@@ -256,13 +309,12 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     Its slider drives: that link on which the dyad hangs that slides in the second one.
     """
     slide = ends.relative
-    from fourbar_ros.mechanisms.slides import triangle  # of these alone
     (shift, e, *line), first = lengths.shape, stage.turns_first
     on_moving, on_frame = lengths.sizes if first else lengths.sizes[::-1]
     unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
     per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
-    sides = triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
-                     (slide[0] + shift) * per, stage.can_lie_flat)
+    sides = slides.triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
+                            (slide[0] + shift) * per, stage.can_lie_flat)
     scaled = slide[1] * per, slide[2] * per
     of_frame: Direction = (*turned_by((sides.cos_x, sides.sin_x), line),
                            *by_input(scaled, sides.d_x, sides.dd_x))

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Parts that describe a machine: points, dyads, a cylinder. Each checks itself.
+What describes a machine: points, dyads, a cylinder. Each checks itself, the layout their order.
 
 A dyad (Assur group of class II) is two links and three joints, each a pin (R) or a slide (P). The
 letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
@@ -9,9 +9,11 @@ link of ``second``.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, fields
+from graphlib import CycleError, TopologicalSorter
 from keyword import iskeyword
 from math import sin
 import re
@@ -19,14 +21,10 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.machine.structure import (
-    CRANK_LINK,
-    CYLINDER,
-    DIMENSIONS,
-    DyadLengths,
-    OF_ONE_MODE,
-)
-from fourbar_ros.mechanisms.parts import CROSSED, OPEN
+from fourbar_ros.mechanisms.machine import structure
+from fourbar_ros.mechanisms.machine.solve.pairs import Joints
+from fourbar_ros.mechanisms.machine.structure import CYLINDER, DIMENSIONS, DyadLengths, Layout
+from fourbar_ros.mechanisms.parts import CROSSED, GROUND, Length, OPEN
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import direction
 
@@ -95,7 +93,6 @@ class Dyad:
     mode: int = OPEN
 
     def __post_init__(self) -> None:
-        """Check the fields, and store them as points, floats and an integer mode."""
         require_name('name of a dyad', self.name)
         where = f'dyads.{self.name}'
         if self.kind not in DIMENSIONS:
@@ -106,7 +103,8 @@ class Dyad:
             for end in ('first', 'second')}
         checked['links'] = checked_links(f'{where}.links', self.links)
         checked.update(self._checked_dimensions(where))
-        checked['mode'] = checked_mode(f'{where}.mode', self.mode, self.kind in OF_ONE_MODE)
+        checked['mode'] = checked_mode(f'{where}.mode', self.mode,
+                                       self.kind in structure.OF_ONE_MODE)
         for name, value in checked.items():
             object.__setattr__(self, name, value)
         self._require_directions(where)
@@ -143,7 +141,6 @@ class Dyad:
 
     @property
     def dimensions(self) -> tuple[float, ...]:
-        """Return its dimensions in the order of :data:`DIMENSIONS`."""
         return tuple([getattr(self, name) for name in DIMENSIONS[self.kind]])
 
     @property
@@ -218,7 +215,6 @@ def checked_point(name: str, value: Any) -> Point:
 
 
 def checked_links(name: str, value: Any) -> tuple[str, str]:
-    """Return the names of two links as a tuple; raise InvalidParameter for anything else."""
     links = tuple(value) if isinstance(value, (tuple, list)) else ()
     if len(links) != 2:
         raise InvalidParameter(name, value, 'must be the names of two links')
@@ -249,10 +245,10 @@ def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
                                'mode)') from None
     base, pin = checked_point('cylinder.base', base), checked_point('cylinder.pin', pin)
     require_name('cylinder.base.link', base.link)
-    if base.link in (CRANK_LINK, *links):
+    if base.link in (structure.CRANK_LINK, *links):
         raise InvalidParameter('cylinder.base', tuple(base), 'must be a point of the ground, or '
                                'of a moving link to which the crank is pinned')
-    if pin.link != CRANK_LINK:
+    if pin.link != structure.CRANK_LINK:
         raise InvalidParameter('cylinder.pin', tuple(pin), 'must be a point of the crank, which '
                                'is pinned to the link at the base: a cylinder between links that '
                                'no pin joins closes an Assur group of a higher class')
@@ -310,3 +306,115 @@ def by_link(name: str, records: Any, kind: type, of_links: Any, default: Any) ->
         if not isinstance(record, kind):
             raise InvalidParameter(f'{name}.{link}', record, f'must be of type {kind.__name__}')
     return of_links(**{link: records.get(link, default) for link in of_links._fields})
+
+
+def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
+    """Return all lengths that are not zero: places of points, rods, offsets; and their values."""
+    lengths = []
+    for dyad in dyads:
+        for end in ('first', 'second'):
+            point = getattr(dyad, end)
+            of = 'the ground' if point.link == GROUND else f'link {point.link}'
+            lengths += [(Length(f'{dyad.name}.{end}.{name}', f'of a point of {of}', True), value)
+                        for name, value in (('along', point.along), ('across', point.across))]
+        lengths += [(Length(f'{dyad.name}.{name}', f'of dyad {dyad.name}', name == 'offset'),
+                     getattr(dyad, name)) for name in DIMENSIONS[dyad.kind] if name not in ANGLES]
+    return [(length, value) for length, value in lengths if value]
+
+
+# --- the structure of a machine from its dyads ---------------------------------------------------
+
+def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
+              carrier: str = GROUND) -> Layout:
+    """
+    Return the :class:`Layout` of dyads, a cylinder's own first; ``carrier``: as of a Machine.
+
+    Raises
+    ------
+    InvalidParameter
+        A name twice, a link that is not there, or not yet: with the order of dyads that works, or
+        the links that no order solves.
+
+    """
+    driven = structure.SLIDER_LINK if driver == 'slide' else structure.CRANK_LINK
+    frame = dyads[0].second.link if driver == CYLINDER else carrier
+    links, owners, stages = [frame, driven], {frame: '', driven: 'the driven link'}, []
+    if frame != GROUND:
+        owners[frame] = ('the link at the base of the cylinder' if driver == CYLINDER
+                         else 'the link that carries the crank')
+    names = set[str]()
+    for dyad in dyads:
+        where = f'dyads.{dyad.name}'
+        if dyad.name in names:
+            raise InvalidParameter('name of a dyad', dyad.name, 'stands twice')
+        names.add(dyad.name)
+        _require_new(where, dyad.links, owners)
+        for end in ('first', 'second'):
+            link = getattr(dyad, end).link
+            if link in dyad.links:
+                raise InvalidParameter(f'{where}.{end}.link', link, 'a dyad cannot hang on its '
+                                       'own link')
+            if link not in links:
+                raise InvalidParameter(f'{where}.{end}.link', link,
+                                       _why_not_there(dyads, link, links))
+        stages.append(structure.Stage(
+            dyad.name, dyad.kind, links.index(dyad.first.link), links.index(dyad.second.link),
+            dyad.links, len(links)))
+        links += dyad.links
+        owners.update(dict.fromkeys(dyad.links, f'a link of dyad {dyad.name}'))
+    if GROUND not in links:
+        raise InvalidParameter('cylinder.base.link' if driver == CYLINDER else 'carrier', frame,
+                               'a machine whose drive is on a link that moves has the ground '
+                               'among the links of a dyad')
+    joints = Joints(driver, stages, [dyad.lengths for dyad in dyads])
+    layout = Layout(driver, tuple(links), tuple([
+        stage if stage.name == CYLINDER else stage._replace(pair=joints.pair_of(stage))
+        for stage in stages]), '')
+    moving = layout.moving
+    if output is not None and output not in moving:
+        raise InvalidParameter('output', output,
+                               f'there is no such link{nearest(output, moving)}')
+    layout = layout._replace(output=output or (driven if names == {CYLINDER} else moving[-1]))
+    for names_of_fields in (structure.motion_fields(layout), structure.load_fields(layout)):
+        name, count = Counter(names_of_fields).most_common(1)[0]
+        if count > 1:           # as of a link called d_inner and a pin of dyad d
+            raise InvalidParameter('dyads', name, 'would be the name of two results: change that '
+                                                  'of a link or a dyad')
+    return layout
+
+
+def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> str:
+    """Return the text of an error for a link on which no dyad can hang yet, with what helps."""
+    owner = next((dyad for dyad in dyads if link in dyad.links), None)
+    if owner is None:
+        return f'there is no such link{nearest(link, known)}'
+    # {dyad: those on whose links it hangs}
+    supports = {dyad.name: {support.name for support in dyads if support is not dyad
+                            and {dyad.first.link, dyad.second.link} & {*support.links}}
+                for dyad in dyads}
+    try:
+        order = ', '.join(TopologicalSorter(supports).static_order())
+    except CycleError as error:
+        in_cycle, *_ = error.args[1]
+        for _ in dyads:             # then also those on which these hang, and so on
+            supports = {name: known.union(*[supports[support] for support in known])
+                        for name, known in supports.items()}
+        group = [link for dyad in dyads for link in dyad.links
+                 if in_cycle in supports[dyad.name] and dyad.name in supports[in_cycle]]
+        return (f'is a link of dyad {owner.name}, but no order of dyads works: the links '
+                f'{", ".join(group)} close only together, an Assur group of a higher class. '
+                'Drive another link, or hang one of their dyads on links before it')
+    return f'is a link of dyad {owner.name}, which must stand before this one: {order} works'
+
+
+def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> None:
+    """Refuse names of links that are equal or taken; ``owners``: {link: what it is, in words}."""
+    if links[0] == links[1]:
+        raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
+    for link in links:
+        if link == GROUND and not owners.get(GROUND, 'no frame'):
+            raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
+                                   'dyad, unless cylinder.base is a point of a moving link, or '
+                                   'linkage.carrier is one')
+        if link in owners:
+            raise InvalidParameter(f'{where}.links', link, f'is {owners[link]} already')

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.machine.describe.description import Dyad
+from fourbar_ros.mechanisms.machine.description import Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.machine.structure import CRANK_LINK
 from fourbar_ros.mechanisms.parts import CROSSED, GROUND, OPEN
