@@ -17,7 +17,7 @@ LIVE = ['nicegui>=3.5,<4', 'starlette']
 PROOF = ['python-flint']
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = {f'{NAME}.config{sub.replace("/", ".")}': f'config{sub}' for sub in (
-    '', '/classics', '/studies')}
+    '', '/classics', '/robots', '/studies')}
 
 setup(
     name=NAME,

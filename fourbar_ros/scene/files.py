@@ -61,7 +61,7 @@ def find(name: str | Path) -> Path:
 
 def shipped() -> dict[str, Path]:
     """Return {name: file} of the supplied scenes."""
-    return {file.stem: file for directory in (folder() / 'classics', folder())
+    return {file.stem: file for directory in (folder() / 'robots', folder() / 'classics', folder())
             for file in sorted(directory.glob('*.yaml'))}
 
 

@@ -218,9 +218,13 @@ def test_the_list_has_every_scene_that_a_verb_takes(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines == [line.rstrip() for line in lines]       # no blanks that fill a column
     listed = {line.split()[0] for line in lines if line}
-    names = {path.stem for below in ('.', 'classics')
+    names = {path.stem for below in ('.', 'classics', 'robots')
              for path in (folder() / below).glob('*.yaml')}
     assert names <= listed
+    assert main(['list', 'robots']) == 0
+    robots = capsys.readouterr().out
+    assert all(path.stem in robots for path in (folder() / 'robots').glob('*.yaml'))
+    assert 'jansen' not in robots
 
 
 def test_a_reader_that_ends_early_is_no_error():
