@@ -22,17 +22,11 @@ from fourbar_ros.extrema.input_paths import input_paths, InputPath, unresolved
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.mechanisms import quantities as table
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
-from fourbar_ros.mechanisms.quantities import (
-    Asked,
-    Function,
-    Named,
-    OfDrive,
-    select,
-    UnknownQuantity,
-)
+from fourbar_ros.mechanisms.quantities import Asked, Function, Named, OfDrive
 from fourbar_ros.numerics.arguments import finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.roots import fold
@@ -56,36 +50,25 @@ class Extremum(NamedTuple):
     """
     One extremum of one quantity in one assembly mode.
 
-    Parameters
-    ----------
-    quantity, unit : str
-    mode : int
-    kind : str
-        'minimum', 'maximum', or 'constant': the same value over a whole range, from ``theta1`` on.
-    theta1 : float
-        Crank angle [rad], in [0, 2 pi), or to 4 pi of a change point that repeats after two turns.
-    value : float
-        In the quantity's unit; +-inf at an end where the quantity is unbounded.
-    is_global : bool
-        No other minimum (maximum) of the quantity in this mode is lower (higher). Values within
-        4 eps of their condition, at most 1e-12 of them, count as equal.
-    place : str
-        'interior'; 'limit': where the range of the input ends, at a toggle, an end of the stroke
-        or one of ``within``, or where a load has a pole, at a flat position of a change point, or
-        jumps, by friction that changes its direction or a force that steps, begins or ends.
-    side : int
-        +1 (-1): the input is approached from above (below); 0 in the interior.
-    condition, value_condition : float
-        If each link length is wrong by a relative eps, the input moves by up to eps * condition
-        [rad or m] and ``value`` by up to the relative eps * value_condition. NaN at ends, and of
-        a change point, which linkages of other lengths are not.
-    proof : str
-        Whether it is proved that no extremum inside the range is missing: '' if not asked,
-        'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide extrema
-        always 'not certain: ...', with the bound of its errors.
-    slide : float
-        The driven slide [m], ``theta1`` is then the crank's angle; NaN if the crank is driven.
+    ``kind``: 'minimum', 'maximum', or 'constant': the same value over a whole range, from
+    ``theta1`` on. ``theta1``: crank angle [rad], in [0, 2 pi), or to 4 pi of a change point that
+    repeats after two turns. ``value``: in the quantity's unit; +-inf at an end where the quantity
+    is unbounded. ``is_global``: no other minimum (maximum) of the quantity in this mode is lower
+    (higher). Values within 4 eps of their condition, at most 1e-12 of them, count as equal.
 
+    ``place``: 'interior'; 'limit': where the range of the input ends, at a toggle, an end of the
+    stroke or one of ``within``, or where a load has a pole, at a flat position of a change point,
+    or jumps, by friction that changes its direction or a force that steps, begins or ends.
+    ``side``: +1 (-1): the input is approached from above (below); 0 in the interior.
+
+    ``condition``, ``value_condition``: if each link length is wrong by a relative eps, the input
+    moves by up to eps * condition [rad or m] and ``value`` by up to the relative eps *
+    value_condition. NaN at ends, and of a change point, which linkages of other lengths are not.
+
+    ``proof``: whether it is proved that no extremum inside the range is missing: '' if not asked,
+    'interval bounds ...', or 'not proved: ...'. Of a constant whose rounding may hide extrema
+    always 'not certain: ...', with the bound of its errors. ``slide``: the driven slide [m],
+    ``theta1`` is then the crank's angle; NaN if the crank is driven.
     """
 
     quantity: str
@@ -187,27 +170,6 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                                      search.unresolved, partial(search.exact, row))]
 
 
-class _Group(NamedTuple):
-    """Quantities that are searched together, as they have poles at the same inputs, if any."""
-
-    sampler: Sampler
-    rows: list[int]             # where its quantities stand in the order asked
-    paths: list[InputPath]
-
-
-def _pieces_with_friction(linkage: Mechanism, rates: tuple[float, float],
-                          within: tuple[float, float] | None) -> Pieces:
-    """Return the pieces of loads with friction; refuse inputs at which the mechanism locks."""
-    locked = linkage.locked_ranges(*rates, within)
-    if locked:
-        unit = linkage.input_coordinate.unit
-        raise InvalidParameter('friction', linkage.friction[0][0], 'it locks the mechanism in '
-                               f'{in_words(locked, unit)}: loads have extrema only between '
-                               'inputs without any such')
-    from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
-    return with_friction(linkage, rates)
-
-
 class Search:
     """
     The search, and its proof, for some quantities of a mechanism at rate and acceleration.
@@ -221,11 +183,21 @@ class Search:
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         every_pieces = linkage.pieces
         if linkage.friction and any(quantity.is_load for quantity in quantities):
-            every_pieces = _pieces_with_friction(linkage, rates, within)
+            if locked := linkage.locked_ranges(*rates, within):
+                unit = linkage.input_coordinate.unit
+                raise InvalidParameter(
+                    'friction', linkage.friction[0][0], 'it locks the mechanism in '
+                    f'{in_words(locked, unit)}: loads have extrema only between inputs without '
+                    'any such')
+            from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
+            every_pieces = with_friction(linkage, rates)
         rough = [row for row, quantity in enumerate(quantities)
                  if isinstance(quantity, Function) and not quantity.is_smooth]
         smooth = [row for row in range(len(quantities)) if row not in rough]
-        self._groups, self.unresolved = list[_Group](), unresolved(linkage)
+        self.unresolved = unresolved(linkage)
+        # quantities that have poles at the same inputs, if any, are searched together: their
+        # sampler, where they stand in the order asked, paths of the input
+        self._groups = list[tuple[Sampler, list[int], list[InputPath]]]()
         for kind, every in ((Sampler, smooth), (DifferenceSampler, rough)):
             by_group: dict[tuple[Pieces | None, tuple[float, ...]], list[int]] = {}
             for pieces in (None, every_pieces) if every_pieces else (None,):
@@ -237,13 +209,12 @@ class Search:
                         by_group.setdefault((pieces, poles), []).append(row)
                 elif rows:
                     by_group[pieces, ()] = rows
-            self._groups += [_Group(kind(linkage, [quantities[row] for row in of_group], rates,
-                                         poles), of_group,
-                                    input_paths(linkage, SAMPLES, within, poles,
-                                                pieces if kind is Sampler or not pieces
-                                                else Pieces((), ())))
-                             for (pieces, poles), of_group in by_group.items()]
-        self.paths = [path for group in self._groups for path in group.paths]
+            for (pieces, poles), rows in by_group.items():
+                sampler = kind(linkage, [quantities[row] for row in rows], rates, poles)
+                cuts = pieces if kind is Sampler or not pieces else Pieces((), ())
+                self._groups.append(
+                    (sampler, rows, input_paths(linkage, SAMPLES, within, poles, cuts)))
+        self.paths = [path for *_, paths in self._groups for path in paths]
 
     def extrema(self, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[list[PathExtremum]]:
@@ -257,7 +228,8 @@ class Search:
 
     def exact(self, quantity: int, x: Sequence[float]) -> Array:
         """Return a quantity at inputs, in the unit of the input, as :meth:`.Sampler.exact`."""
-        sampler, rows, _ = next(group for group in self._groups if quantity in group.rows)
+        sampler, rows = next((sampler, rows) for sampler, rows, _ in self._groups
+                             if quantity in rows)
         return sampler.exact(np.array(x), np.full(len(x), rows.index(quantity)))
 
     def proved(self, extrema: list[list[PathExtremum]], with_conditions: bool,
@@ -373,13 +345,13 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
         raise InvalidParameter('quantities', quantities, 'must be names of quantities, Quantity '
                                'or functions (motion, loads) -> value: one, or a list of them')
     if not len(quantities):
-        return select((), linkage)
+        return table.select((), linkage)
     fields = linkage.MOTION._fields + linkage.LOADS._fields
     for quantity in quantities:
         if isinstance(quantity, Quantity) and quantity.name not in fields:
-            raise UnknownQuantity(quantity.name, fields)
+            raise table.UnknownQuantity(quantity.name, fields)
     names = [quantity for quantity in quantities if isinstance(quantity, str)]
-    named = iter(select(names, linkage) if names else ())
+    named = iter(table.select(names, linkage) if names else ())
     return [quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
             next(named) if not callable(quantity)
             else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''),
@@ -474,13 +446,10 @@ def _condition(extremum: PathExtremum) -> float:
 
 
 def _crank_angles(linkage: Mechanism, extrema: Sequence[PathExtremum]) -> list[float]:
-    """
-    Return the crank's angles [rad] at extrema over a driven slide; NaN where there is no crank.
-
-    A limit that was rounded outwards has no pose: there the angle a few roundings inside serves.
-    """
+    """Return the angles [rad] of a crank at extrema over a driven slide; NaN without crank."""
     positions = linkage.input_unit * np.array([extremum.x for extremum in extrema])
-    # side: +1 at the lower end of a range, -1 at the upper one, 0 inside
+    # side: +1 at the lower end of a range, -1 at the upper one, 0 inside; a limit that was rounded
+    # outwards has no pose: there the angle a few roundings inside serves
     inward = np.array([extremum.side for extremum in extrema]) * 4.0 * EPS * np.abs(positions)
     angles, inside = (linkage.crank_angle(linkage.motion(position))
                       for position in (positions, positions + inward))

@@ -50,11 +50,7 @@ ColumnFunction = Callable[[Array, Array], Array]
 
 
 class Turns(NamedTuple):
-    """
-    Extrema of q quantities of n mechanisms, at most r each.
-
-    Places and values are in the order of the input from 0 to 2 pi; NaN beyond the last.
-    """
+    """Extrema of q quantities of n mechanisms, at most r each, by input; NaN beyond the last."""
 
     places: Array           # (q, n, r)
     values: Array           # (q, n, r)
@@ -208,7 +204,10 @@ def refined(evaluate: ColumnFunction, roots: Roots, is_positive: Array,
     last_step = last_slope = np.full(x.shape, np.nan)
     for _ in range(STEPS):
         i, quantity = roots.mechanism[left], roots.quantity[left]
-        result = _at_roots(evaluate, x[left], i, quantity)
+        # one row for each mechanism that has some left, one column for each of its roots
+        mechanisms, row = np.unique(i, return_inverse=True)
+        row, column, grid = as_grid(x[left], row, mechanisms.size)
+        result = evaluate(grid + 1j * STEP, mechanisms)[quantity, row, column]
         squared, value, slope = is_positive[quantity, i], result.real, result.imag / STEP
         with np.errstate(all='ignore'):
             slope = np.where(squared, value * slope, slope)
@@ -232,25 +231,13 @@ def refined(evaluate: ColumnFunction, roots: Roots, is_positive: Array,
     return x, values, strays
 
 
-def _at_roots(evaluate: ColumnFunction, x: Array, mechanism: Array, quantity: Array) -> Array:
-    """Return quantities at inputs x, all of shape (roots,), with their complex steps."""
-    # one row for each mechanism that has some, one column for each of its roots
-    rows, row = np.unique(mechanism, return_inverse=True)
-    row, column, grid = as_grid(x, row, rows.size)
-    return evaluate(grid + 1j * STEP, rows)[quantity, row, column]
-
-
 def _wrapped(f: Array, width: int) -> Array:
     """Return samples of a turn with ``width`` more before and after, from its other end."""
     return np.concatenate((f[-width:], f, f[:width]))
 
 
 def slopes_of(f: Array, weights: Sequence[float] = FINE) -> Array:
-    """
-    Return the slopes at samples f, shape (samples, m), times the step: central differences.
-
-    They are the sums of weights[k - 1] (f[i + k] - f[i - k]) over k = 1, 2, ...
-    """
+    """Return the slopes at samples f, (samples, m), times the step, by central differences."""
     width, count = len(weights), len(f)
     wrapped, slopes, term = _wrapped(f, width), np.zeros(f.shape), np.empty(f.shape)
     for k, weight in enumerate(weights, 1):

@@ -16,6 +16,7 @@ z|; kernels of the widths 4 w, 16 w, ... thin out the samples with the distance.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import inf, pi
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -53,13 +54,6 @@ class End(NamedTuple):
     is_inner: bool = False       # the end of a piece: the path goes on beyond it, not smoothly
 
 
-class Gaps(NamedTuple):
-    """Ends of pieces along a path, at which slopes or values of quantities jump."""
-
-    x: Array            # (g,), inputs
-    before: Array       # index of the last sample before each; the next sample is beyond it
-
-
 class InputPath(NamedTuple):
     """
     Samples of a range of the input in which a mechanism moves smoothly in one assembly mode.
@@ -74,7 +68,8 @@ class InputPath(NamedTuple):
     first: int           # index of the point half a step from ``low``
     last: int            # index of the point half a step from ``high``
     period: float = inf  # after which the input begins again [rad]
-    gaps: Gaps | None = None     # the ends of pieces along it
+    gaps: Array = np.zeros(0)    # (g,), inputs along it where pieces end: quantities jump or kink
+    before_gaps: Array = np.zeros(0, int)       # index of the last sample before each gap
 
     @property
     def is_closed(self) -> bool:
@@ -91,7 +86,7 @@ class InputPath(NamedTuple):
 
     def with_points(self, points: Array) -> InputPath:
         """Return the path with those of more inputs, in any order, that lie between its ends."""
-        assert not self.gaps
+        assert not self.gaps.size
         start, end = self.x[[0, -1]]
         if self.is_closed:
             points = points - self.period * (points > 0.5 * self.period)
@@ -102,10 +97,6 @@ class InputPath(NamedTuple):
         order = np.unique(x + turn * (x < start), return_index=True)[1]
         first, last = (order.tolist().index(i % self.x.size) for i in (self.first, self.last))
         return self._replace(x=x[order], first=first, last=last)
-
-    def half_a_step_from(self, side: int) -> int:
-        """Return the index of the point half a step from the end on this side."""
-        return self.first if side > 0 else self.last
 
 
 def closer_points(end: End | None, count: int) -> Array:
@@ -149,31 +140,6 @@ class Kernels(NamedTuple):
         return (self.weights * t).sum(axis=0), slope.sum(axis=0)
 
 
-class Range(NamedTuple):
-    """The inputs between two toggles, x = middle + half sin(phi), -pi/2 <= phi <= pi/2."""
-
-    low: float
-    high: float
-
-    @property
-    def middle(self) -> float:
-        """Return the input at phi = 0."""
-        return 0.5 * (self.low + self.high)
-
-    @property
-    def half(self) -> float:
-        """Return half the width."""
-        return 0.5 * (self.high - self.low)
-
-    def to_input(self, phi: Array) -> Array:
-        """Return x from the distance to the nearer end, which matters near a toggle."""
-        return sine_between(self.low, self.high, phi)
-
-    def phi(self, x: float) -> float:
-        """Return the phi of an input."""
-        return float(np.arcsin((x - self.middle) / self.half))
-
-
 def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] | None = None,
                 poles: Sequence[float] = (), pieces: Pieces | None = None) -> list[InputPath]:
     """
@@ -185,9 +151,9 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
     that paths end there. ``pieces``: those of loads with forces over a position.
     A slide is given in units of :attr:`input_unit`.
     """
-    unit = mechanism.input_unit
+    unit, is_slide = mechanism.input_unit, mechanism.is_driven_by_slide
     turned = (2.0 * pi * round(mechanism.cut[0] / (2.0 * pi))      # the turn of the stroke
-              if mechanism.cut and not mechanism.is_driven_by_slide else 0.0)
+              if mechanism.cut and not is_slide else 0.0)
     passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
     singular = np.array([*[z for z in mechanism.singular_inputs
                            if z.imag or z.real in poles or z.real not in passed],
@@ -201,27 +167,27 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
                 for path in _of_turns(singular, points, cut, period, inner)]
     paths = []
     for low, high in mechanism.closing_ranges:
-        bounds, of_range = Range(low / unit, high / unit), inner
-        inside = _beside(singular, bounds, not mechanism.is_driven_by_slide)
-        if not mechanism.is_driven_by_slide:        # pieces may lie in the turn of the stroke
-            of_range = inner - 2.0 * pi * np.round((inner - bounds.middle) / (2.0 * pi))
         # beside these there are no results
-        first, last = (2.0 * BESIDE_FLAT_LIMITS * (end in mechanism.flat_limits)
-                       for end in (low, high))
+        margins = [2.0 * BESIDE_FLAT_LIMITS * (limit in mechanism.flat_limits)
+                   for limit in (low, high)]
+        low, high = low / unit, high / unit
+        # the singular inputs but the two toggles; angles also a turn earlier and later
+        beside, of_range = singular[(singular != low) & (singular != high)], inner
+        if not is_slide:
+            beside = np.add.outer((-2.0 * pi, 0.0, 2.0 * pi), beside).ravel()
+            distance = np.minimum(np.abs(beside - low), np.abs(beside - high))
+            beside = beside[distance > NARROWEST]
+            # pieces may lie in the turn of the stroke
+            of_range = inner - 2.0 * pi * np.round((inner - 0.5 * (low + high)) / (2.0 * pi))
         for begin, end in _in_turns(mechanism, cuts):
-            cut = (max(begin / unit, bounds.low + first if first else -inf),
-                   min(end / unit, bounds.high - last if last else inf))
-            paths += _between(bounds, [End(x, False) for x in bounds], inside, points, cut,
-                              of_range)
+            cut = (max(begin / unit, low + margins[0] if margins[0] else -inf),
+                   min(end / unit, high - margins[1] if margins[1] else inf))
+            paths += _between(low, high, beside, points, cut, of_range)
     return paths
 
 
 def unresolved(mechanism: Mechanism) -> str:
-    """
-    Return where a quantity may change faster than samples can follow, in words, '' if nowhere.
-
-    That is next to singular inputs that are nearly, but not, one.
-    """
+    """Return in words where singular inputs are so near that samples cannot follow, else ''."""
     unit, coordinate = mechanism.input_unit, mechanism.input_coordinate
     least = unit * (NARROWEST if isinstance(mechanism, Kind) else NARROWEST_OF_MACHINE)
     singular = [complex(z) for z in mechanism.singular_inputs]
@@ -256,11 +222,7 @@ def _in_turns(mechanism: Mechanism, cuts: Sequence[tuple[float, float] | None]
 
 def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
               period: float, inner: Array) -> list[InputPath]:
-    """
-    Return the paths of a crank that turns fully.
-
-    They are a whole period, or lead from one pole or end of ``within`` to the next.
-    """
+    """Return the paths of full turns: a period, or between poles and ends of ``within``."""
     poles = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     turns = np.arange(-2, 3) * (2.0 * pi)
@@ -270,7 +232,8 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
     ends = dict(sorted(ends.items()))
     if within:
         turn = period * round(sum(within) / (2.0 * period))
-        ends = _within(ends, [x - turn for x in within], Range(-inf, inf), float)
+        cut = within[0] - turn, within[1] - turn
+        ends = _within(ends, cut, {x: x for x in cut})
     elif ends:
         first = float(poles[0]) if poles.size else float(inner[0])
         ends = {x: end for x, end in ends.items()
@@ -281,60 +244,52 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
     return _paths(kernels, ends, lambda phi: phi, 0.0 if within or poles.size else period)
 
 
-def _beside(singular: Array, bounds: Range, is_periodic: bool) -> Array:
-    """Return the singular inputs but the two toggles; angles also a turn earlier and later."""
-    singular = singular[(singular != bounds.low) & (singular != bounds.high)]
-    if is_periodic:
-        singular = np.concatenate([singular + turn for turn in (-2.0 * pi, 0.0, 2.0 * pi)])
-        singular = singular[(np.abs(singular - bounds.low) > NARROWEST)
-                            & (np.abs(singular - bounds.high) > NARROWEST)]
-    return singular
-
-
-def _between(bounds: Range, limits: Sequence[End], singular: Array, points: int,
-             cut: Sequence[float], inner: Array) -> list[InputPath]:
+def _between(low: float, high: float, singular: Array, points: int,
+             cut: tuple[float, float], inner: Array) -> list[InputPath]:
     """
-    Return the paths of a range between two toggles: two, if a pole lies between them.
+    Return the paths of the range from toggle ``low`` to ``high``: two, if a pole lies between.
 
-    ``limits``: the ends of the range; ``cut``: the two inputs to which paths are cut; ``inner``:
-    the ends of pieces.
+    There x = middle + half sin(phi), -pi/2 <= phi <= pi/2. ``cut``: the two inputs to which paths
+    are cut; ``inner``: the ends of pieces.
     """
-    scaled = (singular - bounds.middle) / bounds.half
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+
+    def to_phi(x: float) -> float:
+        return float(np.arcsin((x - middle) / half))
+
+    scaled = (singular - middle) / half
     is_pole = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_pole])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    poles = {float(np.arcsin(sine)): End(float(x), True)
-             for sine, x in zip(scaled.real[is_pole], singular.real[is_pole])}
-    poles |= {bounds.phi(x): End(float(x), False, True, True)
-              for x in inner if bounds.low < x < bounds.high}
-    ends = {-0.5 * pi: limits[0], **dict(sorted(poles.items())), 0.5 * pi: limits[1]}
-    return _paths(kernels, _within(ends, cut, bounds, bounds.phi), bounds.to_input)
+    between = {float(np.arcsin(sine)): End(float(x), True)
+               for sine, x in zip(scaled.real[is_pole], singular.real[is_pole])}
+    between |= {to_phi(x): End(float(x), False, True, True) for x in inner if low < x < high}
+    ends = {-0.5 * pi: End(low, False), **dict(sorted(between.items())),
+            0.5 * pi: End(high, False)}
+    ends = _within(ends, cut, {to_phi(x): x for x in cut if low < x < high})
+    return _paths(kernels, ends, partial(sine_between, low, high))
 
 
-def _within(ends: dict[float, End], cut: Sequence[float], bounds: Range,
-            to_phi: Callable[[float], float]) -> dict[float, End]:
+def _within(ends: dict[float, End], cut: tuple[float, float], inside: dict[float, float]
+            ) -> dict[float, End]:
     """
     Return {phi: End} of the part of a range between two inputs, which are regular ends.
 
-    Next to a pole, that is the end.
+    ``inside``: {phi: input} of those of both that lie inside the range. Next to a pole, that is
+    the end.
     """
     slack = {phi: NARROWEST if end.is_pole else 0.0 for phi, end in ends.items()}
     low, high = cut
-    inside = {phi: end for phi, end in ends.items()
-              if low - slack[phi] <= end.x <= high + slack[phi]}
-    regular = [x for x in cut if bounds.low < x < bounds.high
-               and all(abs(x - end.x) > slack[phi] for phi, end in inside.items())]
-    inside.update({to_phi(x): End(x, False, True) for x in regular})
-    return dict(sorted(inside.items()))
+    kept = {phi: end for phi, end in ends.items()
+            if low - slack[phi] <= end.x <= high + slack[phi]}
+    regular = {phi: End(x, False, True) for phi, x in inside.items()
+               if all(abs(x - end.x) > slack[phi_of_end] for phi_of_end, end in kept.items())}
+    return dict(sorted((kept | regular).items()))
 
 
 def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array],
            period: float = 0.0) -> list[InputPath]:
-    """
-    Return the paths between neighbouring ends, {phi: End}, those of pieces joined to one.
-
-    ``to_input``: phi -> x; ``period``: of a path that closes where a piece ends, else 0.
-    """
+    """Return the paths between ends {phi: End}, pieces joined; ``period`` of one that closes."""
     paths, outer = [], np.array([phi for phi, end in ends.items() if not end.is_inner])
     ends = {phi: end for phi, end in ends.items()
             if not (end.is_inner and outer.size) or np.abs(outer - phi).min() > BESIDE_END}
@@ -349,28 +304,27 @@ def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array],
         if min(before, after) < 0:
             raise TooNarrow
         paths.append(InputPath(x, low, high, before, x.size - 1 - after))
-    joined = list[InputPath]()
+    runs = list[list[InputPath]]()          # of pieces that follow each other
     for path in paths:
-        if path.low and path.low.is_inner and joined:
-            joined[-1] = _joined(joined[-1], path, path.low.x)
+        if runs and path.low and path.low.is_inner:
+            runs[-1].append(path)
         else:
-            joined.append(path)
+            runs.append([path])
+    joined = list[InputPath]()
+    for pieces in runs:
+        sizes = np.array([piece.x.size for piece in pieces])
+        counts = np.cumsum(sizes)
+        # of a path that closes, its end is the end of a piece too
+        ends_of_pieces = [piece.high.x for piece in pieces if piece.high]
+        inner = len(pieces) if period else len(pieces) - 1
+        joined.append(InputPath(
+            np.concatenate([piece.x for piece in pieces]), pieces[0].low, pieces[-1].high,
+            pieces[0].first, int(counts[-1] - sizes[-1]) + pieces[-1].last,
+            gaps=np.array(ends_of_pieces[:inner]), before_gaps=counts[:inner] - 1))
     if not period:
         return joined
     path, = joined
-    assert path.high
-    gaps = path.gaps or Gaps(np.empty(0), np.empty(0, int))
-    return [InputPath(path.x, None, None, 0, -1, period, Gaps(
-        np.append(gaps.x, path.high.x), np.append(gaps.before, path.x.size - 1)))]
-
-
-def _joined(path: InputPath, following: InputPath, x: float) -> InputPath:
-    """Return two paths as one, with a gap between them at the input x."""
-    gaps = path.gaps or Gaps(np.empty(0), np.empty(0, int))
-    count = path.x.size
-    return InputPath(np.concatenate((path.x, following.x)), path.low, following.high, path.first,
-                     count + following.last, path.period,
-                     Gaps(np.append(gaps.x, x), np.append(gaps.before, count - 1)))
+    return [path._replace(low=None, high=None, first=0, last=-1, period=period)]
 
 
 def _kernels(singular: Array, points: int) -> Kernels:

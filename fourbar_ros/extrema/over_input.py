@@ -53,7 +53,6 @@ class OverInput:
 
     @cached_property
     def extrema(self) -> list[Extremum]:
-        """Return all extrema."""
         return find_extrema(self._linkage, self._quantity, *self._rates, conditions=False,
                             within=self._within)
 
@@ -74,7 +73,6 @@ class OverInput:
 
     @property
     def peak(self) -> float:
-        """Return the largest magnitude."""
         sizes = [abs(extremum.value) for extremum in self.extrema]
         return float(np.max(sizes)) if sizes else nan       # NaN if one of them is
 
@@ -92,11 +90,7 @@ class OverInput:
 
     @property
     def of_cycle(self) -> float:
-        """
-        Return the integral over a cycle of an input that turns fully; NaN of any other.
-
-        Of the driving torque that is the work of a cycle [J]. 0 where it is less than its error.
-        """
+        """Return the integral over a cycle, the work [J] of a torque; NaN but for full turns."""
         if not self._linkage.turns_fully or self._within is not None:
             return nan
         return float(self._linkage.cycle * settled(self.mean, self.rms))
@@ -112,7 +106,6 @@ class OverInput:
 
     @cached_property
     def rms(self) -> float:
-        """Return the root mean square."""
         # of a full turn the integral tells by itself whether it is finite, without a search
         by_itself = self._linkage.turns_fully and not isinstance(self._quantity, OfDrive)
         if not by_itself and self.peak == inf:

@@ -92,9 +92,9 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     if rows.size:
         inside = sampler.along(path.with_points(np.array(more))) if more else samples
         at_gaps = None
-        if path.gaps is not None:
+        if path.gaps.size:
             at_gaps = _at_gaps(sampler, samples, rows)
-            extrema += [PathExtremum(jump.quantity, sampler.fold(float(path.gaps.x[jump.gap])),
+            extrema += [PathExtremum(jump.quantity, sampler.fold(float(path.gaps[jump.gap])),
                                      value, 1 if rises == (side < 0) else -1, side)
                         for jump in at_gaps.jumps
                         for side, value, rises in zip((-1, 1), jump.values, jump.rises)]
@@ -105,11 +105,7 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
 
 
 def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
-    """
-    Return extrema along a path, those of quantities whose kinds do not take turns marked.
-
-    One without a value is left out. ``turn``: after which the input is the same, inf if never.
-    """
+    """Return extrema along a path, marked where kinds do not take turns; none without a value."""
     def along(extremum: PathExtremum) -> tuple[float, int]:
         """Return where an extremum is on the path."""
         if extremum.side and not is_jump(extremum):
@@ -120,8 +116,9 @@ def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[P
     def is_jump(extremum: PathExtremum) -> bool:
         """Return whether it is a value on one side of the end of a piece."""
         return bool(extremum.side) and extremum.x not in ends
-    ends = [extremum.x for extremum in extrema if extremum.side] if path.gaps is None else [
-        fold(end.x, turn) if turn < inf else end.x for _, end in path.ends()]
+    ends = [fold(end.x, turn) if turn < inf else end.x for _, end in path.ends()]
+    if not path.gaps.size:
+        ends = [extremum.x for extremum in extrema if extremum.side]
 
     by_quantity: dict[int, list[PathExtremum]] = {}
     for extremum in extrema:
@@ -180,31 +177,26 @@ class _AtGaps(NamedTuple):
 
 
 def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
-    """
-    Return roots between the ends of pieces and the samples next to them, and those at the ends.
-
-    Within BESIDE_GAP of an end lies no sample, so that all are on one side of it.
-    """
-    gaps, x = samples.path.gaps, samples.path.x
-    assert gaps is not None
-    after = (gaps.before + 1) % x.size
+    """Return roots beside and at the ends of pieces; within BESIDE_GAP of them lies no sample."""
+    gaps, before, x = samples.path.gaps, samples.path.before_gaps, samples.path.x
+    after = (before + 1) % x.size
     tiny = BESIDE_GAP * float(np.abs(x).max())      # ends are found at any turn
     if sampler.linkage.friction:
         tiny = max(tiny, BESIDE_JUMP)
-    x_after = turn_after(x[after], gaps.x, sampler.period) if samples.path.is_closed else x[after]
-    values, slopes, _ = sampler.sample(np.concatenate((gaps.x - tiny, gaps.x + tiny)))
+    x_after = turn_after(x[after], gaps, sampler.period) if samples.path.is_closed else x[after]
+    values, slopes, _ = sampler.sample(np.concatenate((gaps - tiny, gaps + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
                                                 for part in (values, slopes))
     if sampler.linkage.friction:
         v_before, v_after = v_before + tiny * s_before, v_after - tiny * s_after
-    noise = samples.noise[rows][:, gaps.before] + samples.noise[rows][:, after]
+    noise = samples.noise[rows][:, before] + samples.noise[rows][:, after]
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
     jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))
 
     def rises(row: int, gap: int, side: int) -> bool:
         """Return whether a quantity grows towards a jump from below it, or away from it above."""
-        index, value = ((gaps.before[gap], v_before[row, gap]) if side < 0 else
+        index, value = ((before[gap], v_before[row, gap]) if side < 0 else
                         (after[gap], v_after[row, gap]))
         away = np.roll(samples.values[rows[row]], -index)[::side]     # of a plateau at last
         away = (np.roll(away, 1) if side < 0 else away) - value
@@ -219,14 +211,14 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     row, gap = np.nonzero(((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps)
     kinks = (rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1), v_before[row, gap])
     brackets = []
-    for index, near, there, begin in ((gaps.before, s_before, gaps.x - tiny, True),
-                                      (after, s_after, gaps.x + tiny, False)):
+    for index, near, there, begin in ((before, s_before, gaps - tiny, True),
+                                      (after, s_after, gaps + tiny, False)):
         sampled = samples.slopes[rows][:, index]
         row, gap = np.nonzero((sampled >= 0.0) != (near >= 0.0))
         sample = x[index] if begin else x_after
         low, high = (sample, there) if begin else (there, sample)
         first = sampled if begin else near
-        brackets.append((index[gap] if begin else gaps.before[gap], rows[row], low[gap], high[gap],
+        brackets.append((index[gap] if begin else before[gap], rows[row], low[gap], high[gap],
                          first[row, gap], 0.5 * (low + high)[gap]))
     return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, found)
 
@@ -246,9 +238,13 @@ class Roots(NamedTuple):
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None) -> Roots:
     """Return where the slopes of the quantities ``rows`` change sign, hidden pairs too."""
-    x, is_closed, gaps = samples.path.x, samples.path.is_closed, samples.path.gaps
-    before_gaps = None if gaps is None else gaps.before
-    f = _smooth_slopes(sampler, samples, rows)
+    x, is_closed, before_gaps = samples.path.x, samples.path.is_closed, samples.path.before_gaps
+    # at a toggle derivatives have poles of a power of sin(mu): without them sign changes show
+    # between samples, and a positive factor moves no root
+    values = samples.values[rows]
+    scale = np.where((values > 0.0).all(axis=1, keepdims=True),
+                     values * samples.sine**(2 * POLE - 1), samples.sine**POLE)
+    f = np.asarray(samples.slopes[rows].T * scale.T)
     turn = rises(np.unwrap(x)[:, None], False, before_gaps)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]), f,
@@ -280,10 +276,11 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
-    if at_gaps and gaps:
+    if at_gaps:
         of_kinks, gap, sense_of_kinks, beside_kinks = at_gaps.kinks
-        i, row = np.append(i, gaps.before[gap]), np.append(row, of_kinks)
-        root, sense = np.append(root, gaps.x[gap]), np.append(sense, sense_of_kinks)
+        i, row = np.append(i, before_gaps[gap]), np.append(row, of_kinks)
+        root = np.append(root, samples.path.gaps[gap])
+        sense = np.append(sense, sense_of_kinks)
         spacing = np.append(spacing, np.full(gap.size, nan))
     # of the input as it is reported, where ``step`` has the same value
     value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
@@ -424,11 +421,11 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots,
 def _between_jumps(turns: list[_Turn], errors: Array, path: InputPath,
                    jumps: Sequence[_Jump]) -> list[list[_Turn]]:
     """Return extrema along a path in parts between jumps, with values there as ends."""
-    if not jumps or path.gaps is None:
+    if not jumps:
         return [turns]
     parts, left, start = list[list[_Turn]](), list(turns), list[_Turn]()
     for jump in jumps:
-        before = int(path.gaps.before[jump.gap])
+        before = int(path.before_gaps[jump.gap])
         ends = [_Turn(value, float(errors[before]), before, -1) for value in jump.values]
         inner = [turn for turn in left if turn.before <= before]
         left = left[len(inner):]
@@ -471,19 +468,6 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array,
     return turns
 
 
-def _smooth_slopes(sampler: Sampler, samples: Samples, rows: Array) -> Array:
-    """
-    Return derivatives at the samples, shape (n, rows), times a power of sin(mu).
-
-    At a toggle derivatives have poles of that power; without them sign changes show between
-    samples. A positive factor moves no root.
-    """
-    sine, values = samples.sine, samples.values[rows]
-    scale = np.where((values > 0.0).all(axis=1, keepdims=True), values * sine**(2 * POLE - 1),
-                     sine**POLE)
-    return np.asarray(samples.slopes[rows].T * scale.T)
-
-
 def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
             rows: Array) -> list[PathExtremum]:
     """
@@ -502,7 +486,7 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
     nearest = samples.path.inward(side)[0]
     limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
     falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
-    if samples.path.gaps is not None:       # some quantities are constant on the last piece
+    if samples.path.gaps.size:              # some quantities are constant on the last piece
         away = samples.values[:, samples.path.inward(side)] - limits[:, None]
         differs = np.abs(away) > FLAT * np.abs(limits)[:, None]
         first = np.where(differs.any(axis=1), differs.argmax(axis=1), 0)
@@ -532,12 +516,12 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     limits = np.where(nearest[:, 0] > nearest[:, 1], inf, -inf)
     if has_pole[rows].all():
         return limits
-    near = path.half_a_step_from(side) + side * np.arange(NEIGHBOURS)
+    near = (path.first if side > 0 else path.last) + side * np.arange(NEIGHBOURS)
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
-    if path.gaps is not None:       # all in the last piece, in the other mode too
-        ends = np.array([*path.gaps.x, *np.array(
+    if path.gaps.size:              # all in the last piece, in the other mode too
+        ends = np.array([*path.gaps, *np.array(
             other_mode.linkage.pieces.ends if other_mode.linkage.pieces else ()) / sampler.unit])
         away = np.abs(ends - end.x)
         farthest = np.abs(x - end.x).max()

@@ -74,7 +74,6 @@ def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
 
 
 def not_real(quantity: Asked, result: str) -> InvalidParameter:
-    """Return the error for a function that does not give real numbers."""
     return InvalidParameter('quantities', quantity.name, 'a function must give a finite real '
                             f'number for each input inside the range, not {result}')
 
@@ -115,27 +114,18 @@ class Sampler:
         """Return the samples of a path; refuse functions that are NaN, rates that overflow."""
         with np.errstate(over='ignore', invalid='ignore'):
             values, slopes, state = self.sample(path.x)
-        self._refuse_nan(path.x, values)
+        for quantity, row in zip(self.quantities, np.isnan(values)):
+            if row.any() and not is_published(quantity):
+                x = self.unit * float(path.x[row.argmax()])
+                raise not_real(quantity, f'NaN at the input {x}')
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates,
                                    'too large: quantities overflow')
-        return Samples(path, self._continuous(values), slopes, state, *self.errors(path.x, state))
-
-    def _refuse_nan(self, x: Array, values: Array) -> None:
-        """Refuse functions of users that are NaN somewhere; the message names the input."""
-        if self._wanted is not None:             # there are none
-            return
-        for quantity, row in zip(self.quantities, np.isnan(values)):
-            if row.any() and not is_published(quantity):
-                raise not_real(quantity, f'NaN at the input {self.unit * float(x[row.argmax()])}')
-
-    def _continuous(self, values: Array) -> Array:
-        """Return the values along a path, angles without jumps, the least of them in [-pi, pi)."""
-        if self.is_angle.any():
+        if self.is_angle.any():         # without jumps, the least of them in [-pi, pi)
             angles = np.unwrap(values[self.is_angle], axis=1)
-            values[self.is_angle] = (angles - 2.0 * pi * np.floor(angles.min(axis=1, keepdims=True)
-                                                                  / (2.0 * pi) + 0.5))
-        return values
+            turns = np.floor(angles.min(axis=1, keepdims=True) / (2.0 * pi) + 0.5)
+            values[self.is_angle] = angles - 2.0 * pi * turns
+        return Samples(path, values, slopes, state, *self.errors(path.x, state))
 
     def same_turn(self, reference: Array, values: Array, row: Array) -> Array:
         """Return values of quantities ``row``, angles within half a turn of a reference angle."""
@@ -220,16 +210,11 @@ class Sampler:
         return values.real, values.imag / STEP
 
     def slope(self, x: Array, row: Array) -> Array:
-        """Return the derivative of quantity ``row[i]`` at x[i]."""
         return self.value_and_slope(x, row)[1]
 
     def newton(self, x: Array, row: Array, spacing: Array,
                is_squared: Array) -> tuple[Array, ...]:
-        """
-        Return the derivative of quantity ``row[i]`` at x[i], and Newton's step to its zero.
-
-        ``is_squared``: of half the square instead, which is smooth where a magnitude has a kink.
-        """
+        """Return slopes of quantity ``row[i]`` (or half its square) and Newton's step to zero."""
         turn = self.TURN * spacing
         both = self.value_and_slope(np.concatenate((x, x + turn)), np.concatenate((row, row)))
         value, slope = (part.reshape(2, -1) for part in both)

@@ -11,16 +11,7 @@ where slopes change their sign the end is an extremum, where values differ both 
 """
 from __future__ import annotations
 
-from fourbar_ros.extrema.full_turns import (
-    AGREE,
-    by_quantity,
-    ColumnFunction,
-    CONSTANT,
-    refined,
-    Roots,
-    STEP,
-    Turns,
-)
+from fourbar_ros.extrema import full_turns
 from fourbar_ros.numerics.arrays import Array, EPS, rank_of
 from fourbar_ros.numerics.roots import changes_and_doubts, first_guesses
 import numpy as np
@@ -48,7 +39,8 @@ _TO_SLOPES, _TO_BENDS = (
     for order in (1, 2))
 
 
-def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: float) -> Turns:
+def search_pieces(evaluate: full_turns.ColumnFunction, ends: Array, count: int, cycle: float
+                  ) -> full_turns.Turns:
     """
     Return the extrema of q loads of n mechanisms whose cranks turn fully.
 
@@ -68,7 +60,7 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     is_positive = samples.min(axis=(2, 3)) > 0.0
     f = np.where(is_positive[..., None, None], 0.5 * samples, 1.0) * samples
     span, sizes = np.ptp(f, axis=(2, 3)), np.abs(f).max(axis=(2, 3))
-    is_constant = span <= CONSTANT * sizes
+    is_constant = span <= full_turns.CONSTANT * sizes
     modes = f @ _TO_MODES
     is_doubtful |= (np.abs(modes[..., -2:]).max(axis=(2, 3)) > RESOLVED * span) & ~is_constant
     slopes, bends = f @ _TO_SLOPES, f @ _TO_BENDS
@@ -81,10 +73,10 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     sides = np.ones((mechanisms, 2, ends.shape[1]))
     column = rank_of(row)
     sides[row, 0, column], sides[row, 1, column] = place - tiny, place + tiny
-    result = evaluate(sides.reshape(mechanisms, -1) + 1j * STEP, every)
+    result = evaluate(sides.reshape(mechanisms, -1) + 1j * full_turns.STEP, every)
     result = result.reshape(*shape, 2, -1)[:, row, :, column].transpose(1, 2, 0)   # (q, 2, ends)
-    value, slope = result.real, result.imag / STEP
-    noise = CONSTANT * size[:, row] + 4.0 * tiny * np.abs(slope).sum(axis=1)
+    value, slope = result.real, result.imag / full_turns.STEP
+    noise = full_turns.CONSTANT * size[:, row] + 4.0 * tiny * np.abs(slope).sum(axis=1)
     away = np.abs(value[:, 1] - value[:, 0])
     is_jump = ~(away <= noise)
     unsure = is_jump & ~(away > DOUBT * noise)
@@ -136,9 +128,9 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     first = low[mechanism, interval] + half_there * (1.0 + t)
     bend = legendre.legval(t, curvature, tensor=False) / half_there**2
     order = np.lexsort((quantity, mechanism))
-    roots = Roots(first[order], bend[order], mechanism[order], quantity[order], order)
-    root, value_of_root, strays = refined(evaluate, roots, is_positive,
-                                          step * half_there[order])
+    roots = full_turns.Roots(first[order], bend[order], mechanism[order], quantity[order], order)
+    root, value_of_root, strays = full_turns.refined(
+        evaluate, roots, is_positive, step * half_there[order])
     of_ends = ends[roots.mechanism]
     pieces = [(of_ends <= np.mod(x, cycle)[:, None]).sum(axis=1)
               % np.maximum(np.isfinite(of_ends).sum(axis=1), 1)
@@ -157,16 +149,17 @@ def search_pieces(evaluate: ColumnFunction, ends: Array, count: int, cycle: floa
     x = np.mod(x, cycle)
     order = np.lexsort((x, quantity, mechanism))
     quantity, mechanism, x, values = (v[order] for v in (quantity, mechanism, x, values))
-    listed = Roots(x, x, mechanism, quantity, rank_of(mechanism * shape[0] + quantity))
-    places = by_quantity(listed, x, shape)
+    listed = full_turns.Roots(x, x, mechanism, quantity, rank_of(mechanism * shape[0] + quantity))
+    places = full_turns.by_quantity(listed, x, shape)
     weights = _WEIGHTS * (half[..., None] / cycle)
     mean, mean_square = ((g * weights).sum(axis=(2, 3)) for g in (samples, samples * samples))
     tail = np.abs(samples @ _TO_MODES[:, -2:]).max(axis=3)
     error = np.sqrt((tail * tail * half).sum(axis=2) * (2.0 / cycle))
     rms = np.sqrt(mean_square)
-    return Turns(places, by_quantity(listed, values, shape), np.isfinite(places).sum(axis=-1),
-                 mean, mean_square, error <= SETTLED * rms, error <= AGREE * rms,
-                 np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
+    return full_turns.Turns(
+        places, full_turns.by_quantity(listed, values, shape), np.isfinite(places).sum(axis=-1),
+        mean, mean_square, error <= SETTLED * rms, error <= full_turns.AGREE * rms,
+        np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 
 
 def _intervals(ends: Array, count: int, cycle: float) -> tuple[Array, Array, Array]:

@@ -21,6 +21,7 @@ CAUTION = 0.25     # part of the sample by which the cubic through samples may b
 # bends in a step.
 DEEP = 0.25
 HALVINGS = 26      # of a dip before it is taken for a touching point without a sign change
+NO_GAPS: Array = np.zeros(0, int)
 
 
 def turn_after(x: Array, start: Array, period: float = 2.0 * pi) -> Array:
@@ -43,7 +44,7 @@ def turns_back(f: Array, rise: Array) -> Array:
 
 
 def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
-                       gaps: Array | None = None) -> tuple[Array, Array]:
+                       gaps: Array = NO_GAPS) -> tuple[Array, Array]:
     """
     Return in which intervals between samples the sign changes, and which may have more roots.
 
@@ -68,20 +69,20 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
         if is_closed:
             small[[0, -1]] = small[0] | small[-1]
         doubtful |= small[:-1] | small[1:]
-    if gaps is not None:
+    if gaps.size:
         inner = gaps[gaps < len(changes)]
         changes[inner] = doubtful[inner] = False
     return changes, doubtful
 
 
-def rises(f: Array, is_closed: bool, gaps: Array | None = None) -> Array:
+def rises(f: Array, is_closed: bool, gaps: Array = NO_GAPS) -> Array:
     """
     Return a third of what sampled functions, shape (n, m), rise in a step at each sample.
 
     From five samples each. For f = 0, 3, 6, 9, ... all are 1. ``gaps``: indices of samples after
     which functions are not smooth; of a closed path the last is one of them.
     """
-    if gaps is not None:
+    if gaps.size:
         return np.concatenate([rises(part, False) for part in np.split(f, gaps + 1) if len(part)])
     if is_closed:
         f = np.concatenate((f[-2:], f, f[:2]))
@@ -176,7 +177,7 @@ def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
 
 
 def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_closed: bool,
-                  period: float = 2.0 * pi, gaps: Array | None = None) -> Sequence[Array]:
+                  period: float = 2.0 * pi, gaps: Array = NO_GAPS) -> Sequence[Array]:
     """
     Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
 
