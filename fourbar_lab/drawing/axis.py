@@ -34,11 +34,7 @@ LINE_STYLE: dict[str, Any] = {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))}
 
 def axis_parts(linkage: Mechanism, motion: parts.NamedFields, low: Array, high: Array
                ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """
-    Return the parts of the axis in one pose that are in a window with these corners [m].
-
-    {name of a line: its two ends beyond the window, shape (2, 2)}, and {letter: pole}.
-    """
+    """Return {line: its ends, shape (2, 2)} and {letter: pole} of a pose in a window [m]."""
     axis, unit = collineation_axis(linkage, motion), max(map(abs, linkage.lengths))
     middle, reach = 0.5 * (low + high), 0.5 * hypot(*(high - low))
     lines = {}
@@ -56,12 +52,7 @@ def axis_parts(linkage: Mechanism, motion: parts.NamedFields, low: Array, high: 
 
 
 def axis_angle(linkage: Mechanism, motion: parts.NamedFields) -> Array:
-    """
-    Return the angle from coupler to axis in one pose or n, 0 to 180 deg; NaN: there is no axis.
-
-    It is smooth at 90 deg, where rates are extreme. Of n poses it is NaN too where it jumps, as
-    the axis turns through the coupler: a curve has a gap there.
-    """
+    """Return the angle from coupler to axis, 0 to 180 deg; NaN: no axis, or of n poses a jump."""
     angles = np.asarray(np.degrees(collineation_axis(linkage, motion).angle) % 180.0)
     if angles.ndim:
         angles[np.abs(np.diff(angles, prepend=angles[0])) > 90.0] = np.nan
@@ -91,7 +82,6 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: 
 
 
 def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
-    """Return the extrema of the output's rate inside a range of the input."""
     name = linkage.outputs[0].coordinate.rate
     return [extremum for extremum in find_extrema(linkage, (name,), rate)
             if extremum.place == INTERIOR]

@@ -29,7 +29,7 @@ docs/extrema.md derives both.
 """
 from __future__ import annotations
 
-from functools import partial, singledispatch
+from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, Mechanism, SliderCrank
@@ -110,23 +110,15 @@ def has_axis(linkage: Mechanism) -> bool:
             and not linkage.is_driven_by_slide)
 
 
-Corner = tuple[Any, Any, float]         # (x w, y w, w) of a joint
-
-
-@singledispatch
-def _output_joints(linkage: Any, motion: Any) -> tuple[Corner, Corner]:
-    """Return the joints B and O4 of a loop; this one is of a four-bar."""
+def _output_joints(linkage: Mechanism, motion: Any) -> tuple[Corner, Corner]:
+    """Return the joints B and O4 of a loop."""
+    if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
+        return (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
+    sine, cosine = np.sin(motion.theta4), np.cos(motion.theta4)
+    if isinstance(linkage, InvertedSlider):     # B is at infinity, square to the bar
+        return (-sine, cosine, 0.0), (linkage.a4, 0.0, 1.0)
     _, _, a3, a4 = linkage.lengths
-    return ((a4 + a3 * np.cos(motion.theta4), a3 * np.sin(motion.theta4), 1.0), (a4, 0.0, 1.0))
+    return (a4 + a3 * cosine, a3 * sine, 1.0), (a4, 0.0, 1.0)
 
 
-@_output_joints.register(SliderCrank)
-def _on_guide(linkage: SliderCrank, motion: Any) -> tuple[Corner, Corner]:
-    """O4 is at infinity, square to the guide."""
-    return (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
-
-
-@_output_joints.register(InvertedSlider)
-def _on_bar(linkage: InvertedSlider, motion: Any) -> tuple[Corner, Corner]:
-    """B is at infinity, square to the bar."""
-    return (-np.sin(motion.theta4), np.cos(motion.theta4), 0.0), (linkage.a4, 0.0, 1.0)
+Corner = tuple[Any, Any, float]         # (x w, y w, w) of a joint

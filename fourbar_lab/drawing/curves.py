@@ -131,11 +131,7 @@ def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
 
 def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
                acceleration: float = 0.0) -> list[Extremum]:
-    """
-    Return the extrema of quantities over the input; arguments as of :func:`curves_of`.
-
-    A component of a force is not searched, nor are loads of a mechanism that locks itself.
-    """
+    """Return extrema as of :func:`curves_of`, none of components of forces, of loads that lock."""
     searched = quantities.by_name(linkage, scene.point_quantities)
     locks = linkage.locked_ranges(speed, acceleration)
     wanted = [searched[name] for name in names if name in searched

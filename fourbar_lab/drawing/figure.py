@@ -47,7 +47,6 @@ class CannotDraw(FourBarError, ValueError):
 
 @contextmanager
 def new_figure(**options: Any) -> Iterator[Figure]:
-    """Give a matplotlib Figure in the style of all pictures."""
     import matplotlib
     from matplotlib.figure import Figure
     with matplotlib.rc_context(STYLE):

@@ -29,11 +29,7 @@ Letters = Mapping[str, str]         # {name of a joint: other letter}
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: picture.Points,
                    paths: Sequence[Array] = (), extra_points: Sequence[Array] = (),
                    names: Letters = MappingProxyType({}), title: str = '') -> Sheet:
-    """
-    Draw links, joints, points and paths of shape (n, 2) [m] on a sheet, which is not finished yet.
-
-    It also has room for ``extra_points``, which the caller draws.
-    """
+    """Draw a pose with points and paths (n, 2) [m]; the caller adds ``extra_points``, finishes."""
     diagram = picture.diagram_of(mechanism, motion)
     parts = picture.picture(mechanism, motion, points)
     joints, arms = np.array(list(diagram.joints.values())), picture.of_kind(picture.Arm, parts)

@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import singledispatch
 from math import hypot
 import re
-from typing import Any, cast, NamedTuple
+from typing import Any, NamedTuple
 
-from fourbar_ros import InvertedSlider, Mechanism, point_motion, ScotchYoke, SliderCrank
+from fourbar_ros import InvertedSlider, Mechanism, point_motion, ScotchYoke
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
@@ -56,41 +55,72 @@ def turned(rate: float, r: Array) -> Array:
     return rate * np.array([-r[1], r[0]])
 
 
-class Polygons(NamedTuple):
-    """The arrows of the velocities [m/s] and accelerations [m/s^2]; the pole is the origin."""
-
-    velocities: list[Arrow]
-    accelerations: list[Arrow]
-
-
 def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     """Return the arrows of the velocities [m/s]."""
-    return polygons_of(mechanism, motion).velocities
+    return polygons_of(mechanism, motion)[0]
 
 
 def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
     """Return the arrows of the accelerations [m/s^2]."""
-    return polygons_of(mechanism, motion).accelerations
+    return polygons_of(mechanism, motion)[1]
 
 
-@singledispatch
-def polygons_of(mechanism: Mechanism, motion: Any) -> Polygons:
+def polygons_of(mechanism: Mechanism, motion: Any) -> tuple[list[Arrow], list[Arrow]]:
     """
-    Return the polygons of a mechanism in one pose.
+    Return the arrows of the velocities [m/s] and accelerations [m/s^2]; the pole is the origin.
 
     Slides, Eq. (9): normal and tangential parts about a joint, and where a block slides on a link
-    that turns, the Coriolis and the relative acceleration. Each kind has a function below. This
-    one is of machines, with parts of those joints alone that are on the crank.
+    that turns, the Coriolis and the relative acceleration.
     """
-    machine, polygons = cast(Machine, mechanism), Polygons([], [])
+    if isinstance(mechanism, Machine):
+        return _of_machine(mechanism, motion)
+    kind: Any = mechanism           # whose lengths have names
+    a = point_motion(kind, motion, 'crank', kind.a1)
+    crank = kind.link_motion(motion, 'crank')
+    velocities = [total(a.velocity, 'V_A')]
+    accelerations = [total(a.acceleration, 'A_A'),
+                     *around(ORIGIN, crank, kind.a1 * crank.direction, 'A')]
+    if isinstance(kind, InvertedSlider):
+        # V_A = V_Q + V_rel and A_A = A_Q + A_Cor + A_rel, with Q the point of the bar at A
+        output = kind.link_motion(motion, 'output')
+        v_q = point_motion(kind, motion, 'output', motion.slide, kind.offset).velocity
+        v_rel = motion.slide_velocity * output.direction
+        a_rel = motion.slide_acceleration * output.direction
+        arm = motion.slide * output.direction + kind.offset * turned(1.0, output.direction)
+        terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm, v_rel, a_rel)
+        a_q = terms.normal + terms.tangential
+        velocities += [total(v_q, 'V_Q'), *chain(v_q, (v_rel, 'V_{rel}'))]
+        accelerations += [*around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
+                          *chain(a_q, (terms.coriolis, 'A_{Cor}'), (a_rel, 'A_{rel}'))]
+    elif isinstance(kind, ScotchYoke):
+        # V_A = V_B + V_rel and A_A = A_B + A_rel along guide and slot, which do not turn
+        v_b, a_b = motion.slide_velocity * X, motion.slide_acceleration * X
+        velocities += [total(v_b, 'V_B'), *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))]
+        accelerations += [total(a_b, 'A_B'),
+                          *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))]
+    else:
+        coupler = kind.link_motion(motion, 'coupler')
+        b = point_motion(kind, motion, 'coupler', kind.a2)
+        velocities += [total(b.velocity, 'V_B'),
+                       *chain(a.velocity, (b.velocity - a.velocity, 'V_{B/A}'))]
+        accelerations += [*around(a.acceleration, coupler, kind.a2 * coupler.direction, 'B/A'),
+                          total(b.acceleration, 'A_B')]
+        if isinstance(kind, FourBarLinks):          # B turns about O4
+            output = kind.link_motion(motion, 'output')
+            accelerations += around(ORIGIN, output, kind.a3 * output.direction, 'B')
+    return velocities, accelerations
+
+
+def _of_machine(machine: Machine, motion: Any) -> tuple[list[Arrow], list[Arrow]]:
+    """Return whole velocities and accelerations, parts of them at joints on the crank alone."""
+    velocities, accelerations = list[Arrow](), list[Arrow]()
     has_crank = machine.layout.ground == 0 and machine.input != SLIDE
     for name, link, joint in _moving_joints(machine, motion):
-        polygons.velocities.append(total(joint.velocity, f'V_{{{name}}}'))
-        polygons.accelerations.append(total(joint.acceleration, f'A_{{{name}}}'))
+        velocities.append(total(joint.velocity, f'V_{{{name}}}'))
+        accelerations.append(total(joint.acceleration, f'A_{{{name}}}'))
         if has_crank and link == machine.layout.driven:
-            polygons.accelerations.extend(
-                around(ORIGIN, machine.link_motion(motion, link), joint.place, name))
-    return polygons
+            accelerations += around(ORIGIN, machine.link_motion(motion, link), joint.place, name)
+    return velocities, accelerations
 
 
 def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, PointMotion]]:
@@ -108,62 +138,6 @@ def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, Po
                 yield name, first, point_motion(machine, motion, first, dyad.length_1)
         elif second != GROUND:
             yield name, second, point_motion(machine, motion, second, 0.0)
-
-
-@polygons_of.register(SliderCrank)
-def _of_coupler(mechanism: SliderCrank | FourBarLinks, motion: Any) -> Polygons:
-    (v_a,), of_a = _of_crank(mechanism, motion)
-    b = point_motion(mechanism, motion, 'coupler', mechanism.a2)
-    coupler = mechanism.link_motion(motion, 'coupler')
-    return Polygons(
-        [v_a, total(b.velocity, 'V_B'), *chain(v_a.vector, (b.velocity - v_a.vector, 'V_{B/A}'))],
-        [*of_a, *around(of_a[0].vector, coupler, mechanism.a2 * coupler.direction, 'B/A'),
-         total(b.acceleration, 'A_B')])
-
-
-@polygons_of.register(FourBarLinks)
-def _of_four_bar(mechanism: FourBarLinks, motion: Any) -> Polygons:
-    velocities, accelerations = _of_coupler(mechanism, motion)
-    output = mechanism.link_motion(motion, 'output')        # B turns about O4
-    return Polygons(velocities, [*accelerations, *around(
-        ORIGIN, output, mechanism.a3 * output.direction, 'B')])
-
-
-@polygons_of.register(InvertedSlider)
-def _of_bar(mechanism: InvertedSlider, motion: Any) -> Polygons:
-    """Return V_A = V_Q + V_rel and A_A = A_Q + A_Cor + A_rel, with Q the point of the bar at A."""
-    velocities, accelerations = _of_crank(mechanism, motion)
-    output = mechanism.link_motion(motion, 'output')
-    v_q = point_motion(mechanism, motion, 'output', motion.slide, mechanism.offset).velocity
-    v_rel = motion.slide_velocity * output.direction
-    a_rel = motion.slide_acceleration * output.direction
-    arm = motion.slide * output.direction + mechanism.offset * turned(1.0, output.direction)
-    terms = acceleration_terms(ORIGIN, output.omega, output.alpha, arm, v_rel, a_rel)
-    a_q = terms.normal + terms.tangential
-    return Polygons(
-        [*velocities, total(v_q, 'V_Q'), *chain(v_q, (v_rel, 'V_{rel}'))],
-        [*accelerations, *around(ORIGIN, output, arm, 'Q'), total(a_q, 'A_Q'),
-         *chain(a_q, (terms.coriolis, 'A_{Cor}'), (a_rel, 'A_{rel}'))])
-
-
-@polygons_of.register(ScotchYoke)
-def _of_yoke(mechanism: ScotchYoke, motion: Any) -> Polygons:
-    """Return V_A = V_B + V_rel and A_A = A_B + A_rel along guide and slot, which do not turn."""
-    velocities, accelerations = _of_crank(mechanism, motion)
-    v_b, a_b = motion.slide_velocity * X, motion.slide_acceleration * X
-    return Polygons(
-        [*velocities, total(v_b, 'V_B'), *chain(v_b, (motion.slot_velocity * Y, 'V_{rel}'))],
-        [*accelerations, total(a_b, 'A_B'),
-         *chain(a_b, (motion.slot_acceleration * Y, 'A_{rel}'))])
-
-
-def _of_crank(mechanism: Any, motion: Any) -> Polygons:
-    """Return the arrows of A, the end of the crank of any kind; the first ones are the sums."""
-    a = point_motion(mechanism, motion, 'crank', mechanism.a1)
-    crank = mechanism.link_motion(motion, 'crank')
-    return Polygons([total(a.velocity, 'V_A')], [
-        total(a.acceleration, 'A_A'),
-        *around(ORIGIN, crank, mechanism.a1 * crank.direction, 'A')])
 
 
 # --- arrows --------------------------------------------------------------------------------------

@@ -20,10 +20,6 @@ MOMENTS = sorted((row for row in load_table.LOADS.values() if row.label),
                  key=lambda row: row.name.startswith('shaking'))     # as of forces: at the end
 
 
-class NoPose(FourBarError, ValueError):
-    """The linkage has no pose at an input, which the message gives in the user's units."""
-
-
 class DrawnPose(NamedTuple):
     """Motion and loads (None without masses) at one input; status as in pipeline.stepper."""
 
@@ -49,11 +45,7 @@ def require_units(linkage: Mechanism, user_input: float | None, speed: float | N
 
 def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
                 ) -> DrawnPose:
-    """
-    Return the pose at an input [degrees or m], its speed and acceleration [rad or m, /s, /s^2].
-
-    NoPose if the input is out of range; InvalidParameter if it is no finite number.
-    """
+    """Return the pose at an input [degrees or m] with its rates [rad or m]; or FourBarError."""
     sample = position_of(linkage, user_input), speed, acceleration
     status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
     if status == stepper.OUT_OF_RANGE:
@@ -66,26 +58,24 @@ def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleratio
 
 def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
             ) -> DrawnPose:
-    """Return the pose as :func:`evaluate_at`; raise NoPose at a toggle too: loads are infinite."""
+    """Return the pose as :func:`evaluate_at`, not at a toggle, where loads are infinite."""
     pose = evaluate_at(linkage, user_input, speed, acceleration)
     if pose.status == stepper.TOGGLE:
         raise no_pose(linkage, user_input, 'is a toggle position: rates and loads are unbounded')
     return pose
 
 
-def no_pose(linkage: Mechanism, user_input: float, why: str) -> NoPose:
+def no_pose(linkage: Mechanism, user_input: float, why: str) -> FourBarError:
     """Return the error of an input [degrees] or [m]."""
     unit = 'm' if linkage.is_driven_by_slide else 'deg'
-    return NoPose(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
+    return FourBarError(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
 
 
 def shown(coordinate: parts.Coordinate, value: float) -> str:
-    """Return a position as text: angles in degrees."""
     return f'{value:.6g} m' if coordinate.unit == 'm' else in_degrees(value)
 
 
 def in_degrees(angle: float) -> str:
-    """Return an angle as text, in degrees."""
     return f'{degrees(angle):.4f} deg'
 
 
@@ -96,14 +86,12 @@ def ranges_in_words(coordinate: parts.Coordinate, ranges: Sequence[tuple[float, 
 
 
 def ten_digits(value: float) -> str:
-    """Return a value as text, with ten digits."""
     return f'{value + 0.0:.10g}'
 
 
 # --- tables --------------------------------------------------------------------------------------
 
 def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
-    """Return the table of all joints: position, rate, acceleration."""
     driven = linkage.input_coordinate
     title = (f'at {driven.position} = {shown(driven, getattr(pose.motion, driven.position))}, '
              f'{getattr(pose.motion, driven.rate):g} {driven.unit}/s, '
@@ -123,7 +111,6 @@ def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
 
 
 def loads_table(linkage: Mechanism, loads: parts.NamedFields) -> Table:
-    """Return the table of all forces with their components, then of torques and the rest."""
     table = make_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
     forces = (*linkage.REACTIONS, *FORCES)
@@ -146,7 +133,6 @@ def loads_table(linkage: Mechanism, loads: parts.NamedFields) -> Table:
 
 
 def points_table(linkage: Mechanism, motion: parts.NamedFields, points: picture.Points) -> Table:
-    """Return the table of the points of a scene: place, velocity, acceleration."""
     rows = []
     for name, point in points.items():
         moved = point_motion(linkage, motion, *point)

@@ -135,20 +135,9 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
 
     Where friction locks the linkage, ``locks`` says where, and there is neither ``effort`` nor
     ``cycle`` nor ``worst_pin``. Work [J], mean power [W] and efficiency of a cycle are NaN where
-    the input does not turn fully.
-
-    Parameters
-    ----------
-    linkage : Mechanism
-    speed, acceleration : float
-        Of the input [rad/s] and [rad/s^2], or [m/s] and [m/s^2] of a driven slide.
-    within : (float, float), optional
-        The part of the input that counts [rad or m].
-    extrema : sequence of Extremum, optional
-        Those of all loads at these rates, if they are known.
-    hold : float, optional
-        Input [rad or m] for which ``at_rest`` has the drives between which it stays.
-
+    the input does not turn fully. ``speed``, ``acceleration``: of the input, [rad/s, rad/s^2] or
+    [m/s, m/s^2]; ``within``: the part of it that counts [rad or m]; ``extrema``: of all loads at
+    these rates, if they are known; ``hold``: input [rad or m] of the record ``at_rest``.
     """
     record: LinkageRecord = {}
     if linkage.has_loads:

@@ -68,7 +68,6 @@ class Sheet:
         self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 49))
 
     def line(self, start: Array, end: Array, **style: Any) -> None:
-        """Draw a line in matplotlib's style."""
         self.axes.plot(*zip(start, end), **style)
         self.occupy(start, end)
 
@@ -120,11 +119,7 @@ class Sheet:
                 for distance in (0.18, -0.18, 0.26, -0.26, 0.36, -0.36)]
 
     def scale(self, unit: str, factor: float = 1.0, share: float = 0.0) -> None:
-        """
-        Draw a scale bar as long as a round number of units; one is ``factor`` long on the sheet.
-
-        It stands at the lower edge, at the ``share`` of the width from the left.
-        """
+        """Draw a bar of some round units, each ``factor`` long, at a ``share`` of the width."""
         length = nice(1.3 * self.inch / factor)
         x, y = self.low + (share * (self.high[0] - self.low[0]) + 0.1 * self.inch,
                            0.05 * self.inch)

@@ -28,7 +28,6 @@ SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the rang
 
 
 def mode_name(linkage: Mechanism) -> str:
-    """Return the assembly mode as text."""
     return linkage.modes[linkage.mode]
 
 
@@ -50,7 +49,6 @@ def _ranges(coordinate: Coordinate, ranges: Intervals) -> str:
 
 
 def linkage_table(linkage: Mechanism, scene: object) -> Table:
-    """Return the table of a linkage's own properties; ``scene``: its file."""
     return make_table('', ('', ''), [('scene', str(scene)), *facts(linkage)])
 
 
@@ -152,7 +150,6 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
 
 def drive_table(linkage: Mechanism, drive: LinkageRecord, speed: float,
                 acceleration: float = 0.0) -> Table:
-    """Return the table of :func:`drive_in_words`."""
     return make_table('', ('', ''), drive_in_words(linkage, drive, speed, acceleration))
 
 
