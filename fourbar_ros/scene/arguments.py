@@ -52,7 +52,6 @@ class Parser(argparse.ArgumentParser):
 
 
 def positive_integer(text: str) -> int:
-    """Return a positive integer; for ``type=`` of an argument."""
     if not text.isdecimal() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r}: must be a positive integer')
     return int(text)

@@ -20,11 +20,7 @@ def quaternion_of(rpy: Sequence[float]) -> tuple[float, float, float, float]:
 
 
 def rotation_of(rotation: Sequence[float]) -> Rows:
-    """
-    Return the axes of the mechanism as rows, in the frame of the messages.
-
-    ``rotation``: nothing, roll, pitch, yaw [rad] as in URDF, or a quaternion x, y, z, w.
-    """
+    """Return axes as rows, of nothing, roll, pitch, yaw [rad] or a quaternion x, y, z, w."""
     if not rotation:
         return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     if len(rotation) == 3:

@@ -41,12 +41,22 @@ def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
         if isinstance(element, PositionForce) and element.when != BOTH:
             raise InvalidParameter(f'{name}.when', element.when, f'must be {BOTH}: motion that '
                                    'follows from torque takes no force one way alone yet')
-    gear = values[GEAR.name]
+    gear, stiffness = values[GEAR.name], values['shaft.stiffness']
+    if gear == 0.0:
+        raise InvalidParameter(GEAR.name, gear, 'must not be zero')
     rotor = gear * gear * values['motor.rotor_inertia']
     if not isfinite(rotor):
         raise InvalidParameter(GEAR.name, gear,
                                'its square times motor.rotor_inertia must be finite')
-    drive = Drive(_source(values), rotor, values['flywheel.inertia'], _shaft(values))
+    if isnan(stiffness) and values['shaft.damping'] != 0.0:
+        raise InvalidParameter('shaft.damping', values['shaft.damping'],
+                               'needs shaft.stiffness: a rigid shaft has no damping')
+    if not isnan(stiffness) and values['motor.rotor_inertia'] == 0.0:
+        raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
+                               'must be positive: an elastic shaft (shaft.stiffness) needs an '
+                               'inertia on the side of the drive')
+    shaft = None if isnan(stiffness) else Shaft(stiffness, values['shaft.damping'])
+    drive = Drive(_source(values), rotor, values['flywheel.inertia'], shaft)
     dynamics = Dynamics(drive, values['drive.start'], values['drive.start_speed'])
     _check_start(dynamics, mechanism)
     return dynamics
@@ -54,8 +64,6 @@ def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
 
 def _source(values: ParameterValues) -> Law:
     """Return the source of torque: a topic (0 N m before its first message) or a motor."""
-    if values[GEAR.name] == 0.0:
-        raise InvalidParameter(GEAR.name, 0.0, 'must not be zero')
     if values['drive.source'] == 'torque':
         return ConstantTorque(0.0)
     kind = values['motor.kind']
@@ -69,20 +77,6 @@ def _source(values: ParameterValues) -> Law:
         return law(**{field: value for field, value in arguments.items() if not isnan(value)})
     except InvalidParameter as error:          # names the field of the motor
         raise InvalidParameter(parameters[error.name].name, error.value, error.allowed) from None
-
-
-def _shaft(values: ParameterValues) -> Shaft | None:
-    """Return the elastic shaft between drive and input; None for a rigid one."""
-    if isnan(values['shaft.stiffness']):
-        if values['shaft.damping'] != 0.0:
-            raise InvalidParameter('shaft.damping', values['shaft.damping'],
-                                   'needs shaft.stiffness: a rigid shaft has no damping')
-        return None
-    if values['motor.rotor_inertia'] == 0.0:
-        raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
-                               'must be positive: an elastic shaft (shaft.stiffness) needs an '
-                               'inertia on the side of the drive')
-    return Shaft(values['shaft.stiffness'], values['shaft.damping'])
 
 
 def _check_start(dynamics: Dynamics, mechanism: Mechanism) -> None:

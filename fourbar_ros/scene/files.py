@@ -60,7 +60,6 @@ def find(name: str | Path) -> Path:
 
 
 def shipped() -> dict[str, Path]:
-    """Return {name: file} of the supplied scenes."""
     return {file.stem: file for directory in (folder() / 'robots', folder() / 'classics', folder())
             for file in sorted(directory.glob('*.yaml'))}
 
@@ -276,14 +275,9 @@ def parse(text: str) -> Any:
 
 
 def is_for(key: str, node: str | None) -> bool:
-    """
-    Return whether the parameters under a key of a file apply to a node, by its full name.
-
-    ``/**`` stands for any namespaces and names, ``/*`` for one. None as the node stands for one
-    named fourbar in any namespace.
-    """
+    """Return whether a key of a file is for a node: /** is any namespaces and names, /* one."""
     names = key.strip('/').split('/')
-    if node is None:
+    if node is None:            # one named fourbar in any namespace
         return names[-1] in ('*', '**', NODE[1:])
     pattern = ''.join({'**': '(/[^/]+)*', '*': '/[^/]+'}.get(name, '/' + re.escape(name))
                       for name in names)

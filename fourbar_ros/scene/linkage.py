@@ -179,11 +179,7 @@ class BodiesOfLinks:
         return self._has_rods or any(map(self._has_mass, self._links))
 
     def made(self, are_all_needed: bool) -> dict[str, Body]:
-        """
-        Return {link: Body}: by bodies.LINK.* where a mass is given, else a rod if there are rods.
-
-        Links without either have no body, which is refused if ``are_all_needed``.
-        """
+        """Return {link: Body}, by bodies.LINK.* or rods; refuse a lack if ``are_all_needed``."""
         values, bodies = self._values, {}
         for link in self._links:
             group = f'bodies.{link.name}.'
@@ -224,60 +220,20 @@ FAR_THICKER = 5.0       # than a rod is long: in millimetres
 
 def warnings_of(scene: Scene) -> list[str]:
     """Return a line for each value of a scene that is allowed but probably not meant."""
-    return [*_long(scene), *_density(scene), *_thick(scene), *_angle(scene), *_carried(scene),
-            *_elements(scene), *_friction(scene)]
+    return list(_warnings(scene))
 
 
-def _elements(scene: Scene) -> Iterator[str]:
-    """Yield a line for each force table that ends too early, and for each weak spring."""
-    if not scene.linkage.elements:
-        return
-    from fourbar_ros.scene.elements import beyond_tables, weak_springs  # few scenes have any
-    yield from beyond_tables(scene.values, scene.linkage)
-    yield from weak_springs(scene.values, scene.linkage)
-
-
-def _friction(scene: Scene) -> Iterator[str]:
-    for joint, friction in scene.linkage.friction:
-        coefficient = getattr(friction, 'coefficient', 0.0)
-        if coefficient > 1.0:
-            yield (f'friction.{joint}.coefficient = {coefficient:g}: dry friction is mostly below '
-                   '1')
-
-
-def _long(scene: Scene) -> Iterator[str]:
-    """Yield one line for all lengths beyond LONGEST: the user probably meant millimetres."""
-    long = [(name, value) for name, value in scene.values.items()
+def _warnings(scene: Scene) -> Iterator[str]:
+    values, linkage = scene.values, scene.linkage
+    long = [(name, value) for name, value in values.items()
             if isinstance(value, float) and abs(value) > LONGEST and not name.startswith(RODS)
-            and unit_in(of_name(name), scene.values) == 'm']
+            and unit_in(of_name(name), values) == 'm']
     if long:
         name, value = long[0]
         too = f' (and {len(long) - 1} more)' if len(long) > 1 else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
 
-
-def _carried(scene: Scene) -> Iterator[str]:
-    """Yield a line for a carried inertia with which the torque of the rest is unstable."""
-    carried, mechanism = scene.drive.carried_inertia, scene.linkage
-    if carried == 0.0 or mechanism.bodies is None:
-        return
-    from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
-    inertia = OverInput(mechanism, 'inertia')
-    assert inertia.least and inertia.most       # both are None of angles alone
-    least, most = inertia.least.value, inertia.most.value
-    beyond = max(abs(most - carried), abs(least - carried)) - carried
-    if most == inf:
-        yield (f'drive.carried_inertia = {carried:g}: the inertia at the input grows without '
-               'bound at the ends of the input: unstable there with any rotor')
-    elif beyond > 0.0:
-        yield (f'drive.carried_inertia = {carried:g}: the inertia at the input goes up to '
-               f'{most:.4g}: unstable with a rotor lighter than {beyond:.4g}; '
-               f'{0.5 * (least + most):.4g} would do with any')
-
-
-def _density(scene: Scene) -> Iterator[str]:
-    """Yield a line for rods lighter than cork or denser than any metal: likely in g/cm^3."""
-    density = scene.values[RODS + 'density']
+    density = values[RODS + 'density']          # in g/cm^3?
     if density < LIGHTEST:
         meant = f'{density * 1e3:g}' if LIGHTEST <= density * 1e3 <= DENSEST else f'{STEEL:g}'
         yield (f'{RODS}density = {density:g} kg/m^3 is lighter than cork: did you mean {meant}? '
@@ -286,25 +242,44 @@ def _density(scene: Scene) -> Iterator[str]:
         yield (f'{RODS}density = {density:g} kg/m^3 is denser than any metal: did you mean '
                f'{density * 1e-3:g}? Steel has {STEEL:g}')
 
-
-def _thick(scene: Scene) -> Iterator[str]:
-    """Yield one line if rods are thicker than the shortest of them is long."""
-    values, lengths = scene.values, dict(zip(scene.linkage.length_names, scene.linkage.lengths))
-    rods = [abs(lengths[link.length]) for link in scene.linkage.LINKS
+    lengths = dict(zip(linkage.length_names, linkage.lengths))
+    rods = [abs(lengths[link.length]) for link in linkage.LINKS
             if link.length in lengths and isnan(values[f'bodies.{link.name}.mass'])]
-    shortest = min(rods, default=0.0)
+    shortest = min(rods, default=inf)
     for field, across in (('radius', 2.0), ('width', 1.0), ('thickness', 1.0)):
         value = values[RODS + field]
-        if rods and across * value > shortest:
+        if across * value > shortest:
             yield (f'{RODS}{field} = {value:g} m: the rods are thicker than the shortest of them '
                    f'is long, {shortest:g} m: ' + (
                        f'did you mean {value * 1e-3:g}?' if value > FAR_THICKER * shortest else
                        'give the mass and inertia of such links (bodies.LINK.mass)'))
 
-
-def _angle(scene: Scene) -> Iterator[str]:
-    """Yield a line for a start beyond the first period: the user probably meant degrees."""
     start = scene.drive.start
-    if abs(start) > scene.linkage.period:
+    if abs(start) > linkage.period:
         yield (f'drive.start = {start:g} rad is more than a turn: did you mean '
                f'{radians(start):.5g} ({start:g} degrees)?')
+
+    carried = scene.drive.carried_inertia       # with which the torque of the rest may be unstable
+    if carried != 0.0 and linkage.bodies is not None:
+        from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
+        inertia = OverInput(linkage, 'inertia')
+        assert inertia.least and inertia.most       # both are None of angles alone
+        least, most = inertia.least.value, inertia.most.value
+        beyond = max(abs(most - carried), abs(least - carried)) - carried
+        if most == inf:
+            yield (f'drive.carried_inertia = {carried:g}: the inertia at the input grows without '
+                   'bound at the ends of the input: unstable there with any rotor')
+        elif beyond > 0.0:
+            yield (f'drive.carried_inertia = {carried:g}: the inertia at the input goes up to '
+                   f'{most:.4g}: unstable with a rotor lighter than {beyond:.4g}; '
+                   f'{0.5 * (least + most):.4g} would do with any')
+
+    if linkage.elements:
+        from fourbar_ros.scene.elements import beyond_tables, weak_springs  # few scenes have any
+        yield from beyond_tables(values, linkage)
+        yield from weak_springs(values, linkage)
+    for joint, friction in linkage.friction:
+        coefficient = getattr(friction, 'coefficient', 0.0)
+        if coefficient > 1.0:
+            yield (f'friction.{joint}.coefficient = {coefficient:g}: dry friction is mostly below '
+                   '1')

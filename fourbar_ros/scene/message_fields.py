@@ -66,7 +66,6 @@ class FieldMap(NamedTuple):
                 **dict.fromkeys(self.absent.get(output, ()), nan)}
 
     def in_use(self, output: str) -> set[int]:
-        """Return the indices of all values that an output shows."""
         return {self.index_of[name] for source in self.fields[output].values()
                 for name in (source if isinstance(source, tuple) else (source,))
                 if name is not None}
@@ -82,9 +81,8 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     """
     known = mechanism.MOTION._fields + mechanism.LOADS._fields
     driven, (output, ratio) = mechanism.input_coordinate, mechanism.outputs[0]
-    drive_load = 'driving_torque' if driven.unit == 'rad' else 'driving_force'
-    joints = tuple((joint.coordinate, drive_load if joint.coordinate == driven else None)
-                   for joint in mechanism.JOINTS)
+    joints = tuple([(joint.coordinate, mechanism.drive_load if joint.coordinate == driven
+                     else None) for joint in mechanism.JOINTS])
     # the input of a machine may have another name than in LinkageState
     state = THETA1 if driven.unit == 'rad' else TRAVEL
     renamed = {} if state.position in known else dict(zip(state, driven))

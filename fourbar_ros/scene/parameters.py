@@ -14,16 +14,8 @@ from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.scene.settings import (
-    FAMILIES,
-    MACHINE,
-    NAME,
-    OF_LINKS,
-    Parameter,
-    PARAMETERS,
-    ParameterValues,
-    REQUIRED,
-)
+from fourbar_ros.scene import settings
+from fourbar_ros.scene.settings import Parameter, PARAMETERS, ParameterValues
 from fourbar_ros.scene.units import quantity, WrongQuantity
 
 VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
@@ -34,7 +26,7 @@ LISTED = '; docs/reference.md lists all'
 ABSENT = 'gears', 'cams'       # which other programs have
 OF_MACHINES = 'dyads.', 'linkage.points.'
 JOINTS = 'O1, A, B, O4, guide or drive; of a machine base or DYAD_inner'
-_MEMBER = re.compile(rf'({"|".join(FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
+_MEMBER = re.compile(rf'({"|".join(settings.FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
 # --- find ----------------------------------------------------------------------------------------
@@ -55,8 +47,9 @@ def find_parameter(name: str) -> Parameter | None:
 def _of_member(name: str) -> Parameter | None:
     """Return points.P.along as points.NAME.along stands in the table; None for other names."""
     family, member, field = member_of(name) or ('points', '', '')
-    general = FAMILIES[family].get(f'{family}.{NAME}.{field}')
-    return general and general._replace(name=name, text=general.text.replace(NAME, member))
+    general = settings.FAMILIES[family].get(f'{family}.{settings.NAME}.{field}')
+    return general and general._replace(
+        name=name, text=general.text.replace(settings.NAME, member))
 
 
 def of_name(name: str) -> Parameter:
@@ -64,6 +57,12 @@ def of_name(name: str) -> Parameter:
     parameter = find_parameter(name)
     assert parameter is not None, name
     return parameter
+
+
+def without_defaults(values: ParameterValues) -> dict[str, Any]:
+    """Return the parameters that a scene file must give: neither NaN nor a default."""
+    return {name: value for name, value in values.items() if value == value
+            and value != getattr(find_parameter(name), 'default', None)}
 
 
 def names_in(family: str, values: Iterable[str]) -> list[str]:
@@ -79,14 +78,15 @@ def point_in(name: str, values: ParameterValues) -> Point:
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:
     """Return the table's parameters of one member of a family: points.P.link, points.P.along."""
-    return [of_name(name.replace(f'.{NAME}.', f'.{member}.')) for name in FAMILIES[family]]
+    return [of_name(name.replace(f'.{settings.NAME}.', f'.{member}.'))
+            for name in settings.FAMILIES[family]]
 
 
 # --- check ---------------------------------------------------------------------------------------
 
 def check(values: ParameterValues) -> dict[str, Any]:
     """Return all parameters in their types, with defaults; InvalidParameter for a bad one."""
-    is_machine = values.get('linkage.kind') == MACHINE
+    is_machine = values.get('linkage.kind') == settings.MACHINE
     for name in values:
         if name not in PARAMETERS and (_of_member(name) is None or (
                 name.startswith(OF_MACHINES) and not is_machine)):
@@ -105,7 +105,7 @@ def check(values: ParameterValues) -> dict[str, Any]:
         for unused in by_link if values.get(name) else [name]:
             del every[unused]
     for parameter in every.values():
-        if parameter.default is REQUIRED and parameter.name not in values:
+        if parameter.default is settings.REQUIRED and parameter.name not in values:
             raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
     return {name: check_value(parameter, values.get(name, parameter.default), values)
             for name, parameter in every.items()}
@@ -121,17 +121,17 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """Return why a scene cannot have a parameter, with the name that was probably meant."""
     family, *rest = name.replace('linkage.points', 'points', 1).split('.')
     member = member_of(name)
-    if family in FAMILIES and len(rest) > 1 and not member:
-        noun = ('link' if family in OF_LINKS else 'joint' if family == 'friction'
+    if family in settings.FAMILIES and len(rest) > 1 and not member:
+        noun = ('link' if family in settings.OF_LINKS else 'joint' if family == 'friction'
                 else family[:-1].replace('_', ' '))
         return (f'{rest[0]!r} is not a valid {noun} name: use letters, digits and _, starting '
                 'with a letter' + (f', as {JOINTS}' if family == 'friction' else ''))
     if name.startswith(OF_MACHINES) and not is_machine:
-        return f'linkage.kind {MACHINE} alone has dyads, and points on which they hang'
+        return f'linkage.kind {settings.MACHINE} alone has dyads, and points on which they hang'
     if family in ABSENT:
         return f'fourbar_ros has no {", ".join(ABSENT[:-1])} or {ABSENT[-1]}'
     known = ([each.name for each in _parameters_of(*member[:2])] if member
-             else [*PARAMETERS, *FAMILIES['points']])
+             else [*PARAMETERS, *settings.FAMILIES['points']])
     group, _, last = name.rpartition('.')
     below, beside = _below(name, known), _below(group, known)
     if below and isinstance(value, str) and ':' in value:
@@ -151,14 +151,14 @@ def _below(group: str, known: Iterable[str]) -> list[str]:
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
     """Return (family, name) of all members; all links are of bodies and external."""
-    mentioned: dict[str, list[str]] = {family: [] for family in FAMILIES}
+    mentioned: dict[str, list[str]] = {family: [] for family in settings.FAMILIES}
     if is_machine:
         mentioned['dyads'] = _names(values.get('linkage.dyads'))
         links = _links_of_machine(values)
     else:
         kind = KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
         links = [link.name for link in kind.LINKS] if kind else []
-    mentioned.update(dict.fromkeys(OF_LINKS, links))
+    mentioned.update(dict.fromkeys(settings.OF_LINKS, links))
     return [(family, name) for family, names in mentioned.items()
             for name in dict.fromkeys([*names, *names_in(family, values)]) if name != 'rods']
 
@@ -215,8 +215,17 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                  for item, number in zip(value, numbers)]
     elif choices and value not in choices:
         raise InvalidParameter(name, value, one_of(choices, value))
-    if kind in (float, int):
-        _check_number(parameter, value)
+    # NaN may stand for "not given"
+    if kind in (float, int) and not (isnan(value) and isinstance(parameter.default, float)
+                                     and isnan(parameter.default)):
+        if not isfinite(value):
+            raise InvalidParameter(name, value, 'must be a finite number')
+        if parameter.positive and value <= 0:
+            raise InvalidParameter(name, value, 'must be positive')
+        if (not parameter.low <= value <= parameter.high
+                or 0 < value < parameter.least_but_zero):
+            verb = 'lie in' if parameter.allowed.startswith(('[', '(')) else 'be'
+            raise InvalidParameter(name, value, f'must {verb} {parameter.allowed}')
     return value
 
 
@@ -230,19 +239,6 @@ def _wanted(parameter: Parameter, value: Any) -> str:
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
         return f'a whole number: {value:.0f}'
     return IN_WORDS[parameter.type]
-
-
-def _check_number(parameter: Parameter, value: float) -> None:
-    """Refuse a number that is not finite or out of the limits; NaN may stand for "not given"."""
-    if isnan(value) and isinstance(parameter.default, float) and isnan(parameter.default):
-        return                                             # not given
-    if not isfinite(value):
-        raise InvalidParameter(parameter.name, value, 'must be a finite number')
-    if parameter.positive and value <= 0:
-        raise InvalidParameter(parameter.name, value, 'must be positive')
-    if not parameter.low <= value <= parameter.high or 0 < value < parameter.least_but_zero:
-        verb = 'lie in' if parameter.allowed.startswith(('[', '(')) else 'be'
-        raise InvalidParameter(parameter.name, value, f'must {verb} {parameter.allowed}')
 
 
 def as_number(name: str, value: Any, *units: str) -> Any:

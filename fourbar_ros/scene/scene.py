@@ -20,36 +20,11 @@ import warnings
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.scene import groups
+from fourbar_ros.scene import groups, parameters, topics
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.parameters import (
-    as_number,
-    check,
-    check_value,
-    names_in,
-    of_name,
-    point_in,
-    unit_in,
-)
 from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
-from fourbar_ros.scene.topics import (
-    ANSWERS,
-    applied_topic,
-    BASE,
-    BASES,
-    DRIVE_STATE,
-    DRIVEN,
-    FRAME,
-    INPUTS,
-    PICTURES,
-    SCENE,
-    Topic,
-    topics_of,
-    TORQUE,
-    TRAJECTORIES,
-    wrench_topic,
-)
+from fourbar_ros.scene.topics import Topic
 
 if TYPE_CHECKING:      # imported where a scene needs them
     from fourbar_ros.dynamics.node_step import Mover
@@ -110,7 +85,7 @@ class Scene:
         InvalidParameter as of :func:`from_values`. Values that stay are not checked again, which
         would take half the time of a live change. ``pause()`` is called between pieces of work.
         """
-        checked = {name: check_value(of_name(name), value, self.values)
+        checked = {name: parameters.check_value(parameters.of_name(name), value, self.values)
                    for name, value in changes.items()}
         pause()
         return _build({**self.values, **checked}, pause)
@@ -123,13 +98,12 @@ class Scene:
     def as_text(self) -> str:
         """Return the scene as the text of a parameter file, without defaults."""
         from fourbar_ros.scene.files import as_text
-        return as_text({name: value for name, value in self.values.items()
-                        if value != of_name(name).default})
+        return as_text(parameters.without_defaults(self.values))
 
     @cached_property
     def topics(self) -> dict[str, Topic]:
         """Return {name: Topic} of all outputs; each point has one, named points/NAME."""
-        return topics_of(self.outputs, {
+        return topics.topics_of(self.outputs, {
             'points': {name: f'point of the {point.link}' for name, point in self.points.items()},
             'links': {link.name: f'motion of the {link.text}' for link in self.linkage.LINKS},
             'reactions': {reaction.joint: f'{reaction.text}, at {reaction.joint}'
@@ -138,47 +112,47 @@ class Scene:
     @property
     def pictures(self) -> dict[str, Topic]:
         """Return {name: Topic} of the outputs for people to look at, and of the static frame."""
-        named = {name: PICTURES[name] for name in self.outputs if name in PICTURES}
-        return named | ({FRAME.name: FRAME} if self.frame.parent else {})
+        named = {name: topics.PICTURES[name] for name in self.outputs if name in topics.PICTURES}
+        return named | ({topics.FRAME.name: topics.FRAME} if self.frame.parent else {})
 
     @property
     def acting(self) -> tuple[str, ...]:
         """Return the links whose wrench comes from a topic, and the base if its motion does."""
-        return (*self.wrenches.links, *([BASE.name] if self.base.topic else []))
+        return (*self.wrenches.links, *([topics.BASE.name] if self.base.topic else []))
 
     @property
     def acting_received(self) -> list[Topic]:
         """Return the topics from which the node takes wrenches and the motion of the base."""
-        base = [BASES[self.base.topic]] if self.base.topic else []
-        return [*map(wrench_topic, self.wrenches.links), *base]
+        base = [topics.BASES[self.base.topic]] if self.base.topic else []
+        return [*map(topics.wrench_topic, self.wrenches.links), *base]
 
     @property
     def acting_topics(self) -> list[Topic]:
         """Return the topics of wrenches and base: received, and in effect."""
-        return [*self.acting_received, *map(applied_topic, self.acting)]
+        return [*self.acting_received, *map(topics.applied_topic, self.acting)]
 
     @property
     def drive_topics(self) -> list[Topic]:
         """Return the topics of a drive that works by torque: its command, if any, its state."""
-        if self.dynamics is None:
-            return []
-        return [TORQUE, DRIVE_STATE] if self.drive.source == TORQUE.name else [DRIVE_STATE]
+        command = [topics.TORQUE] if self.drive.source == topics.TORQUE.name else []
+        return [*command, topics.DRIVE_STATE] if self.dynamics else []
 
     @property
     def received(self) -> list[Topic]:
         """Return the topics to which the node listens."""
-        source = self.drive.source
-        inputs = [topic for topic in (*INPUTS.values(), TORQUE) if topic.name == source]
+        inputs = [topic for topic in (*topics.INPUTS.values(), topics.TORQUE)
+                  if topic.name == self.drive.source]
         return [*self.acting_received, *inputs,
-                *(TRAJECTORIES[name] for name in ANSWERS if self.node.trajectories)]
+                *(topics.TRAJECTORIES[name] for name in topics.ANSWERS if self.node.trajectories)]
 
     @property
     def published(self) -> list[Topic]:
         """Return the topics on which the node sends, except those of every ROS node."""
-        answers = [topic for name, topic in TRAJECTORIES.items() if name not in ANSWERS]
-        return [*map(applied_topic, self.acting), *([DRIVE_STATE] if self.dynamics else []),
-                *(answers if self.node.trajectories else []), DRIVEN, SCENE,
-                *self.topics.values(), *self.pictures.values()]
+        answers = [topic for name, topic in topics.TRAJECTORIES.items()
+                   if self.node.trajectories and name not in topics.ANSWERS]
+        states = [topics.DRIVE_STATE] if self.dynamics else []
+        return [*map(topics.applied_topic, self.acting), *states, *answers, topics.DRIVEN,
+                topics.SCENE, *self.topics.values(), *self.pictures.values()]
 
     @property
     def transmission(self) -> Transmission:
@@ -192,7 +166,7 @@ class Scene:
         try:
             return Transmission(self.linkage, self.drive.start)
         except OutOfRange:
-            if self.drive.start != of_name('drive.start').default:
+            if self.drive.start != parameters.of_name('drive.start').default:
                 raise
             low, high = self.linkage.input_ranges[0]
             return Transmission(self.linkage, 0.5 * (low + high))
@@ -223,7 +197,7 @@ class Scene:
         from fourbar_ros.dynamics.node_step import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance,
-                     self.drive.budget, self.drive.source == TORQUE.name, self.acting)
+                     self.drive.budget, self.drive.source == topics.TORQUE.name, self.acting)
 
     def mover_in(self, mode: int) -> Mover:
         """Return the Mover in another mode; for an unknown mode, the scene's."""
@@ -252,11 +226,7 @@ class Scene:
             bool(self.joint_states.leave_out) and self.linkage.input_coordinate not in shown)
 
     def needed_for(self, output: str) -> list[int]:
-        """
-        Return the indices of the values without which a message of an output is not sent.
-
-        joint_states may be skipped while a position is unknown; all other outputs are always sent.
-        """
+        """Return the values (indices) without which joint_states are skipped; [] of the others."""
         if output != 'joint_states' or self.joint_states.when_unknown != 'skip':
             return []
         positions = self.layout.fields[output]['position']
@@ -264,7 +234,6 @@ class Scene:
 
     @property
     def names_shown(self) -> list[str]:
-        """Return the names of the joints in joint_states."""
         return [self.joint_names[index] for index in self.joints_shown]
 
     @property
@@ -283,7 +252,7 @@ class Scene:
 
 def from_values(values: ParameterValues) -> Scene:
     """Return the Scene of {'linkage.a1': 0.4, ...}; InvalidParameter says which value is bad."""
-    return _build(check(values))
+    return _build(parameters.check(values))
 
 
 def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
@@ -292,8 +261,8 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
     pause()
     links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
     families = {name.partition('.')[0] for name in values}
-    points = {name: point_in(f'points.{name}', values)
-              for name in (names_in('points', values) if 'points' in families else ())}
+    points = {name: parameters.point_in(f'points.{name}', values)
+              for name in (parameters.names_in('points', values) if 'points' in families else ())}
     for name, point in points.items():
         if point.link not in links:
             raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
@@ -303,7 +272,7 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
         link for link in mechanism.EXTERNAL._fields if values[f'external.{link}.from_topic']))
     offsets = values['joint_states.offsets']
     if str in map(type, offsets) and len(offsets) == len(joints):       # 90deg, or 5mm of a slide
-        offsets = [as_number('joint_states.offsets', offset, joint.coordinate.unit)
+        offsets = [parameters.as_number('joint_states.offsets', offset, joint.coordinate.unit)
                    for offset, joint in zip(offsets, joints)]
         values = {**values, 'joint_states.offsets': offsets}
     joint_states = groups.read(
@@ -354,17 +323,13 @@ def load(path: str | Path) -> Scene:
 
 @contextmanager
 def naming_nan(values: ParameterValues) -> Iterator[None]:
-    """
-    Refuse NaN from a user with "NaN is not a number", where a value must be given.
-
-    In the values of a scene NaN stands for "not given", so checks would say that.
-    """
+    """Refuse NaN from a user with "NaN is not a number", where a value must be given."""
     try:
         yield
-    except InvalidParameter as error:
+    except InvalidParameter as error:       # checks take NaN for "not given" and say that
         value = values.get(error.name)
         if isinstance(value, float) and isnan(value):
-            unit = unit_in(of_name(error.name), values)
+            unit = parameters.unit_in(parameters.of_name(error.name), values)
             raise InvalidParameter(error.name, value, 'NaN is not a number'
                                    + (f' in {unit}' if unit else '')) from None
         raise

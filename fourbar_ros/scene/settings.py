@@ -14,27 +14,13 @@ from math import inf, isfinite, nan
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.sources import (
-    DCMotor,
-    InductionMotor,
-    Law,
-    MotorLine,
-    SpeedController,
-)
+from fourbar_ros.dynamics import sources
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND, JOINT_A, Length, SLIDE
 from fourbar_ros.numerics.arguments import FARTHEST, FASTEST
 from fourbar_ros.numerics.number_fields import quantities_of
-from fourbar_ros.scene.topics import (
-    BASES,
-    INPUTS,
-    OUTPUTS,
-    PICTURES,
-    SERVICES,
-    TORQUE,
-    wrench_topic,
-)
+from fourbar_ros.scene import topics
 from fourbar_ros.scene.units import UNITS
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
@@ -43,33 +29,29 @@ MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
 APART = 'apart'         # forces.NAME.acts between two points
-TIMER, MESSAGES = 'timer', tuple(INPUTS)
-SOURCES = (TORQUE.name, 'motor')   # of drive.source, with which the motion follows from torque
+TIMER, MESSAGES = 'timer', tuple(topics.INPUTS)
+# of drive.source, with which the motion follows from torque
+SOURCES = (topics.TORQUE.name, 'motor')
 # {unit: its size in SI} of both columns of a table of forces
 POSITION_UNITS = {**UNITS['rad'], **UNITS['m']}
 FORCE_UNITS = {**UNITS['N'], **UNITS['N m'], **UNITS['Pa']}
 
 
 class Parameter(NamedTuple):
-    """
-    One parameter, declared in the node, checked in scene files, printed in the manual.
-
-    A ``default`` of NaN means "not given". ``low`` and ``high`` are inclusive; ``positive``
-    excludes zero; a value below ``least_but_zero`` must be 0, which turns something off.
-    """
+    """One parameter, declared in the node, checked in scene files, printed in the manual."""
 
     name: str
     type: str
-    default: Any
+    default: Any                    # NaN: not given
     unit: str
     text: str
-    low: float = -inf
+    low: float = -inf               # low and high are inclusive
     high: float = inf
-    positive: bool = False
+    positive: bool = False          # excludes zero
     choices: tuple[str, ...] = ()
-    live: bool = True          # can be changed while the node runs
+    live: bool = True               # can be changed while the node runs
     words: Mapping[str, Any] = MappingProxyType({})       # names of some values
-    least_but_zero: float = 0.0
+    least_but_zero: float = 0.0     # a value below it must be 0, which turns something off
 
     @property
     def allowed(self) -> str:
@@ -121,8 +103,9 @@ _WITH_SLIDES = ' or '.join(name for name, kind in KINDS.items() if SLIDE in kind
 # --- motors --------------------------------------------------------------------------------------
 
 # {kind of motor: its law}, whose numbers are motor.NAME
-MOTORS: dict[str, type[Law]] = {'line': MotorLine, 'dc': DCMotor, 'controller': SpeedController,
-                                'induction': InductionMotor}
+MOTORS: dict[str, type[sources.Law]] = {
+    'line': sources.MotorLine, 'dc': sources.DCMotor, 'controller': sources.SpeedController,
+    'induction': sources.InductionMotor}
 
 
 def of_motor(kind: str) -> dict[str, Parameter]:
@@ -263,9 +246,10 @@ _OF_TOPICS = _group('external', (
 
 _BASE = _group('base', (
     Parameter('topic', 'string', '', '',
-              f'motion of the body that carries the linkage: from {BASES["imu"].topic} (imu), '
-              f'from {BASES["motion_of_base"].topic} (motion_of_base), or none, with gravity at '
-              'rest', choices=('', *BASES), live=False),
+              'motion of the body that carries the linkage: '
+              f'from {topics.BASES["imu"].topic} (imu), '
+              f'from {topics.BASES["motion_of_base"].topic} (motion_of_base), or none, with '
+              'gravity at rest', choices=('', *topics.BASES), live=False),
     Parameter('rotation', 'doubles', [], '',
               'with imu: frame of the linkage in that of the messages: roll, pitch, yaw [rad], '
               'as in URDF, or a quaternion x, y, z, w; empty: the same axes'),
@@ -374,11 +358,11 @@ PARAMETERS = _table(
               'inertia on the input itself, on its side of an elastic shaft', low=0.0),
     Parameter('outputs', 'strings', ['state', 'output', 'joint_states'], '',
               'outputs to publish; those not listed are neither created nor computed',
-              choices=(*OUTPUTS, *PICTURES)),
+              choices=(*topics.OUTPUTS, *topics.PICTURES)),
     Parameter('pictures.rate', 'double', 30.0, 'Hz',
               'output markers: messages per second at most; 0: one for every input', low=0.0),
-    Parameter('services', 'strings', list(SERVICES), '',
-              'services to offer', choices=tuple(SERVICES),
+    Parameter('services', 'strings', list(topics.SERVICES), '',
+              'services to offer', choices=tuple(topics.SERVICES),
               live=False),
     Parameter('frame_id', 'string', 'fourbar', '',
               'frame_id of all outputs; origin O1, x towards O4 or along the guide', live=False),
@@ -484,7 +468,8 @@ _EXTERNAL = _table(
               'external couple on the NAME, constant, counter-clockwise positive'),
     Parameter('external.NAME.from_topic', 'bool', False, '',
               'take the external force and couple on the NAME from the topic '
-              f'{wrench_topic(NAME).topic} instead of force_x, force_y and couple', live=False),
+              f'{topics.wrench_topic(NAME).topic} instead of force_x, force_y and couple',
+              live=False),
 )
 # A damper is a spring without stiffness.
 _SPRING = _table(

@@ -16,28 +16,18 @@ INPUT_DEPTH = 100         # best effort matches every publisher; deep enough for
 
 
 class Topic(NamedTuple):
-    """
-    A topic: its short name, its name in ROS, message type, text for the manual.
-
-    ``needs_loads``: only for scenes with masses; ``latched``: late subscribers get the last
-    message.
-    """
+    """A topic: its short name, its name in ROS, message type, text for the manual."""
 
     name: str
     topic: str
     type: str
     text: str
-    needs_loads: bool = False
-    latched: bool = False
+    needs_loads: bool = False       # only for scenes with masses
+    latched: bool = False           # late subscribers get the last message
 
 
 class Service(NamedTuple):
-    """
-    A service of the node.
-
-    ``workers``: names of the threads that answer, if that may take longer than a step; a second
-    one makes proofs.
-    """
+    """A service; ``workers``: threads that answer what takes long, the second one proofs."""
 
     name: str
     service: str
