@@ -137,7 +137,6 @@ class LockStep:
         return answer
 
     def close(self) -> None:
-        """Leave the node alone."""
         self._executor.shutdown()
         self._client.destroy_node()
         self._context.try_shutdown()

@@ -51,18 +51,12 @@ class CannotFollow(FourBarError):
 
 
 class Trajectory(NamedTuple):
-    """
-    Samples of one joint, arrays of one shape (n,).
+    """Samples of one joint, arrays of one shape (n,); None for what is not asked for."""
 
-    Positions [rad or m], their rates and accelerations, and the effort [N m or N]: of the drive
-    on the mechanism, or of the output on what it moves. None for accelerations and efforts that
-    are not asked for.
-    """
-
-    position: Array
+    position: Array                 # [rad or m]
     rate: Array
     acceleration: Array | None
-    effort: Array | None
+    effort: Array | None            # [N m or N], of the drive, or of the output on what it moves
 
 
 def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,
@@ -243,8 +237,8 @@ class Transmission:
         if acceleration is None:
             raise InvalidParameter('acceleration', None, 'must be given for an effort: the links '
                                    'have masses')
-        name = 'driving_torque' if self._input.unit == 'rad' else 'driving_force'
-        effort: Array = self.mechanism.step(position, rate, acceleration, fields=(name,))[0]
+        effort: Array = self.mechanism.step(position, rate, acceleration,
+                                            fields=(self.mechanism.drive_load,))[0]
         return effort
 
 

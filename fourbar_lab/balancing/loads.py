@@ -84,12 +84,11 @@ class Loads:
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
         """Return {name of a load that can be balanced: its components, fields of the loads}."""
-        drive = 'driving_force' if self.mechanism.is_driven_by_slide else 'driving_torque'
         fields = self.mechanism.LOADS._fields
         bearings = [name.removesuffix('_x') for name in fields
                     if name.endswith('_x') and not name.startswith('shaking')]
         return {'force': ('shaking_force_x', 'shaking_force_y'), 'moment': ('shaking_moment',),
-                'torque': (drive,),
+                'torque': (self.mechanism.drive_load,),
                 **{name: (f'{name}_x', f'{name}_y') for name in bearings}}
 
     def group(self, name: str) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from fourbar_lab.drawing.figure import make_panels, save
 from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
-from fourbar_ros.scene.parameters import find_parameter
+from fourbar_ros.scene.parameters import without_defaults
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 
@@ -53,11 +53,7 @@ def unit_of(loads: Loads, name: str) -> str:
 
 
 def scene_values(scene: Scene, moments: Array) -> dict[str, float]:
-    """
-    Return the parameters of a scene with (m, m x, m y, J) of its links, those that are no default.
-
-    All ``bodies.*`` of the scene, as rods of a density, give way to masses and inertias.
-    """
+    """Return parameters with (m, m x, m y, J) of all links, which replace rods; no defaults."""
     values = {name: value for name, value in scene.values.items()
               if not name.startswith('bodies.')}
     for link, of_link in zip(scene.linkage.BODIES._fields, moments.reshape(-1, MOMENTS)):
@@ -66,8 +62,7 @@ def scene_values(scene: Scene, moments: Array) -> dict[str, float]:
                    f'bodies.{link}.cg_across': body.cg_across}
         if scene.linkage.link(link).turns:
             values[f'bodies.{link}.inertia'] = body.inertia
-    return {name: value for name, value in values.items() if value == value
-            and value != getattr(find_parameter(name), 'default', None)}
+    return without_defaults(values)
 
 
 def scene_text(scene: Scene, balance: Balance, how: str) -> str:

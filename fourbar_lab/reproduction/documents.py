@@ -153,7 +153,6 @@ def summary(sections: Sequence[Section]) -> str:
 
 
 def print_tables(sections: Sequence[Section]) -> None:
-    """Print a table for each section, the reasons below it."""
     console = make_console()
     for section in sections:
         console.print(make_table(section.title, COLUMNS, section.cells))

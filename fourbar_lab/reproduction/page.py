@@ -64,7 +64,6 @@ POSES: dict[str, tuple[Any, ...]] = {
 
 
 def figure_of(name: str) -> Captioned:
-    """Return a figure by name, with its caption."""
     if name in POSES:
         linkage, inputs, title, points, letters, units, caption = POSES[name]
         return make_figure(linkage, linkage.motion(*inputs), None, title, points, letters,
@@ -160,7 +159,6 @@ def _section(section: Section) -> str:
 
 
 def write_report(sections: Sequence[Section], path: str | Path) -> None:
-    """Write the page of today to a file."""
     text = page(sections, date.today().isoformat())
     with writing(Path(path)):
         Path(path).write_text(text, encoding='utf-8')

@@ -52,7 +52,6 @@ def extreme(linkage: Mechanism, quantity: str, kind: str, speed: float) -> Extre
 
 
 def at_extrema(linkage: FourBar, quantity: str, speed: float) -> NamedFields:
-    """Return the motion at all extrema of a quantity."""
     return linkage.motion([extremum.theta1 for extremum
                            in find_extrema(linkage, (quantity,), speed)], speed)
 
@@ -65,7 +64,6 @@ def slope(linkage: FourBar, quantity: str, theta1: Values) -> float:
 
 
 def largest(values: Values) -> float:
-    """Return the largest magnitude."""
     return float(np.max(np.abs(values)))
 
 
@@ -117,15 +115,12 @@ def input_of_largest(linkage: FourBar, quantity: str) -> float:
 
 
 def counterweighted(linkage: FourBar) -> FourBar:
-    """
-    Return a linkage with 5 kg on its crank that cancel the shaking force at its largest alpha4.
-
-    At unit rate a first moment s on the crank adds the force s e^{i theta1}.
-    """
+    """Return a linkage with 5 kg on its crank: no shaking force at its largest alpha4."""
     assert linkage.bodies is not None
     crank, mass, theta1 = linkage.bodies.crank, 5.0, input_of_largest(linkage, 'alpha4')
     loads = linkage.loads(theta1, 1.0)
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
+    # at unit rate a first moment s on the crank adds the force s e^{i theta1}
     moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * theta1)
     total = crank.mass + mass
     body = Body(total, cg_along=moment.real / total, cg_across=moment.imag / total,

@@ -23,17 +23,11 @@ NOT_BUILT, FAILED, FEASIBLE = 'cannot be built', 'failed', 'feasible'
 
 
 class Chunk(NamedTuple):
-    """
-    Results of one chunk.
+    """Results of one chunk."""
 
-    ``columns``: {name: array of the rows kept}: ``row``, the parameters that vary, the measures;
-    ``feasible`` if all are kept. ``counts``: {reason: designs}, kept or left out by which
-    constraint; ``failures``: rows whose computation raised an error, and its text.
-    """
-
-    columns: dict[str, Array]
-    counts: dict[str, int]
-    failures: list[tuple[int, str]]
+    columns: dict[str, Array]       # row, what varies, the measures; feasible if all are kept
+    counts: dict[str, int]          # {reason: designs}, kept or left out by which constraint
+    failures: list[tuple[int, str]]         # rows whose computation raised an error, and its text
 
 
 def measured(study: Study, drawn: dict[str, Array]

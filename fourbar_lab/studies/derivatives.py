@@ -134,11 +134,7 @@ class Derivatives:
                 for dual in [known[i] for i in indices]]
 
     def state(self, x: Array, with_loads: bool = True) -> State:
-        """
-        Return (motion, loads) at inputs x, shape (n,): fields are duals, or plain numbers.
-
-        ``value_of(field)`` is its values, ``derivatives_of(field)`` {parameter: derivatives}.
-        """
+        """Return (motion, loads) at inputs x, shape (n,), whose fields are duals or numbers."""
         linkage, count = self.scene.linkage, len(self.scene.linkage.MOTION._fields)
         fields = self._duals([index for group in range(1 + with_loads)
                               for index in flat(self._trace.part(group))], x)
@@ -156,11 +152,7 @@ class Derivatives:
                                                 for parameter in self.names])
 
     def at_extremum(self, name: str, x: float) -> tuple[Array, Array]:
-        """
-        Return d Q/dp and d x*/dp of an extremum inside the range, (S1) and (S2), by ``names``.
-
-        NaN where the quantity has a kink or a jump; d x*/dp also if the quantity is constant.
-        """
+        """Return d Q/dp and d x*/dp inside the range, (S1) and (S2); NaN at a kink or a jump."""
         stepped = Dual(np.array([x + 1j * STEP]), {INPUT: 1.0})
         with np.errstate(all='ignore'):
             slopes = derivatives_of(self._quantity(name, stepped))
@@ -277,11 +269,7 @@ class _OfMeasure:
         return slopes if self._is_of_inputs else sign * slopes
 
     def _of_largest(self, scores: Sequence[tuple[float, float, Extremum]]) -> Array:
-        """
-        Return the slopes of the largest score, or of the input where it is.
-
-        ``scores``: (score, sign, extremum); a score changes as sign times the extremum's value.
-        """
+        """Return the slopes of the largest score (score, sign, extremum), or of its input."""
         largest = max(score for score, *_ in scores)
         if not isfinite(largest):
             return self._unknown('it is infinite')

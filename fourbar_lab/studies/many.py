@@ -39,50 +39,26 @@ class Extrema(NamedTuple):
     Where a quantity is constant over a range (a parallelogram), the beginning of the range is
     listed, as a maximum if no value is larger, else as a minimum. A linkage without extrema has
     a row of NaN, and the reason.
-
-    Parameters
-    ----------
-    index : ndarray of int
-        Which linkage, in arrays of more dimensions counted as by ``ndarray.ravel``.
-    theta1, value : ndarray
-        Input angle [rad], in [0, 2 pi), and the quantity there; +-inf at toggles.
-    is_maximum, is_global : ndarray of bool
-    side : ndarray of int
-        0 inside the input range; at an end of it +1 (-1): approached from above (below).
-    reason : ndarray of str
-        Why a linkage has no extrema, as that it cannot be assembled; else ''.
-
     """
 
-    index: Array        # type: ignore[assignment]     # hides the method of tuples
-    theta1: Array
-    value: Array
+    # which linkage, counted as by ndarray.ravel; it hides the method of tuples
+    index: Array        # type: ignore[assignment]
+    theta1: Array       # input angle [rad], in [0, 2 pi)
+    value: Array        # +-inf at toggles
     is_maximum: Array
     is_global: Array
-    side: Array
-    reason: Array
+    side: Array         # 0 inside the input range; at its ends approached from above (1), below
+    reason: Array       # why a linkage has no extrema, as that it cannot be assembled; else ''
 
 
 def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,
                       mode: ArrayLike = OPEN, rate: ArrayLike = 1.0) -> dict[str, Extrema]:
     """
-    Return all extrema of omega4 and alpha4 of many four-bars at constant input rate.
+    Return {'omega4': Extrema, 'alpha4': Extrema} of many four-bars at constant input rate.
 
-    Those whose cranks turn fully take some hundredths of a millisecond, as in a study, others
-    milliseconds each (in version 1 less than half). A linkage without extrema ends no others.
-
-    Parameters
-    ----------
-    a1, a2, a3, a4 : array_like
-        Lengths [m]; broadcast.
-    mode, rate : array_like
-        Assembly mode (1 or 2) and input rate [rad/s], not zero.
-
-    Returns
-    -------
-    dict of str to Extrema
-        For 'omega4' and 'alpha4'.
-
+    ``a1`` to ``a4``: lengths [m]; ``mode``: 1 or 2; ``rate``: of the input [rad/s], not zero; all
+    are broadcast. Those whose cranks turn fully take some hundredths of a millisecond, as in a
+    study, others milliseconds each. A linkage without extrema ends no others.
     """
     arguments = {'a1': a1, 'a2': a2, 'a3': a3, 'a4': a4, 'mode': mode, 'rate': rate}
     columns = [array(name, value) for name, value in arguments.items()]

@@ -108,32 +108,31 @@ class Measures:
     """The measures of a scene by name, and the quantity that each follows from."""
 
     def __init__(self, scene: Scene):
-        linkage = scene.linkage
+        self._linkage = linkage = scene.linkage
         self.quantities: dict[str, Named] = by_name(linkage, scene.point_quantities)
         self.output = str(linkage.outputs[0].coordinate.position)       # as theta4
-        self._drive_load = linkage.drive_load
-        self._why_no_loads = linkage.why_no_loads       # '' if there are loads
-        self._kind, self._input_unit = linkage.TITLE, linkage.input_coordinate.unit
-        self._output_unit = linkage.outputs[0].coordinate.unit
 
     def source(self, measure: Measure) -> str:
         """Return the quantity from whose values a measure follows; '' if no motion is needed."""
         if measure.part in CHEAP:
             return ''
-        of_mechanism = {LEAST_ANGLE: ANGLE, WORK: self._drive_load}
+        of_mechanism = {LEAST_ANGLE: ANGLE, WORK: self._linkage.drive_load}
         return of_mechanism.get(measure.part, measure.quantity or self.output)
 
     def named(self, entry: str, name: str) -> list[Measure]:
         """Return the measures of a name in an entry of a study, several for a quantity alone."""
+        linkage = self._linkage
+        input_unit, why_no_loads = linkage.input_coordinate.unit, linkage.why_no_loads
         if name in OF_MECHANISM:
             _, unit = OF_MECHANISM[name]
-            if name in (SWING, STROKE) and unit != self._output_unit:
-                raise InvalidParameter(entry, name, f'the output of this {self._kind} is in '
-                                                    f'{self._output_unit}: ask for '
+            output_unit = linkage.outputs[0].coordinate.unit
+            if name in (SWING, STROKE) and unit != output_unit:
+                raise InvalidParameter(entry, name, f'the output of this {linkage.TITLE} is in '
+                                                    f'{output_unit}: ask for '
                                                     f'{STROKE if name == SWING else SWING}')
-            if name == WORK and self._why_no_loads:
-                raise InvalidParameter(entry, name, f'is of a load, and {self._why_no_loads}')
-            return [Measure(name, self._input_unit if unit == INPUT else unit, '', name)]
+            if name == WORK and why_no_loads:
+                raise InvalidParameter(entry, name, f'is of a load, and {why_no_loads}')
+            return [Measure(name, input_unit if unit == INPUT else unit, '', name)]
         source, _, part = name.rpartition('.')
         source, parts = (name, USUAL) if name in self.quantities else (source, (part,))
         if source not in self.quantities:
@@ -142,9 +141,9 @@ class Measures:
         if parts != USUAL and part not in PARTS:
             raise InvalidParameter(entry, name, f'unknown part{nearest(part, PARTS)}')
         quantity = self.quantities[source]
-        if quantity.is_load and self._why_no_loads:
-            raise InvalidParameter(entry, source, f'is a load, and {self._why_no_loads}')
-        units = {QUANTITY: quantity.unit, INPUT: self._input_unit, '': ''}
+        if quantity.is_load and why_no_loads:
+            raise InvalidParameter(entry, source, f'is a load, and {why_no_loads}')
+        units = {QUANTITY: quantity.unit, INPUT: input_unit, '': ''}
         return [Measure(f'{source}.{p}', units[PARTS[p][1]], source, p) for p in parts]
 
     def single(self, entry: str, name: str) -> Measure:

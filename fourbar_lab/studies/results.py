@@ -12,7 +12,7 @@ from fourbar_lab.studies.engine import about, parts
 from fourbar_lab.studies.study import StudyError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import as_text
-from fourbar_ros.scene.parameters import find_parameter
+from fourbar_ros.scene.parameters import without_defaults
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
 
@@ -121,9 +121,7 @@ class Results:
         head += [f'# {name}: {design[name]:.9g} {self.units.get(name, "")}'.rstrip()
                  for name in self.measures]
         values = {**self.study['values'], **{name: design[name] for name in self.varied}}
-        return '\n'.join(head) + '\n' + as_text({
-            name: value for name, value in values.items()
-            if value == value and value != getattr(find_parameter(name), 'default', None)})
+        return '\n'.join(head) + '\n' + as_text(without_defaults(values))
 
 
 def summary(name: str, unit: str, column: Array) -> Summary:

@@ -77,11 +77,9 @@ class Study:
 
     @property
     def chunks(self) -> int:
-        """Return how many chunks there are."""
         return -(-self.rows // self.chunk)
 
     def rows_of(self, chunk: int) -> range:
-        """Return the rows of a chunk."""
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.rows))
 
     def drawn(self, start: int, stop: int) -> dict[str, Array]:
@@ -201,7 +199,6 @@ def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str,
 
 
 def choice_of(entry: str, value: Yaml, choices: tuple[str, ...]) -> str:
-    """Return a value that must be one of some texts."""
     if value not in choices:
         raise InvalidParameter(entry, value, f'must be one of {", ".join(choices)}')
     return str(value)

@@ -71,7 +71,6 @@ class Variation:
     levels: int                     # how many values a grid takes
 
     def quantiles(self, p: Array) -> Array:
-        """Return the values at p, of any shape."""
         if self.kind == 'list':
             index = np.minimum((p * len(self.values)).astype(int), len(self.values) - 1)
             return np.asarray(np.array(self.values)[index])

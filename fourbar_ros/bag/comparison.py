@@ -25,18 +25,14 @@ Position = tuple[int, int]      # of a message: index of the Columns, row
 
 
 class TopicDiff(NamedTuple):
-    """
-    One topic in both bags.
-
-    ``messages`` are in both; ``largest`` is {field: largest difference}, infinite for texts and
-    for fields that one message alone has. Of scenes that differ, ``largest`` has the parameters
-    instead of the field.
-    """
+    """One topic in both bags."""
 
     topic: str
-    messages: int
+    messages: int               # in both
     only_first: int
     only_second: int
+    # {field, or parameter of scenes that differ: largest difference}; infinite of texts and of
+    # fields that one message alone has
     largest: dict[str, float]
 
     def is_same(self, tolerance: float = 0.0) -> bool:

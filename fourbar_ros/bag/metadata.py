@@ -165,15 +165,12 @@ def folder_beside(out: Path) -> Iterator[Path]:
 
 
 def files_of(path: Path) -> list[Path]:
-    """
-    Return the .mcap files of a bag in order: one file, or NAME_0.mcap, NAME_1.mcap, ... .
-
-    The files in the folder count, not metadata.yaml: after a crash that may lack the newest file.
-    """
+    """Return the .mcap files of a bag in order: one file, or NAME_0.mcap, NAME_1.mcap, ... ."""
     if path.is_file():
         return [path]
     if not path.exists():
         raise BagError(f'{path}: no such bag')
+    # not those of metadata.yaml, which after a crash may lack the newest file
     files = sorted(path.glob('*.mcap'), key=number_of)
     if not files:
         raise BagError(f'{path}: holds no .mcap files{_how_to_convert(path)}')

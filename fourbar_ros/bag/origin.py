@@ -25,19 +25,13 @@ MOST_NAMES = 1000       # of points, springs, forces, dyads, links in a scene; 1
 
 
 class Origin(NamedTuple):
-    """
-    The scene that was run at the start of a bag, and the full name of its node.
-
-    ``topics``: {short name of an input or output: topic in the bag}. ``in_order``: messages stand
-    in the order in which things happened, as our recorder keeps it; rosbag2 records messages as
-    they come in. ``is_later``: the bag is a later file of a split bag, alone.
-    """
+    """The scene that was run at the start of a bag, and the full name of its node."""
 
     scene: Scene
-    topics: dict[str, str]
+    topics: dict[str, str]      # {short name of an input or output: topic in the bag}
     node: str
-    in_order: bool
-    is_later: bool
+    in_order: bool              # as things happened; rosbag2 records messages as they come in
+    is_later: bool              # the bag is a later file of a split bag, alone
 
 
 def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:

@@ -27,24 +27,16 @@ NOWHERE, LATER = -1, -2     # instead of the index of a motion: not in the bag, 
 
 
 class Motions(NamedTuple):
-    """
-    A block of driven motions that were evaluated; all arrays have shape (n,).
+    """A block of n driven motions that were evaluated; arrays have shape (n,)."""
 
-    ``first``: index of the first motion in the bag; ``later``: stamps of motions behind the block,
-    and ``changes``: log times [ns] of new scenes and acting inputs, both only where the order in
-    the bag is not sure; stamps [ns], assembly modes, statuses; ``why``: reason why the outputs
-    cannot be compared (empty: they can); ``values``, of shape (n, values): in the order of the
-    FieldMap of the scene.
-    """
-
-    first: int
-    later: Set[int]
-    changes: Sequence[int]
-    stamps: Array
+    first: int                  # index of the first motion in the bag
+    later: Set[int]             # stamps of motions behind the block, where the order is not sure
+    changes: Sequence[int]      # log times [ns] of new scenes and acting inputs, likewise
+    stamps: Array               # [ns]
     modes: Array
     status: Array
-    why: Array
-    values: Array
+    why: Array                  # reason why the outputs cannot be compared; empty: they can
+    values: Array               # (n, values), in the order of the FieldMap of the scene
 
     def of_outputs(self, before: Array, stamps: Array) -> Array:
         """
@@ -150,7 +142,6 @@ class OutputComparison:
                                                           records[field]))
 
     def note(self, name: str, field: str, difference: float) -> None:
-        """Keep a difference if it is the largest so far."""
         self.largest[name, field] = max(self.largest.get((name, field), 0.0), difference)
 
     def missing_and_doubled(self) -> tuple[int, int]:
@@ -176,11 +167,7 @@ def near_a_change(time: int, changes: Sequence[int]) -> str:
 
 
 def largest_difference(a: Array, b: Array) -> float:
-    """
-    Return the largest |a - b| of two arrays of numbers, or of texts, which differ by infinity.
-
-    NaN equals NaN, since both say "unknown"; NaN and a number differ by infinity.
-    """
+    """Return the largest |a - b|; NaN equals NaN; infinite for texts, for NaN and a number."""
     if a.shape != b.shape:
         return inf
     if a.dtype.kind in 'SU' or b.dtype.kind in 'SU':

@@ -75,15 +75,11 @@ class Record(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """
-    Messages of one topic, in order: n log times [ns] and a structured array of shape (n,).
-
-    The fields of ``records`` are named by their paths: ``records['header.stamp.sec']``.
-    """
+    """Messages of one topic, in order."""
 
     topic: str
-    times: Array
-    records: Array
+    times: Array        # (n,) log times [ns]
+    records: Array      # (n,), fields are named by their paths: records['header.stamp.sec']
 
     @property
     def stamps(self) -> Array | None:
@@ -152,11 +148,7 @@ class Bag:
 
     @cached_property
     def about(self) -> dict[str, str]:
-        """
-        Return the custom_data of the bag: scene, node, versions; {} without custom_data.
-
-        A split bag has the custom_data of the first file; the last file says why recording ended.
-        """
+        """Return the custom_data of the first file, with why the last one ended; or {}."""
         first = self.about_of(0)
         last = self.about_of(-1) if len(self.files) > 1 else first
         of_the_end = 'ended', 'dropped', metadata.LOST

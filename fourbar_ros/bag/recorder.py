@@ -145,11 +145,7 @@ class BagWriter:
         self._queue.append((key, text))
 
     def close(self, why: str = 'stopped') -> Path:
-        """
-        Write the waiting messages and finish the file; its metadata say why recording ended.
-
-        Return the path of the bag; raises BagError if recording had stopped by an error.
-        """
+        """Write what waits, finish the file with ``why`` in it; return the path, or BagError."""
         with self._lock:
             is_first = not self._is_closed.is_set()
             self._is_taking = False
@@ -324,7 +320,6 @@ class BagFile:
             os.ftruncate(self.file.fileno(), self._whole)
 
     def content(self) -> FileContent:
-        """Return the content of the file so far."""
         return FileContent(self.path.name, [
             TopicCount(channel.topic, channel.type, 'cdr', channel.metadata, count)
             for channel, count in zip(self._channels, self._counts)], self.span, self.about)

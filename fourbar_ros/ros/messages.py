@@ -30,12 +30,10 @@ _EXTREME = nan, -1.7976931348623157e308
 
 
 def sec_nanosec(nanoseconds: int) -> Stamp:
-    """Return the stamp of a time [ns]."""
     return divmod(nanoseconds, 10**9)
 
 
 def to_stamp(nanoseconds: int) -> Time:
-    """Return the Time message of a time [ns]."""
     sec, nanosec = sec_nanosec(nanoseconds)
     return Time(sec=sec, nanosec=nanosec)
 
@@ -53,12 +51,7 @@ def resolve(type_name: str) -> Any:
 
 
 def set_constants(output: str, message: Message, scene: Scene) -> None:
-    """
-    Fill the fields of an output message that are the same in every step of a scene.
-
-    These are its frame, the joint names, the change-point margin, and NaN in fields that only
-    other mechanisms have. The message is made once and filled again in each step.
-    """
+    """Fill the fields of an output message that are the same in every step of a scene."""
     message.header.frame_id = scene.frame_id
     for field in scene.layout.absent.get(output, ()):
         setattr(message, field, nan)

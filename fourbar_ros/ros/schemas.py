@@ -30,11 +30,7 @@ def type_hash(type_name: str) -> str:
 
 
 def definition(type_name: str) -> str:
-    """
-    Return the .msg file of a type, followed by the files of all types that it contains.
-
-    MCAP asks for this form: 80 equals signs and ``MSG: package/Name`` before each further one.
-    """
+    """Return the .msg file of a type, followed by the files of all types that it contains."""
     text = _installed_file(type_name, 'msg')
     texts, done, todo = [text], {type_name}, types_in(type_name)
     while todo:
@@ -44,6 +40,7 @@ def definition(type_name: str) -> str:
         done.add(name)
         text = _installed_file(name, 'msg')
         package, _, short = name.split('/')
+        # MCAP asks for this form
         texts.append(f'{"=" * 80}\nMSG: {package}/{short}\n{text}')
         todo += types_in(name)
     return '\n'.join(texts)

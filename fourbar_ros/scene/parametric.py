@@ -15,15 +15,8 @@ from typing import Any, TypeVar
 
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
 from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
+from fourbar_ros.mechanisms import elements as acting
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.elements import (
-    Attachment,
-    Distance,
-    Element,
-    Spring,
-    TorsionSpring,
-    Way,
-)
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
@@ -52,12 +45,7 @@ class _UncheckedBodies(BodiesOfLinks):
 
 
 def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
-    """
-    Return lengths, bodies and all that acts, for the formulas of a scene's mechanism.
-
-    ``values`` are all parameters, floats or of the arithmetic ``n``; ``scene`` has the same kind
-    or the same dyads, and the same mode.
-    """
+    """Return lengths, bodies and all that acts, for formulas, of ``values`` in any arithmetic."""
     linkage = scene.linkage
     linkage.require_no_friction('an analysis of tolerances')
     external = external_of(values, linkage, partial(unchecked, Applied))
@@ -83,7 +71,7 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
 
 def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
                 slides: Iterable[tuple[str, Point, tuple[Scalar, Scalar]]] = ()
-                ) -> tuple[Element, ...]:
+                ) -> tuple[acting.Element, ...]:
     """Return springs and forces in any arithmetic; ``slides`` as :func:`.slides_in`."""
     def made(record: _Record, name: str, *fields: str, **derived: Any) -> _Record:
         """Return a record with the parameters NAME.FIELD and with derived values."""
@@ -94,11 +82,11 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
         return not all(isinstance(value, float) and value == 0.0
                        for value in [values[f'{name}.{field}'] for field in fields])
 
-    ways = {f'slide_{link}': (_with(Attachment(), **origin._asdict()), along)
+    ways = {f'slide_{link}': (_with(acting.Attachment(), **origin._asdict()), along)
             for link, origin, along in slides}
-    elements = list[Element]()
+    elements = list[acting.Element]()
     for name, element in zip(element_names(scene.values), scene.linkage.elements):
-        if isinstance(element, Spring):
+        if isinstance(element, acting.Spring):
             elements.append(made(
                 element, name, 'stiffness', 'free_length', 'damping', 'preload',
                 **{end: made(getattr(element, end), f'{name}.{end}', 'along', 'across')
@@ -106,7 +94,7 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
                 has_length=varies(name, 'free_length', 'preload'),
                 has_damping=varies(name, 'damping')))
             continue
-        if isinstance(element, TorsionSpring):
+        if isinstance(element, acting.TorsionSpring):
             elements.append(made(
                 element, name, 'stiffness', 'free_angle', 'damping',
                 free_direction=direction_in(n, values[f'{name}.free_angle']),
@@ -115,12 +103,12 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
         over, coordinate = element.over, values[f'{name}.over']
         point, origin = (record and made(record, prefix, 'along', 'across') for record, prefix in (
             (element.point, name), (element.apart_from, f'{name}.from')))
-        if isinstance(over, Distance):
+        if isinstance(over, acting.Distance):
             over = _with(over, point=point, origin=made(over.origin, f'{name}.from', 'along',
                                                         'across'))
         elif coordinate in ways:
             over = _with(over, **dict(zip(('origin', 'unit_vector'), ways[coordinate])))
-        elif isinstance(over, Way) and '.' in coordinate:
+        elif isinstance(over, acting.Way) and '.' in coordinate:
             over = _with(over, point=made(over.point, f'points.{coordinate[:-2]}',
                                           'along', 'across'))
         turned = None

@@ -183,7 +183,6 @@ class Worker:
 
     @property
     def is_this_thread(self) -> bool:
-        """Return whether it runs the code that asks."""
         return threading.current_thread() is self._thread
 
     def check(self) -> None:

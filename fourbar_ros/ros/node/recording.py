@@ -164,7 +164,6 @@ def directory_of(scene: Scene) -> Path:
 
 
 def software() -> dict[str, str]:
-    """Return {name: version} of the software that makes a bag."""
     from importlib.metadata import PackageNotFoundError, version  # 15 ms, and only bags ask
 
     versions = {'fourbar_ros': __version__, 'python': platform.python_version()}

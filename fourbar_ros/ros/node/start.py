@@ -121,12 +121,7 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
 
 
 def asked(arguments: Sequence[str]) -> tuple[list[str], str]:
-    """
-    Return (names of the nodes, namespace of all) of a command line.
-
-    A name may begin with a further namespace, ``left/boom``. FourBarError for other words
-    before ``--ros-args``, and for two nodes of one name.
-    """
+    """Return (names of the nodes, namespace of all) of a command line, or FourBarError."""
     from fourbar_ros.errors import FourBarError
     from rclpy.utilities import remove_ros_args
 
