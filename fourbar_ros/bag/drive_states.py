@@ -18,18 +18,15 @@ class DriveStates:
 
     If another version of the integrator made the bag, accelerations and torques alone are computed
     again, from the states. Next to a toggle, input and rate do not determine the state; a mover
-    that stepped there knows the rest of the state. Without such a mover, as where a bag begins
-    next to a toggle, states are not compared up to the first state past the toggle.
-    ``about``: custom_data of the bag.
-
-    ``stepped`` counts states that were stepped to again from the state before; ``alone`` states
-    that had no state before (at a start, after a gap, from another integrator); ``unknown``
-    states that could not be compared.
+    that stepped there knows the rest. Without one, as where a bag begins next to a toggle, states
+    are not compared up to the first one past the toggle. ``about``: custom_data of the bag.
     """
 
     def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}         # {field: largest difference}
+        # states that were compared with a step from the state before; that had none before (at a
+        # start, after a gap, from another integrator); that could not be compared
         self.stepped = self.alone = self.unknown = 0
         self._before: DriveValues | None = None     # None: no state to step from
         self._mode = self._stamp = 0                # of the state before; stamp in ns

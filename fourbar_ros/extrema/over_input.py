@@ -81,8 +81,15 @@ class OverInput:
         """Return the mean; NaN too if its integral diverges in both directions."""
         if self._is_constant:
             return self.extrema[0].value
-        divergent = {extremum.value for extremum in self.extrema
-                     if isinf(extremum.value) and self._diverges_at(extremum)}
+        # beside an end where it is infinite it is a power of the root of the distance d: only one
+        # over that root is integrable, it doubles as d falls to a quarter, where the next power,
+        # 1/d, grows fourfold
+        d = min(high - low for low, high in self._linkage.input_ranges) * NEAR_END
+        divergent = set[float]()
+        for end in self.extrema:
+            if isinf(end.value):
+                far, near = np.abs(self._values(end.input + end.side * np.array((d, 0.25 * d))))[0]
+                divergent |= {end.value} if near > 3.0 * far else set()
         if divergent:
             return divergent.pop() if len(divergent) == 1 else nan
         mean, = mean_over_input(self._linkage, self._values, self._ranges)
@@ -94,15 +101,6 @@ class OverInput:
         if not self._linkage.turns_fully or self._within is not None:
             return nan
         return float(self._linkage.cycle * settled(self.mean, self.rms))
-
-    def _diverges_at(self, extremum: Extremum) -> bool:
-        """Return whether the integral diverges at an end where the quantity is infinite."""
-        # there it is a power of the root of the distance d: only one over that root is integrable,
-        # it doubles as d falls to a quarter, where the next power, 1/d, grows fourfold
-        width = min(high - low for low, high in self._linkage.input_ranges)
-        d = width * NEAR_END * np.array((1.0, 0.25))
-        far, near = np.abs(self._values(extremum.input + extremum.side * d))[0]
-        return bool(near > 3.0 * far)
 
     @cached_property
     def rms(self) -> float:

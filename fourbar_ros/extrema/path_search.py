@@ -24,7 +24,7 @@ from fourbar_ros.extrema.input_paths import End, InputPath
 from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.newton import newton_roots, SMALL
-from fourbar_ros.numerics.roots import find_brackets, fold, rises, turn_after
+from fourbar_ros.numerics.roots import find_brackets, rises, turn_after
 import numpy as np
 
 # Power of sin(mu) by which derivatives grow at toggles (for accelerations; forces grow faster by
@@ -78,6 +78,7 @@ class PathExtremum(NamedTuple):
     value_condition: float = nan
     noise: float = 0.0               # least error of the value, of a constant a bound
     misses: bool = False             # another of its quantity is missing: they do not take turns
+    is_jump: bool = False            # a value on one side of the end of a piece
 
 
 def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
@@ -95,12 +96,13 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
         if path.gaps.size:
             at_gaps = _at_gaps(sampler, samples, rows)
             extrema += [PathExtremum(jump.quantity, sampler.fold(float(path.gaps[jump.gap])),
-                                     value, 1 if rises == (side < 0) else -1, side)
+                                     value, 1 if rises == (side < 0) else -1, side,
+                                     is_jump=True)
                         for jump in at_gaps.jumps
                         for side, value, rises in zip((-1, 1), jump.values, jump.rises)]
         extrema += _interior(sampler, inside, rows, with_conditions, at_gaps)
         for side, end in path.ends():
-            extrema += _at_end(sampler, samples, (side, end), rows)
+            extrema += _at_end(sampler, samples, side, end, rows)
     return _marked(extrema, path, sampler.period)
 
 
@@ -108,17 +110,10 @@ def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[P
     """Return extrema along a path, marked where kinds do not take turns; none without a value."""
     def along(extremum: PathExtremum) -> tuple[float, int]:
         """Return where an extremum is on the path."""
-        if extremum.side and not is_jump(extremum):
+        if extremum.side and not extremum.is_jump:
             return -extremum.side * inf, 0
         return (extremum.x if path.low is None or turn == inf
                 else (extremum.x - path.low.x) % turn), extremum.side
-
-    def is_jump(extremum: PathExtremum) -> bool:
-        """Return whether it is a value on one side of the end of a piece."""
-        return bool(extremum.side) and extremum.x not in ends
-    ends = [fold(end.x, turn) if turn < inf else end.x for _, end in path.ends()]
-    if not path.gaps.size:
-        ends = [extremum.x for extremum in extrema if extremum.side]
 
     by_quantity: dict[int, list[PathExtremum]] = {}
     for extremum in extrema:
@@ -129,7 +124,7 @@ def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[P
         following = inorder[1:] + inorder[:path.is_closed]
         # two jumps may follow each other at one input, or at both ends of a plateau
         if len(inorder) > 1 and any(
-                a.sense == b.sense and not (is_jump(a) and is_jump(b) and (
+                a.sense == b.sense and not (a.is_jump and b.is_jump and (
                     a.x == b.x or abs(a.value - b.value) <= FLAT * abs(a.value)))
                 for a, b in zip(inorder, following)) or any(
                 isnan(extremum.value) for extremum in of_quantity):
@@ -468,21 +463,20 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array,
     return turns
 
 
-def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
+def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
             rows: Array) -> list[PathExtremum]:
     """
     Return the limits of the quantities ``rows`` at one end of a path as extrema.
 
-    ``where``: (side, end), side +1 if the path lies above the end. A limit is infinite, or a
-    minimum if the quantity rises inward, else a maximum.
+    ``side``: +1 if the path lies above the end. A limit is infinite, or a minimum if the quantity
+    rises inward, else a maximum.
     """
-    side, end = where
     if end.is_regular:
         limits = sampler.values(np.array([end.x]))[:, 0]
     elif end.is_pole:
         limits = np.copysign(inf, samples.values[:, samples.path.inward(side)[0]])
     else:
-        limits = _limits_at_toggle(sampler, samples, where, rows)
+        limits = _limits_at_toggle(sampler, samples, side, end, rows)
     nearest = samples.path.inward(side)[0]
     limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
     falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
@@ -498,7 +492,7 @@ def _at_end(sampler: Sampler, samples: Samples, where: tuple[int, End],
             for row in rows.tolist()]
 
 
-def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End],
+def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
                       rows: Array) -> Array:
     """
     Return the limits of all quantities at a toggle; right for ``rows``.
@@ -507,7 +501,7 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, where: tuple[int, End]
     each time the distance falls to a quarter has a pole. The others go on smoothly into the other
     assembly mode.
     """
-    values, path, (side, end) = samples.values, samples.path, where
+    values, path = samples.values, samples.path
     inward = path.inward(side)
     nearest = values[:, inward[:4]]
     fall = np.abs(np.diff(nearest))
