@@ -328,12 +328,12 @@ def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[E
                                   value_condition=nan) for extremum, side, sense in poles]
     inverse.sort(key=lambda extremum: (extremum.input, extremum.side))
     for sense in (-1, 1):
-        sized = [sense * extremum.value for extremum in inverse
-                 if extremum.kind in (_KINDS[sense], CONSTANT)]
-        best = max(sized, default=nan)
-        least = best - MOST_ALIKE * EPS * abs(best) if isfinite(best) else best
-        inverse = [extremum._replace(is_global=sense * extremum.value >= least)
-                   if extremum.kind == _KINDS[sense] else extremum for extremum in inverse]
+        values = {i: sense * extremum.value for i, extremum in enumerate(inverse)
+                  if extremum.kind in (_KINDS[sense], CONSTANT)}
+        greatest = _greatest(values, MOST_ALIKE) if values else set()
+        inverse = [extremum._replace(is_global=i in greatest)
+                   if extremum.kind == _KINDS[sense] else extremum
+                   for i, extremum in enumerate(inverse)]
     return inverse
 
 

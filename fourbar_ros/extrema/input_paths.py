@@ -270,19 +270,19 @@ def _between(low: float, high: float, singular: Array, points: int,
     return _paths(kernels, ends, partial(sine_between, low, high))
 
 
-def _within(ends: dict[float, End], cut: tuple[float, float], inside: dict[float, float]
+def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[float, float]
             ) -> dict[float, End]:
     """
-    Return {phi: End} of the part of a range between two inputs, which are regular ends.
+    Return {phi: End} of the part of a range between the two inputs ``cut``.
 
-    ``inside``: {phi: input} of those of both that lie inside the range. Next to a pole, that is
-    the end.
+    ``new_ends``: {phi: input}, those of both that lie inside the range. They are regular ends, but
+    next to a pole the pole is the end.
     """
     slack = {phi: NARROWEST if end.is_pole else 0.0 for phi, end in ends.items()}
     low, high = cut
     kept = {phi: end for phi, end in ends.items()
             if low - slack[phi] <= end.x <= high + slack[phi]}
-    regular = {phi: End(x, False, True) for phi, x in inside.items()
+    regular = {phi: End(x, False, True) for phi, x in new_ends.items()
                if all(abs(x - end.x) > slack[phi_of_end] for phi_of_end, end in kept.items())}
     return dict(sorted((kept | regular).items()))
 
