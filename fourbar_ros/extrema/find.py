@@ -102,7 +102,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                  progress: Callable[[float], None] = lambda share: None,
                  within: tuple[float, float] | None = None) -> list[Extremum]:
     """
-    Return all extrema over the input, in the mode of the linkage.
+    Return all extrema over the input, in the mode of the linkage, by quantity, then by input.
 
     Parameters
     ----------
@@ -132,11 +132,6 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         Lowest and highest input [rad or m]; of angles at most a turn apart,
         so (-0.5, 0.5) goes through zero. The values at both count too, as 'limit'. What lies
         beyond the input range is left out.
-
-    Returns
-    -------
-    list of Extremum
-        By quantity, in the order asked, then by theta1 (by the slide if that is driven).
 
     """
     if not isinstance(linkage, Mechanism):

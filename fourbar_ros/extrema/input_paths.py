@@ -45,13 +45,20 @@ LEAST_OF_PIECE = 8
 BESIDE_END = 1e-9
 
 
-class End(NamedTuple):
-    """End of an input path: a toggle, a pole, or where a stroke or a search ends."""
+# Kinds of ends. A pole is a flat position of a change point; at the end of a stroke or of a search
+# nothing is singular; beyond that of a piece the path goes on, but not smoothly.
+TOGGLE, POLE, REGULAR, PIECE = 'toggle', 'pole', 'regular', 'piece'
 
-    x: float                     # input, in the mechanism's unit
-    is_pole: bool                # a flat position of a change point, where quantities have poles
-    is_regular: bool = False     # the end of a stroke or a search, where nothing is singular
-    is_inner: bool = False       # the end of a piece: the path goes on beyond it, not smoothly
+
+class End(NamedTuple):
+    """An end of an input path."""
+
+    x: float        # input, in the mechanism's unit
+    kind: str       # TOGGLE, POLE, REGULAR or PIECE
+
+    @property
+    def is_pole(self) -> bool:
+        return self.kind == POLE
 
 
 class InputPath(NamedTuple):
@@ -107,7 +114,7 @@ def closer_points(end: End | None, count: int) -> Array:
     1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end, and
     at that of a piece.
     """
-    if end is None or end.is_inner:
+    if end is None or end.kind == PIECE:
         return np.zeros(0)
     octaves = (0.5 * np.arange(1, 1 + POLE_POINTS) if end.is_pole
                else np.arange(1.0, 1 + TOGGLE_POINTS))
@@ -226,9 +233,9 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
     poles = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
     turns = np.arange(-2, 3) * (2.0 * pi)
-    ends = {float(x): End(float(x), False, True, True)
+    ends = {float(x): End(float(x), PIECE)
             for x in np.add.outer(np.arange(-2, 3) * period, inner).ravel()}
-    ends |= {float(x): End(float(x), True) for x in np.add.outer(turns, poles).ravel()}
+    ends |= {float(x): End(float(x), POLE) for x in np.add.outer(turns, poles).ravel()}
     ends = dict(sorted(ends.items()))
     if within:
         turn = period * round(sum(within) / (2.0 * period))
@@ -261,11 +268,11 @@ def _between(low: float, high: float, singular: Array, points: int,
     is_pole = (scaled.imag == 0.0) & (np.abs(scaled.real) < 1.0)
     angles = np.arcsin(scaled[~is_pole])
     kernels = _kernels(np.concatenate((angles, pi - angles)), points)
-    between = {float(np.arcsin(sine)): End(float(x), True)
+    between = {float(np.arcsin(sine)): End(float(x), POLE)
                for sine, x in zip(scaled.real[is_pole], singular.real[is_pole])}
-    between |= {to_phi(x): End(float(x), False, True, True) for x in inner if low < x < high}
-    ends = {-0.5 * pi: End(low, False), **dict(sorted(between.items())),
-            0.5 * pi: End(high, False)}
+    between |= {to_phi(x): End(float(x), PIECE) for x in inner if low < x < high}
+    ends = {-0.5 * pi: End(low, TOGGLE), **dict(sorted(between.items())),
+            0.5 * pi: End(high, TOGGLE)}
     ends = _within(ends, cut, {to_phi(x): x for x in cut if low < x < high})
     return _paths(kernels, ends, partial(sine_between, low, high))
 
@@ -282,7 +289,7 @@ def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[flo
     low, high = cut
     kept = {phi: end for phi, end in ends.items()
             if low - slack[phi] <= end.x <= high + slack[phi]}
-    regular = {phi: End(x, False, True) for phi, x in new_ends.items()
+    regular = {phi: End(x, REGULAR) for phi, x in new_ends.items()
                if all(abs(x - end.x) > slack[phi_of_end] for phi_of_end, end in kept.items())}
     return dict(sorted((kept | regular).items()))
 
@@ -290,9 +297,9 @@ def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[flo
 def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array],
            period: float = 0.0) -> list[InputPath]:
     """Return the paths between ends {phi: End}, pieces joined; ``period`` of one that closes."""
-    paths, outer = [], np.array([phi for phi, end in ends.items() if not end.is_inner])
-    ends = {phi: end for phi, end in ends.items()
-            if not (end.is_inner and outer.size) or np.abs(outer - phi).min() > BESIDE_END}
+    paths, outer = [], np.array([phi for phi, end in ends.items() if end.kind != PIECE])
+    ends = {phi: end for phi, end in ends.items() if end.kind != PIECE or not outer.size
+            or np.abs(outer - phi).min() > BESIDE_END}
     for first, last in zip(ends, list(ends)[1:]):
         low, high = ends[first], ends[last]
         phi, before, after = _spread(kernels, (first, last), (low, high))
@@ -306,7 +313,7 @@ def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array],
         paths.append(InputPath(x, low, high, before, x.size - 1 - after))
     runs = list[list[InputPath]]()          # of pieces that follow each other
     for path in paths:
-        if runs and path.low and path.low.is_inner:
+        if runs and path.low and path.low.kind == PIECE:
             runs[-1].append(path)
         else:
             runs.append([path])
@@ -356,7 +363,7 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     both bounds; () for a full turn.
     """
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
-    least = LEAST_OF_PIECE if any(limit.is_inner for limit in ends) else LEAST
+    least = LEAST_OF_PIECE if any(limit.kind == PIECE for limit in ends) else LEAST
     count = max(int(np.ceil(end - begin)), least)
     before, after = (closer_points(end, count) for end in ends or (None, None))
     part = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))

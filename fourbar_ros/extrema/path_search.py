@@ -20,7 +20,7 @@ from math import comb, inf, isnan, nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.extrema.difference_sampling import DifferenceSampler
-from fourbar_ros.extrema.input_paths import End, InputPath
+from fourbar_ros.extrema.input_paths import End, InputPath, PIECE, REGULAR
 from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.newton import newton_roots, SMALL
@@ -471,7 +471,7 @@ def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
     ``side``: +1 if the path lies above the end. A limit is infinite, or a minimum if the quantity
     rises inward, else a maximum.
     """
-    if end.is_regular:
+    if end.kind in (REGULAR, PIECE):
         limits = sampler.values(np.array([end.x]))[:, 0]
     elif end.is_pole:
         limits = np.copysign(inf, samples.values[:, samples.path.inward(side)[0]])
