@@ -62,16 +62,16 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     the nearest name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
-    of_loads, own = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
+    of_loads, of_drive = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     for name in wanted:
         if name not in units:
             raise quantities.UnknownQuantity(name, units)
-    wanted = wanted or [name for name in units if name not in own
+    wanted = wanted or [name for name in units if name not in of_drive
                         and (name not in of_loads or linkage.has_loads)]
     loads_wanted = [name for name in wanted
-                    if name in of_loads or name in own and own[name].is_load]
+                    if name in of_loads or name in of_drive and of_drive[name].is_load]
     if loads_wanted and not linkage.has_loads:
         raise InvalidParameter(loads_wanted[0], None, linkage.why_no_loads)
 
@@ -79,8 +79,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
                   loads: parts.NamedFields | None) -> Array:
         if name in of_points:
             return np.asarray(of_points[name].of(motion, loads))
-        if name in own:
-            return own[name].values(linkage, inputs, speed)
+        if name in of_drive:
+            return of_drive[name].values(linkage, inputs, speed)
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
     blocks: list[Array] = []

@@ -95,7 +95,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
         cut = group.ends() if any(known[name].is_load for name in needed) else None
-        is_right, found = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
+        is_right, searched = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
         for ends in (None,) if cut is None else (None, cut):
             names = [name for name in needed
                      if cut is None or known[name].is_load == (ends is not None)]
@@ -103,12 +103,12 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
                 turns = search(group, [quantity for name in names if not isinstance(
                     quantity := known[name], OfDrive)], study.acceleration, samples, ends)
                 is_right &= ~turns.is_doubtful
-                found |= {name: (turns, row) for row, name in enumerate(names)}
+                searched |= {name: (turns, row) for row, name in enumerate(names)}
         for measure in study.measures:
             if measure.part == kinds.INPUT_RANGE:
                 columns[measure.name][rows[is_right]] = tau
             elif measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
-                values, are_right = _measured(measure, *found[measures.source(measure)],
+                values, are_right = _measured(measure, *searched[measures.source(measure)],
                                               group.cycle)
                 is_right &= are_right
                 columns[measure.name][rows[is_right]] = values[is_right]
@@ -120,7 +120,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
 def _measured(measure: Measure, turns: Turns, row: int, cycle: float) -> tuple[Array, Array]:
     """Return a measure of the quantity in a row of turns, and for which designs it is right."""
-    inputs, values = turns.places[row], turns.values[row]
+    inputs, values = turns.inputs[row], turns.values[row]
     if measure.part in kinds.MEANS:
         mean, rms = turns.means[row], np.sqrt(turns.mean_squares[row])
         of_part = {'rms': rms, 'mean': mean, kinds.WORK: np.asarray(cycle * settled(mean, rms))}

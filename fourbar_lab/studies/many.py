@@ -86,7 +86,7 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
         for *_, has_ties in compared:
             done &= ~has_ties
         for name, inputs, values, (is_maximum, is_global, _) in zip(
-                RATES, turns.places, turns.values, compared):
+                RATES, turns.inputs, turns.values, compared):
             row, k = np.nonzero(np.isfinite(inputs) & done[:, None])
             blocks[name].append(Extrema(
                 which[row], inputs[row, k], values[row, k], is_maximum[row, k], is_global[row, k],

@@ -52,7 +52,7 @@ ColumnFunction = Callable[[Array, Array], Array]
 class Turns(NamedTuple):
     """Extrema of q quantities of n mechanisms, at most r each, by input; NaN beyond the last."""
 
-    places: Array           # (q, n, r)
+    inputs: Array           # (q, n, r) [rad]
     values: Array           # (q, n, r)
     counts: Array           # (q, n)
     means: Array            # (q, n), over the input
@@ -96,13 +96,13 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     roots, has_hidden = _bracketed(slopes, spacing, mechanisms)
     x, value, strays = refined(evaluate, roots, is_positive, spacing)
     is_doubtful |= has_hidden | strays
-    places, values = (by_quantity(roots, part, shape) for part in (np.mod(x, 2.0 * pi), value))
+    at_inputs, values = (by_quantity(roots, part, shape) for part in (np.mod(x, 2.0 * pi), value))
     if is_constant.any():       # as find_extrema lists a constant: once, where the range begins
-        if not places.shape[-1]:
-            places, values = (np.full((*shape, 1), np.nan) for _ in range(2))
-        places[is_constant, 0], values[is_constant, 0] = 0.0, samples[is_constant, 0]
+        if not at_inputs.shape[-1]:
+            at_inputs, values = (np.full((*shape, 1), np.nan) for _ in range(2))
+        at_inputs[is_constant, 0], values[is_constant, 0] = 0.0, samples[is_constant, 0]
     for i in np.nonzero(is_angle)[0]:       # in the turn of the samples, which are continuous
-        near = np.clip(np.nan_to_num(places[i] / spacing).astype(int), 0, count - 1)
+        near = np.clip(np.nan_to_num(at_inputs[i] / spacing).astype(int), 0, count - 1)
         reference = np.take_along_axis(samples[i], near, axis=-1)
         values[i] += 2.0 * pi * np.round((reference - values[i]) / (2.0 * pi))
     with np.errstate(all='ignore'):
@@ -111,7 +111,7 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
         half, half_square = samples[..., ::2].mean(axis=-1), squares[..., ::2].mean(axis=-1)
         are_squares = np.abs(mean_square - half_square) <= AGREE * mean_square
         are_means = are_squares & (np.abs(mean - half) <= AGREE_MEAN * np.sqrt(mean_square))
-    return Turns(places, values, np.isfinite(places).sum(axis=-1), mean, mean_square,
+    return Turns(at_inputs, values, np.isfinite(at_inputs).sum(axis=-1), mean, mean_square,
                  are_means, are_squares, turns.reshape(shape) != 0.0, is_doubtful)
 
 
@@ -188,11 +188,11 @@ def by_quantity(roots: Roots, numbers: Array, shape: tuple[int, ...]) -> Array:
 def refined(evaluate: ColumnFunction, roots: Roots, is_positive: Array,
             spacing: Values) -> tuple[Array, Array, Array]:
     """
-    Return places and values of roots, (roots,), and which mechanisms have one that strays, (n,).
+    Return inputs and values of roots, (roots,), and which mechanisms have one that strays, (n,).
 
     ``is_positive``, shape (q, n): of these quantities, roots of the slope of half the square are
     sought; ``spacing``: of the samples, of all or at each root. The first step divides the slope
-    by the bend of the samples, the others by that of a secant through the last two places. The
+    by the bend of the samples, the others by that of a secant through the last two inputs. The
     error after a step is about its product with the step before over the spacing, after the first
     the part by which bends of samples may be wrong: where that is small, a root is found. One that
     moves by more than the spacing, or is not found in :data:`STEPS`, strays.

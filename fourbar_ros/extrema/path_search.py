@@ -200,9 +200,10 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
         is_flat = differs.size and differs[0] > 0
         return bool(side * away[differs[0]] > 0.0 if is_flat else slope >= 0.0)
 
-    found = [_Jump(int(rows[row]), int(gap), (float(v_before[row, gap]), float(v_after[row, gap])),
-                   (rises(row, gap, -1), rises(row, gap, 1)))
-             for row, gap in zip(*np.nonzero(jumps))]
+    of_jumps = [_Jump(int(rows[row]), int(gap),
+                      (float(v_before[row, gap]), float(v_after[row, gap])),
+                      (rises(row, gap, -1), rises(row, gap, 1)))
+                for row, gap in zip(*np.nonzero(jumps))]
     row, gap = np.nonzero(((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps)
     kinks = (rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1), v_before[row, gap])
     brackets = []
@@ -215,7 +216,7 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
         first = sampled if begin else near
         brackets.append((index[gap] if begin else before[gap], rows[row], low[gap], high[gap],
                          first[row, gap], 0.5 * (low + high)[gap]))
-    return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, found)
+    return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, of_jumps)
 
 
 class Roots(NamedTuple):

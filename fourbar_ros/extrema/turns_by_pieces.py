@@ -68,11 +68,11 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Array, count: int, 
     # at the ends
     row, k = np.nonzero(is_end)
     before = (k - 1) % is_end.shape[1]
-    place = low[row, k]
+    x_ends = low[row, k]
     tiny = BESIDE * cycle
     sides = np.ones((mechanisms, 2, ends.shape[1]))
     column = rank_of(row)
-    sides[row, 0, column], sides[row, 1, column] = place - tiny, place + tiny
+    sides[row, 0, column], sides[row, 1, column] = x_ends - tiny, x_ends + tiny
     result = evaluate(sides.reshape(mechanisms, -1) + 1j * full_turns.STEP, every)
     result = result.reshape(*shape, 2, -1)[:, row, :, column].transpose(1, 2, 0)   # (q, 2, ends)
     value, slope = result.real, result.imag / full_turns.STEP
@@ -142,22 +142,22 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Array, count: int, 
     of_constant = np.nonzero(is_constant & ~is_doubtful)
     quantity, mechanism, x, values = (np.concatenate(parts) for parts in zip(
         (roots.quantity, roots.mechanism, root, value_of_root),
-        (of_kink[0], row[of_kink[1]], place[of_kink[1]], value[:, 0][of_kink]),
-        *((of_jump[0], row[of_jump[1]], place[of_jump[1]], value[:, side][of_jump])
+        (of_kink[0], row[of_kink[1]], x_ends[of_kink[1]], value[:, 0][of_kink]),
+        *((of_jump[0], row[of_jump[1]], x_ends[of_jump[1]], value[:, side][of_jump])
           for side in (0, 1)),
         (*of_constant, np.zeros(of_constant[0].size), samples[..., 0, 0][of_constant])))
     x = np.mod(x, cycle)
     order = np.lexsort((x, quantity, mechanism))
     quantity, mechanism, x, values = (v[order] for v in (quantity, mechanism, x, values))
     listed = full_turns.Roots(x, x, mechanism, quantity, rank_of(mechanism * shape[0] + quantity))
-    places = full_turns.by_quantity(listed, x, shape)
+    inputs = full_turns.by_quantity(listed, x, shape)
     weights = _WEIGHTS * (half[..., None] / cycle)
     mean, mean_square = ((g * weights).sum(axis=(2, 3)) for g in (samples, samples * samples))
     tail = np.abs(samples @ _TO_MODES[:, -2:]).max(axis=3)
     error = np.sqrt((tail * tail * half).sum(axis=2) * (2.0 / cycle))
     rms = np.sqrt(mean_square)
     return full_turns.Turns(
-        places, full_turns.by_quantity(listed, values, shape), np.isfinite(places).sum(axis=-1),
+        inputs, full_turns.by_quantity(listed, values, shape), np.isfinite(inputs).sum(axis=-1),
         mean, mean_square, error <= SETTLED * rms, error <= full_turns.AGREE * rms,
         np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 

@@ -25,7 +25,7 @@ def test_two_extrema_between_two_samples_are_found_or_doubtful_never_lost():
     safe = ~found.is_doubtful
     assert safe.any() and not safe.all()
     assert (found.counts[0, safe] == 2).all()
-    places = np.sort(found.places[0, safe][:, :2], axis=1)
+    places = np.sort(found.inputs[0, safe][:, :2], axis=1)
     exact = gaps[safe, 0]
     assert np.abs(places - 1.0 - np.stack((-exact, exact), axis=1)).max() < 1e-9
 
