@@ -187,9 +187,12 @@ def last_question() -> Section:
     """Test the paper's claim that extreme alpha4 implies extreme shaking."""
     title = ('Paper, its question - do extreme angular velocity and acceleration '
              'imply extreme shaking?')
+    linkage = published.counterweighted(THIN)
+    theta1 = published.input_of_largest(linkage, 'alpha4')
+    peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
     return Section(title, [
         equal('force at the largest alpha4 over its peak, with a counterweight on the crank', '',
-              published.force_share(published.counterweighted(THIN)), 0.0, documents.ANSWERED,
+              linkage.loads(theta1, 1.0).shaking_force / peak, 0.0, documents.ANSWERED,
               'no: 5 kg on the crank of any linkage can cancel the force in one pose '
               '(docs/extrema.md)'),
     ])

@@ -102,12 +102,6 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
             np.abs(literal))
 
 
-def force_share(linkage: FourBar) -> float:
-    """Return the shaking force at the largest alpha4 over its peak."""
-    peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
-    return float(linkage.loads(input_of_largest(linkage, 'alpha4'), 1.0).shaking_force) / peak
-
-
 def input_of_largest(linkage: FourBar, quantity: str) -> float:
     """Return theta1 [rad] where a quantity is largest, of either sign."""
     return max(find_extrema(linkage, (quantity,), 1.0),

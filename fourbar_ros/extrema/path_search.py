@@ -30,7 +30,7 @@ import numpy as np
 # Power of sin(mu) by which derivatives grow at toggles (for accelerations; forces grow faster by
 # one, rates more slowly). Times this power they are smooth. The derivative of a magnitude |F|
 # needs the factor |F| too: near a zero of the force it changes suddenly, F . dF/dtheta1 does not.
-POLE = 5
+AT_TOGGLE = 5
 # Samples on either side of an end from which the value there is interpolated.
 NEIGHBOURS = 12
 # Distance from a toggle at which a quantity is sampled again, over that of the samples: by the
@@ -239,7 +239,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
     # between samples, and a positive factor moves no root
     values = samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True),
-                     values * samples.sine**(2 * POLE - 1), samples.sine**POLE)
+                     values * samples.sine**(2 * AT_TOGGLE - 1), samples.sine**AT_TOGGLE)
     f = np.asarray(samples.slopes[rows].T * scale.T)
     turn = rises(np.unwrap(x)[:, None], False, before_gaps)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
