@@ -15,6 +15,7 @@ STUDY = ['pyarrow>=15', 'distributed', *DYNAMICS]
 BALANCE = ['clarabel>=0.9', *DYNAMICS]
 LIVE = ['nicegui>=3.5,<4', 'starlette']
 PROOF = ['python-flint']
+ROBOTS = ['mujoco>=3.3']
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
 SCENES = {f'{NAME}.config{sub.replace("/", ".")}': f'config{sub}' for sub in (
     '', '/classics', '/robots', '/studies')}
@@ -44,7 +45,8 @@ setup(
         'balance': BALANCE,
         'live': LIVE,
         'proof': PROOF,
-        'all': [*BAG, *PLOT, *STUDY, *BALANCE, *LIVE, *PROOF],
+        'robots': ROBOTS,
+        'all': [*BAG, *PLOT, *STUDY, *BALANCE, *LIVE, *PROOF, *ROBOTS],
         'parquet': ['pyarrow'],
         'completion': ['argcomplete>=3'],
         # tests, benchmarks, the pictures of the docs

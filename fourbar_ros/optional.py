@@ -19,6 +19,7 @@ INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'pyarrow': 'pip install pyarrow',
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
+           'mujoco': 'pip install mujoco',
            'nicegui': 'pip install nicegui', 'clarabel': 'pip install clarabel',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
            'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}

@@ -20,14 +20,15 @@ from typing import NoReturn
 import warnings
 
 from fourbar_ros import __version__
-from fourbar_ros.cli import bag, describe, replay, scene, simulate
+from fourbar_ros.cli import bag, describe, import_robot, replay, scene, simulate
 from fourbar_ros.cli.common import HelpFormatter, refuse_overwriting
 from fourbar_ros.errors import FourBarError, SceneWarning
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.arguments import Parser
 
 GROUP = 'fourbar.verbs'
-VERBS = {'bag': bag, 'describe': describe, 'replay': replay, 'scene': scene, 'simulate': simulate}
+VERBS = {'bag': bag, 'describe': describe, 'import': import_robot, 'replay': replay,
+         'scene': scene, 'simulate': simulate}
 DESCRIPTION = """\
 Motion, loads and extrema of planar linkages, and tools for recorded runs: four-bars,
 slider-cranks, inverted slider-cranks, Scotch yokes and machines of dyads. Works without ROS,
@@ -52,6 +53,7 @@ examples:
   fourbar bag info bags/run                    what a bag contains
   fourbar bag recompute bags/run               recompute every recorded output and compare
   fourbar describe paper -o paper.urdf         the scene as URDF; or --as mjcf
+  fourbar import robot.xml -o robot.yaml       closed loops of a robot's MJCF or URDF as scenes
   fourbar generate paper -o code               the scene as C; or --as fmu2
   fourbar replay bags/run --rate 2             publish a run again, twice as fast
   fourbar study STUDY.yaml -o DIR              compute many designs of a scene

@@ -6,6 +6,11 @@ URDF of a scene, for robot_state_publisher, RViz, MoveIt, Foxglove.
 URDF cannot close a loop (a mimic joint follows one line), so the tree is cut at one joint of each
 loop. Two frames there, ``closing_NAME_1`` and ``closing_NAME_2``, coincide if the joint states
 belong together, as the node's do. Joints have the names in ``joint_states``.
+
+Elements that programs ignore if they do not know them say the rest: ``constraint`` a cut joint, as
+proposed for urdfdom, ``transmission`` the drive, and ``group_state``, as in SRDF, the pose at the
+start of the scene, in which the loops are closed. Zeros of joints are those of ``joint_states``,
+where the loops are mostly open. ``fourbar import`` reads all three.
 """
 from __future__ import annotations
 
@@ -54,8 +59,24 @@ def urdf(model: RobotModel) -> str:
         first, second = closure.frames
         _fixed(robot, first, closure.parent, (*connection.on_parent, 0.0))
         _fixed(robot, second, closure.child, (*connection.on_child, 0.0))
+        if connection.axis is None:
+            constraint = add(robot, 'constraint', name=closure.name, type='revolute')
+            for side, frame, point in (('parent', closure.parent, connection.on_parent),
+                                       ('child', closure.child, connection.on_child)):
+                add(constraint, side, link=frame)
+                add(constraint, f'{side}_origin', xyz=(*point, 0.0))
+                add(constraint, f'{side}_axis', xyz=(0.0, 0.0, 1.0))
     for name, (frame, x, y) in model.points.items():
         _fixed(robot, name, frame, (x, y, 0.0))
+    driven = next((joint.name for joint in model.joints if joint.is_driven), '')
+    if driven:                  # at B of a four-bar it is cut
+        transmission = add(robot, 'transmission', name=f'{driven}_drive')
+        add(transmission, 'type', 'transmission_interface/SimpleTransmission')
+        add(transmission, 'joint', name=driven)
+        add(transmission, 'actuator', name=f'{driven}_drive')
+    start = add(robot, 'group_state', name='start', group='all')
+    for joint in model.joints:
+        add(start, 'joint', name=joint.name, value=joint.start)
     return as_text(robot)
 
 

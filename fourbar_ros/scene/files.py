@@ -227,8 +227,8 @@ def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, A
         root = ROOT.match(text)
         if root and root[1] in DESCRIPTIONS:         # which users take for a scene
             raise SceneError(f'{path}: is no scene but a robot description, '
-                             f'{DESCRIPTIONS[root[1]]}; reading it is not possible yet, fourbar '
-                             'describe writes URDF and MJCF')
+                             f'{DESCRIPTIONS[root[1]]}; fourbar import makes scenes of the loops '
+                             'in URDF and MJCF')
         return text, yaml.load(text, loader)
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None

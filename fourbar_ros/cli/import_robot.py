@@ -1,0 +1,93 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``fourbar import``: the planar loops of a robot's MJCF or URDF as scenes."""
+from __future__ import annotations
+
+from argparse import ArgumentTypeError, Namespace
+from pathlib import Path
+
+from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
+
+EPILOG = """\
+examples:
+  fourbar import hand.xml                                what loops there are, and of what kind
+  fourbar import hand.xml -o hand.yaml --check           scenes, compared with MuJoCo
+  fourbar import leg.urdf --close rod_end,foot_ball --drive knee --at knee=-40 -o leg.yaml
+
+Each loop becomes a scene in which the node is a relay for the robot's passive joints. What the
+file leaves open is asked for, never guessed: which joint drives, which to hold of several degrees
+of freedom, a pose from which the assembly mode can be read. docs/robots.md has the rest.
+
+exit code 3: a loop was refused, or is not as MuJoCo has it.
+"""
+
+
+def add(verbs: Verbs) -> None:
+    """Add ``fourbar import`` with its arguments."""
+    verb = add_verb(verbs, 'import', "write a robot's closed loops as scenes",
+                    'Read the planar closed loops of a robot, from MJCF or URDF, and write them '
+                    'as scenes.', EPILOG)
+    verb.add_argument('file', type=Path, metavar='FILE', help='MJCF (.xml) or URDF')
+    add_output(verb, '-o', '--out', metavar='SCENES', suffix='.yaml',
+               help='scene file to write, with a section for each loop; default: report only')
+    verb.add_argument('--loop', default='', metavar='JOINT',
+                      help='only the loop that has this joint or link')
+    verb.add_argument('--drive', action='append', default=[], metavar='JOINT',
+                      help='driven joint of a loop, if the file has no motor there')
+    verb.add_argument('--base', default='', metavar='LINK',
+                      help="link that carries the loop; default: that towards the robot's root")
+    verb.add_argument('--close', action='append', default=[], metavar='FRAME,FRAME[:fixed]',
+                      help='frames of a URDF that coincide where its loop is closed, by a pin or '
+                           'fixed; a frame may be LINK@x/y/z [m]')
+    verb.add_argument('--lock', action='append', default=[], metavar='JOINT',
+                      help="hold a joint as in the file's pose")
+    verb.add_argument('--cut', action='append', default=[], metavar='JOINT',
+                      help='leave out a joint that closes a loop')
+    verb.add_argument('--key', default='', metavar='NAME', help='pose of an MJCF: a key')
+    verb.add_argument('--at', action='append', default=[], type=_pair, metavar='JOINT=VALUE',
+                      help='position of a joint in the pose [degrees, of a slide m], or with a '
+                           'unit: 0.5rad, 50mm')
+    verb.add_argument('--mode', action='append', default=[], type=_mode, metavar='DYAD=1|2',
+                      help='assembly mode of a dyad (d1, d2, ... or cylinder)')
+    verb.add_argument('--gravity', type=_vector, default=(), metavar='X,Y,Z',
+                      help='[m/s^2] in the root; default: that of MJCF, of URDF 0,0,-9.80665')
+    verb.add_argument('--check', action='store_true',
+                      help='compare joints and drive with MuJoCo over the range')
+    verb.set_defaults(run=_import)
+
+
+def _pair(text: str) -> tuple[str, str]:
+    name, equals, value = text.rpartition('=')
+    if not equals or not name:
+        raise ArgumentTypeError(f'{text!r}: must be JOINT=VALUE')
+    return name, value
+
+
+def _mode(text: str) -> tuple[str, int]:
+    name, mode = _pair(text)
+    if mode not in ('1', '2'):
+        raise ArgumentTypeError(f'{text!r}: must be DYAD=1 or DYAD=2')
+    return name, int(mode)
+
+
+def _vector(text: str) -> tuple[float, ...]:
+    try:
+        numbers = tuple(map(float, text.split(',')))
+    except ValueError:
+        numbers = ()
+    if len(numbers) != 3:
+        raise ArgumentTypeError(f'{text!r}: must be X,Y,Z')
+    return numbers
+
+
+def _import(arguments: Namespace) -> int:
+    from fourbar_ros.importing.files import import_file, Wishes
+    result = import_file(arguments.file, Wishes(
+        arguments.loop, arguments.drive, arguments.base, arguments.close, arguments.lock,
+        arguments.cut, arguments.key, dict(arguments.at), dict(arguments.mode), arguments.gravity,
+        arguments.check))
+    print('\n'.join(result.report))
+    if arguments.out and result.loops:
+        arguments.out.write_text(result.text, encoding='utf-8')
+        print(arguments.out)
+    return 0 if result.is_good else BAD

@@ -1,0 +1,192 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+An imported loop beside MuJoCo: joints from its constraints, the drive from its inverse dynamics.
+
+MuJoCo keeps constraints by springs when it simulates; here Newton's method solves them tightly, by
+their own Jacobian, from beside the scene's answer. The drive follows by virtual work from the
+forces that all joints of the tree need, at a rate and an acceleration.
+"""
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from math import pi, tau
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from fourbar_ros.importing.machine import Imported
+from fourbar_ros.importing.mjcf import equality_name, spec_of
+from fourbar_ros.importing.robot import FIXED, PIN, Robot, RobotJoint, SLIDE
+from fourbar_ros.numerics.arrays import Array
+import numpy as np
+
+SAMPLES, RATE, ACCELERATION = 41, 2.0, 3.0      # over the range [rad/s or m/s, and per s]
+MARGIN, STEP = 0.01, 1e-4                       # shares of the range: at its ends, of differences
+BESIDE = 0.02                                   # [rad], and share of the size: where Newton begins
+SAME_JOINT, SAME_DRIVE = 1e-6, 1e-5             # [rad, m] and share of the peak that are good
+
+
+class Checked(NamedTuple):
+    """The largest differences: of joints [rad, m] and which, of the drive as share of its peak."""
+
+    low: float                  # of the driven joint [rad or m]
+    high: float
+    joint: float
+    which: str
+    drive: float | None         # None without masses
+    peak: float                 # [N m or N]
+
+    @property
+    def is_good(self) -> bool:
+        return self.joint < SAME_JOINT and (self.drive or 0.0) < SAME_DRIVE
+
+    def __str__(self) -> str:
+        loads = ('no masses' if self.drive is None else
+                 f'drive within {self.drive:.1e} of its peak {self.peak:.4g}')
+        return (f'beside MuJoCo from {self.low:.4g} to {self.high:.4g}: joints within '
+                f'{self.joint:.1e} ({self.which}), {loads}')
+
+
+class _Solver:
+    """The loop in MuJoCo: its joints where the constraints hold, for a position of the drive."""
+
+    def __init__(self, model: Any, qpos: Array, loop: Imported, cut: Collection[str]) -> None:
+        import mujoco
+        self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
+                                   | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+        self.data.eq_active[:] = [
+            model.eq_type[index] in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+            and equality_name(model, index) not in cut for index in range(model.neq)]
+        joints = [scale.joint for scale in loop.scales.values() if not scale.joint.closes]
+        self.joints = [joint for joint in joints if joint is not loop.drive.joint]
+        indices = {joint.name: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
+                   for joint in joints}
+        self.address = {name: model.jnt_qposadr[index] for name, index in indices.items()}
+        self.passive = [model.jnt_dofadr[indices[joint.name]] for joint in self.joints]
+        self.driven = model.jnt_dofadr[indices[loop.drive.joint.name]]
+        self.qpos, self.drive = qpos, loop.drive.joint.name
+        self.beside = np.array([BESIDE * (loop.loop.size() if joint.kind == SLIDE else 1.0)
+                                for joint in self.joints])
+
+    def constraints(self) -> tuple[Array, Array]:
+        """Return (Jacobian, residuals) of the constraints on the loop's joints, in qpos."""
+        self.mujoco.mj_fwdPosition(self.model, self.data)
+        equal = self.data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        jacobian = self.data.efc_J.reshape(-1, self.model.nv)[equal]
+        acts = np.any(np.abs(jacobian[:, self.passive]) > 1e-12, axis=1)
+        return jacobian[acts], self.data.efc_pos[equal][acts]
+
+    def solved(self, position: float, near: Array) -> tuple[Array, Array]:
+        """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
+        data, places = self.data, [self.address[joint.name] for joint in self.joints]
+        data.qpos[:] = self.qpos
+        data.qpos[self.address[self.drive]] = position
+        data.qpos[places] = near + self.beside
+        for _ in range(50):
+            jacobian, residuals = self.constraints()
+            step = np.linalg.lstsq(jacobian[:, self.passive], -residuals, rcond=1e-10)[0]
+            data.qpos[places] += step * min(1.0, 0.2 / max(float(np.max(np.abs(step))), 1e-12))
+            if np.max(np.abs(step)) < 1e-15:
+                break
+        jacobian, _ = self.constraints()
+        rates = np.zeros(self.model.nv)
+        rates[self.driven] = 1.0
+        rates[self.passive] = np.linalg.lstsq(jacobian[:, self.passive],
+                                              -jacobian[:, self.driven], rcond=1e-10)[0]
+        return data.qpos[places].copy(), rates
+
+
+def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) -> Checked:
+    """
+    Return how far a loop's scene is from MuJoCo over its range, at a rate and an acceleration.
+
+    ``model``: an MjModel in which equality constraints close the loops; ``qpos``: the file's pose;
+    ``cut``: equalities that are left out.
+    """
+    solver, scene, drive = _Solver(model, qpos, loop, cut), loop.scene, loop.drive
+    mechanism, data = scene.linkage, solver.data
+    coordinates = {scale.joint.name: (scale, joint.coordinate.position) for scale, joint in
+                   zip(loop.scales.values(), mechanism.JOINTS)}
+    start = scene.drive.start
+    low, high = ((start - pi, start + pi) if mechanism.turns_fully else
+                 mechanism.range_around(start))
+    low, high = low + MARGIN * (high - low), high - MARGIN * (high - low)
+
+    def expected(position: float) -> Array:
+        motion = mechanism.motion(position, 0.0, 0.0)
+        return np.array([scale.ratio * getattr(motion, name) + scale.offset for scale, name in
+                         (coordinates[joint.name] for joint in solver.joints)])
+
+    def at_joint(position: float) -> float:
+        return drive.ratio * position + drive.offset
+
+    worst, which, far, peak = 0.0, '', 0.0, 0.0
+    step = STEP * (high - low)
+    for position in map(float, np.linspace(low, high, SAMPLES)):
+        near = expected(position)
+        joints, _ = solver.solved(at_joint(position), near)
+        away = joints - near
+        turns = np.array([joint.kind != SLIDE for joint in solver.joints])
+        away[turns] = (away[turns] + pi) % tau - pi
+        index = int(np.argmax(np.abs(away)))
+        if abs(away[index]) >= worst:
+            worst, which = float(abs(away[index])), solver.joints[index].name
+        if mechanism.bodies is None:
+            continue
+        # of fourth order: d rates / d position of the drive
+        beside = {shift: solver.solved(at_joint(position + shift * step),
+                                       expected(position + shift * step))[1]
+                  for shift in (-2, -1, 1, 2)}
+        bend = (8.0 * (beside[1] - beside[-1]) - (beside[2] - beside[-2])) / (
+            12.0 * step * drive.ratio)
+        _, rates = solver.solved(at_joint(position), near)
+        rate = drive.ratio * RATE
+        data.qvel[:] = rates * rate
+        data.qacc[:] = bend * rate**2 + rates * drive.ratio * ACCELERATION
+        solver.mujoco.mj_fwdVelocity(model, data)
+        forces = np.zeros(model.nv)
+        solver.mujoco.mj_rne(model, data, 1, forces)
+        _, loads = mechanism.step(position, RATE, ACCELERATION)
+        ours = (loads.driving_force if drive.joint.kind == SLIDE else loads.driving_torque)
+        theirs = drive.ratio * float(rates @ forces)
+        peak, far = max(peak, abs(theirs)), max(far, abs(theirs - ours))
+    drive_off = None if mechanism.bodies is None else far / peak if peak else 0.0
+    return Checked(min(at_joint(low), at_joint(high)), max(at_joint(low), at_joint(high)), worst,
+                   which, drive_off, peak)
+
+
+def mujoco_of(path: Path, robot: Robot, closing: Sequence[RobotJoint]) -> tuple[Any, Array]:
+    """
+    Return MuJoCo's own model of a file and its joints in the robot's pose.
+
+    MuJoCo reads URDF too, but for its loops: those get equality constraints, of the joints
+    ``closing``.
+    """
+    import mujoco
+    spec = spec_of(path)[0]
+    if robot.format == 'URDF':
+        for joint in closing:
+            equality = spec.add_equality(
+                name=joint.name, objtype=mujoco.mjtObj.mjOBJ_SITE, type=mujoco.mjtEq.mjEQ_WELD
+                if joint.kind == FIXED else mujoco.mjtEq.mjEQ_CONNECT)
+            names = []
+            for body, point in ((joint.parent, joint.on_parent), (joint.child, joint.on_child)):
+                pose = robot.poses[body]
+                quaternion = np.zeros(4)
+                mujoco.mju_mat2Quat(quaternion, pose[:3, :3].T.ravel())
+                names.append(f'{joint.name} on {body}')
+                spec.body(body).add_site(name=names[-1], quat=quaternion,
+                                         pos=pose[:3, :3].T @ (point - pose[:3, 3]))
+            equality.name1, equality.name2 = names
+            if joint.kind == FIXED:
+                equality.data[:] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
+    model = spec.compile()
+    model.opt.gravity[:] = robot.gravity
+    pose = model.qpos0.copy()
+    for joint in robot.joints:
+        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
+        if index >= 0 and joint.kind in (PIN, SLIDE):
+            pose[model.jnt_qposadr[index]] = joint.position
+    return model, pose

@@ -1,0 +1,150 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The loops of a robot's file as a file of scenes, with a report of what was read and left out."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+import re
+from typing import TYPE_CHECKING
+
+from fourbar_ros.errors import nearest
+from fourbar_ros.importing.loops import Loop, loops_of
+from fourbar_ros.importing.machine import Choices, Imported, imported
+from fourbar_ros.importing.robot import Refused, Robot
+from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT
+import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.importing.check import Checked  # which imports MuJoCo's reader
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What the user says beside the file: ``docs/robots.md`` has it in words."""
+
+    loop: str = ''                          # a joint or link of the only loop that is wanted
+    drives: Sequence[str] = ()              # joints
+    base: str = ''                          # a link
+    close: Sequence[str] = ()               # of URDF: FRAME,FRAME or FRAME,FRAME:fixed
+    lock: Sequence[str] = ()                # joints that are held
+    cut: Sequence[str] = ()                 # closing joints that are left out
+    key: str = ''                           # of MJCF: a pose
+    at: Mapping[str, str] = field(default_factory=dict)         # {joint: position}, as text
+    modes: Mapping[str, int] = field(default_factory=dict)      # {dyad: 1 or 2}
+    gravity: Sequence[float] = ()           # [m/s^2] in the frame of the root
+    check: bool = False                     # against MuJoCo
+
+
+@dataclass(frozen=True)
+class Result:
+    """The imported loops, the lines of the report, each loop beside MuJoCo if that was asked."""
+
+    loops: Sequence[Imported]
+    report: Sequence[str]
+    is_good: bool                   # nothing was refused or differs
+    checks: Sequence[Checked] = ()
+
+    @property
+    def text(self) -> str:
+        """Return the parameter file: a section for each loop, for any node if there is one."""
+        texts = []
+        for loop in self.loops:
+            text = as_text(loop.values)
+            if len(self.loops) > 1:
+                text = text.replace('/**:', f'{_word(loop.drive.joint.name)}:', 1)
+            texts.append(''.join(f'# {line}\n' for line in loop.report) + text)
+        return '\n'.join(texts)
+
+
+def _word(name: str) -> str:
+    """Return a name as ROS takes it for a node."""
+    word = re.sub(r'\W+', '_', name, flags=re.ASCII).strip('_')
+    return word if word[:1].isalpha() else f'loop_{word}'
+
+
+def read(path: Path, wishes: Wishes = Wishes()) -> Robot:
+    """Return the robot of an MJCF or URDF in the pose that is asked for; raises Refused."""
+    try:
+        text = path.read_text(encoding='utf-8')
+    except UnicodeDecodeError:
+        text = ''
+    root = ROOT.match(re.sub('<!--.*?-->', '', text, flags=re.DOTALL))
+    format_ = DESCRIPTIONS.get(root[1]) if root else None
+    if format_ == 'MJCF':
+        from fourbar_ros.importing.mjcf import read_mjcf
+        if wishes.close:
+            raise Refused('--close: the loops of MJCF are its equality constraints')
+        robot = read_mjcf(path, wishes.key, wishes.at)
+    elif format_ == 'URDF':
+        from fourbar_ros.importing.urdf import read_urdf
+        robot = read_urdf(path, wishes.close, wishes.key, wishes.at)
+    elif format_ == 'SDF':
+        raise Refused(f'{path}: is SDF, which is not read: take the URDF or MJCF of the robot')
+    else:
+        raise Refused(f'{path}: is neither MJCF nor URDF')
+    if wishes.gravity:
+        robot.gravity = np.array(wishes.gravity)
+    elif robot.format == 'URDF':
+        robot.notes.append('URDF has no gravity: taken as 9.80665 m/s^2 against z of the root '
+                           '(--gravity)')
+    return robot
+
+
+def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
+    """
+    Return the planar loops of a robot's file as scenes.
+
+    Raises Refused if the file cannot be read, or has no loop that is asked for; a loop that cannot
+    be imported is a line of the report.
+    """
+    robot = read(path, wishes)
+    loops = loops_of(robot, wishes.lock, wishes.cut)
+    plural = '' if len(loops) == 1 else 's'
+    report = [f'{path.name}: {robot.format}, {len(robot.poses)} bodies, {len(loops)} loop{plural}',
+              *(f' note: {note}' for note in robot.notes)]
+    words = [{joint.name for joint in loop.joints} | {*map(loop.name_of, loop.parts)}
+             for loop in loops]
+    for option, name in (('--loop', wishes.loop), *(('--drive', each) for each in wishes.drives)):
+        if name and not any(name in of_loop for of_loop in words):
+            known = [word for of_loop in words for word in of_loop]
+            raise Refused(f'{option} {name}: no loop has it{nearest(name, known)}')
+    wanted = [(number, loop) for number, (loop, of_loop) in enumerate(zip(loops, words), 1)
+              if not wishes.loop or wishes.loop in of_loop]
+    if wishes.modes and len(wanted) > 1:
+        raise Refused(f'--mode is of one of {len(wanted)} loops: say by --loop of which')
+    results, checks, is_good = [], [], True
+    for number, loop in wanted:
+        report.append(f' loop {number}: {", ".join(joint.name for joint in loop.joints)}')
+        try:
+            done = _imported(loop, wishes)
+        except Refused as error:
+            report.append(f'  refused: {error}')
+            is_good = False
+            continue
+        results.append(done)
+        report += [f'  {line}' for line in done.report]
+        if wishes.check:
+            from fourbar_ros.importing.check import check, mujoco_of  # few ask for it
+            closing = [joint for joint in done.loop.robot.joints if joint.closes]
+            model, pose = mujoco_of(path, robot, closing)
+            checks.append(check(model, pose, done, wishes.cut))
+            report.append(f'  {checks[-1]}' + ('' if checks[-1].is_good else ': BAD'))
+            is_good = is_good and checks[-1].is_good
+    return Result(results, report, is_good, checks)
+
+
+def _imported(loop: Loop, wishes: Wishes) -> Imported:
+    names = {joint.name for joint in loop.joints}
+    drives = [name for name in wishes.drives if name in names]
+    if len(drives) > 1:
+        raise Refused(f'--drive {" --drive ".join(drives)}: a loop has one; hold the others by '
+                      '--lock')
+    base = wishes.base if wishes.base in loop.part_of and (
+        wishes.loop or loop.part_of[wishes.base] in loop.parts) else ''
+    if wishes.base and wishes.base not in loop.part_of:
+        raise Refused(f'--base {wishes.base}: the file has no such link'
+                      f'{nearest(wishes.base, loop.part_of)}')
+    choices = Choices(drives[0] if drives else '', base, wishes.modes)
+    return imported(loop, choices, f'{_word(drives[0] if drives else loop.joints[0].name)}_plane')

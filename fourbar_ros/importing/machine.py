@@ -1,0 +1,296 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A planar loop of a robot as a scene: what drives it, dyad after dyad, masses, joints, frame."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import atan2, hypot, tau
+from typing import NamedTuple
+
+from fourbar_ros.importing.loops import base_of, check_freedom, Loop, normal_of
+from fourbar_ros.importing.plane import CYLINDER, Plane, Scale
+from fourbar_ros.importing.robot import Coupling, Refused, RobotJoint, SLIDE
+from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import ParameterValues
+import numpy as np
+
+
+class Choices(NamedTuple):
+    """What the user said about a loop: names of joint and link, {dyad: mode}."""
+
+    drive: str = ''
+    base: str = ''
+    modes: Mapping[str, int] = {}
+
+
+class Imported(NamedTuple):
+    """A loop as a scene: its values, its joints by the scene's name, and lines of a report."""
+
+    loop: Loop
+    values: ParameterValues
+    scene: Scene
+    scales: Mapping[str, Scale]
+    drive: Scale
+    report: list[str]
+
+
+def drive_of(loop: Loop, base: str, wanted: str) -> tuple[RobotJoint, Coupling | None]:
+    """
+    Return the driven joint of a loop, with the gear from a motor elsewhere; raises Refused.
+
+    ``wanted``: the joint's name; else the motors of the file, or what is geared to one, say it.
+    """
+    names = {joint.name: joint for joint in loop.joints}
+    motors = loop.robot.drives
+    if wanted and wanted not in names:
+        raise Refused(f'--drive {wanted}: no joint of this loop, which has {", ".join(names)}')
+    driven = [wanted] if wanted else list(dict.fromkeys(name for name in motors if name in names))
+    gear = None
+    for coupling in loop.robot.couplings if not driven else ():
+        joint, motor, offset, ratio = coupling
+        if motor in names and joint in motors and joint not in names and ratio:
+            joint, motor, offset, ratio = motor, joint, -offset / ratio, 1.0 / ratio
+        if joint in names and motor in motors and motor not in names and ratio:
+            driven, gear = [joint], Coupling(joint, motor, offset, ratio)
+    if not driven:
+        on_base = [joint.name for joint in loop.joints_of(base) if not joint.closes]
+        raise Refused('the file does not say which joint of this loop is driven: give --drive, '
+                      f'as of {", ".join(on_base)}')
+    if len(driven) > 1:
+        raise Refused(f'{len(driven)} joints of this loop are driven, {", ".join(driven)}: hold '
+                      'all but one by --lock')
+    return names[driven[0]], gear
+
+
+class Way(NamedTuple):
+    """
+    How a drive moves a loop: ``input`` as ``linkage.input`` of the scene has it.
+
+    ``hinge`` joins the driven link to the ``carrier``: the base, or a moving link. The cylinder's
+    rod and tube, each with the joint at its far end, are a dyad that the drive slides.
+    """
+
+    input: str
+    carrier: str
+    hinge: RobotJoint
+    cylinder: Sequence[tuple[str, RobotJoint]] = ()
+
+
+def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
+    """Return how a drive moves a loop; raises Refused if no scene is driven so."""
+    ends = loop.ends(drive)
+    if base in ends:
+        return Way('slide' if drive.kind == SLIDE else 'crank', base, drive)
+    if drive.kind != SLIDE:
+        return Way('crank', ends[0], drive)
+    ways = []
+    for tube, rod in (ends, ends[::-1]):
+        outer = [[joint for joint in loop.joints_of(part) if joint is not drive]
+                 for part in (tube, rod)]
+        if all(len(joints) == 1 and joints[0].kind != SLIDE for joints in outer):
+            at_tube, at_rod = outer[0][0], outer[1][0]
+            carrier, turned = loop.far(at_tube, tube), loop.far(at_rod, rod)
+            ways += [Way(CYLINDER, carrier, hinge, ((rod, at_rod), (tube, at_tube)))
+                     for hinge in loop.joints_of(turned)
+                     if carrier in loop.ends(hinge) and hinge.kind != SLIDE]
+    if not ways:
+        raise Refused(f'{drive.name} slides between the moving links '
+                      f'{" and ".join(map(loop.name_of, ends))}, and is no cylinder that turns a '
+                      'link against another to which that is pinned')
+    return min(ways, key=lambda way: way.carrier != base)
+
+
+def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
+    """
+    Return a loop as a scene in which the node is a relay for the robot's passive joints.
+
+    Raises Refused if the loop is not planar, has not one degree of freedom or no dyads, or if the
+    file leaves open what drives it or which mode it is in.
+    """
+    normal, off = normal_of(loop)
+    base = base_of(loop, choices.base)
+    check_freedom(loop)
+    drive, gear = drive_of(loop, base, choices.drive)
+    way = _way_of(loop, drive, base)
+    carrier, driven = way.carrier, loop.far(way.hinge, way.carrier)
+
+    # axes: the driven joint turns to the left; x along the driven slide, or y up
+    origin = loop.point(way.hinge, carrier)
+    sense = 1.0 if loop.part_of[way.hinge.child] == driven else -1.0
+    up, axis = -loop.robot.gravity, way.hinge.axis
+    if way.input == 'slide':
+        assert axis is not None                             # a slide has one
+        x = sense * axis
+        origin = loop.point(drive, driven) - drive.position * x     # so x is the joint's position
+    else:
+        if axis is not None:
+            normal = normal if sense * (axis @ normal) > 0.0 else -normal
+        x = np.cross(up, normal)
+        if np.linalg.norm(x) <= 1e-3 * np.linalg.norm(up):
+            x = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    x = x - normal * (normal @ x)
+    x /= np.linalg.norm(x)
+    plane = Plane(loop, base, carrier, np.array([x, np.cross(normal, x), normal]), origin)
+
+    # the driven link, the cylinder, dyad after dyad; the pose of each says its mode
+    start = plane.at(way.hinge, driven)
+    if way.input == 'slide':
+        plane.add_link(driven, start, 1.0, 'slider')
+        plane.add_slide('base', drive, driven, 1.0, drive.position)
+    else:
+        arms = [plane.at(joint, driven) - start for joint in loop.joints_of(driven)
+                if joint is not way.hinge and joint.kind != SLIDE]
+        plane.add_link(driven, start, next((arm for arm in arms if abs(arm) > 1e-9), 1.0), 'crank')
+        plane.add_pin('base', way.hinge, driven, carrier)
+    plane.values['linkage.input'] = way.input
+    solved, turn = {carrier, driven}, 0.0
+    if way.cylinder:
+        plane.add_dyad(CYLINDER, way.cylinder, drive)
+        solved |= {part for part, _ in way.cylinder}
+        turn = plane.set_mode(CYLINDER, drive, (driven, way.cylinder[1][0]), choices.modes)
+    while len(solved) < len(loop.parts):
+        name = f'd{len(plane.values["linkage.dyads"]) + 1}'
+        dyad = _next_dyad(loop, solved)
+        if dyad is None:
+            left = ', '.join(loop.name_of(part) for part in loop.parts if part not in solved)
+            might = [joint.name for joint in loop.joints_of(carrier)
+                     if joint is not way.hinge and not joint.closes]
+            raise Refused(f'{left} form no dyads with {drive.name} driven: a group of a higher '
+                          'class' + (f'; perhaps with {" or ".join(might)} (--drive)'
+                                     if might else ''))
+        ways, inner = dyad
+        parts = [part for part, _ in ways]
+        plane.add_dyad(name, ways, inner)
+        turn = max(turn, plane.set_mode(name, drive, parts, choices.modes))
+        solved |= {*parts}
+    for name in choices.modes:
+        if name not in plane.modes:
+            raise Refused(f'--mode {name}: no dyad, which are {", ".join(plane.modes)}')
+    plane.set_ground()
+    ground = plane.links[base]
+    pivot = loop.joints_of(base)[0] if base != carrier else way.hinge
+    frame = pivot.parent if loop.part_of[pivot.parent] == base else pivot.child
+
+    kinds = [value for key, value in plane.values.items() if key.startswith('dyads.')
+             and key.endswith('.kind')]
+    report = [f'base {frame}, driven {drive.name}'
+              + (' (cylinder)' if way.cylinder else '')
+              + (f' against {loop.name_of(carrier)}' if carrier != base else '')
+              + (f', dyads {" + ".join(kinds)}' if kinds else ''),
+              f'axes parallel within {off:.2g} degrees']
+    for joint in loop.joints:
+        if joint.closes:
+            away = joint.on_parent - joint.on_child
+            report.append(f'closed at {joint.name}: gap {abs(plane.flat(away)):.3g} m in the '
+                          f'plane, {abs(normal @ away):.3g} m square to it')
+    if turn > 1e-3:
+        report.append(f"note: open in the file's pose: links turn by up to {turn:.3g} degrees to "
+                      'close')
+    if any(joint.limits and joint is not drive for joint in loop.joints):
+        report.append('note: limits of passive joints are left out')
+    has_masses = _add_masses(plane, base, frame, report)
+
+    # the robot's joints, each in the turn in which the file's pose has it
+    scene = from_values(plane.values)
+    motion = scene.linkage.motion(plane.input_of(drive), 0.0, 0.0)
+    scales = {}
+    for shown in scene.linkage.JOINTS:
+        name = shown.name or shown.place
+        robot_joint, ratio, offset = plane.scales[name]
+        if robot_joint.closes:              # the tree has no such joint, which has a zero nowhere
+            ratio, offset = 1.0, 0.0
+        elif robot_joint.kind != SLIDE:
+            position = ratio * getattr(motion, shown.coordinate.position) + offset
+            offset += tau * round((robot_joint.position - position) / tau)
+        scales[name] = Scale(robot_joint, ratio, offset)
+    driving = next(scale for scale in scales.values() if scale.joint is drive)
+    start = (drive.position - driving.offset) / driving.ratio
+    if drive.limits:
+        plane.values['linkage.range'] = sorted(
+            (limit - driving.offset) / driving.ratio for limit in drive.limits)
+    motor = gear or Coupling(drive.name, drive.name, 0.0, 1.0)
+    if gear:
+        report.append(f'{drive.name} is geared to {gear.motor}, which drives the scene')
+    report += [f'note: the gear or mimic between {each.joint} and {each.motor} is left out'
+               for each in loop.robot.couplings if each != gear
+               and {each.joint, each.motor} & {joint.name for joint in loop.joints}]
+    turned = loop.robot.poses[frame][:3, :3].T
+    cosine, sine = ground.direction.real, ground.direction.imag
+    axes = turned @ plane.axes.T @ [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]
+    # O1 on the ground, in the height of the driven joint
+    moved = ground.origin - plane.flat(origin)
+    origin = origin + plane.axes.T @ [moved.real, moved.imag, 0.0]
+    values = {
+        'frame_id': frame_id, 'frame.parent': frame,
+        'frame.xyz': [*map(float, turned @ (origin - loop.robot.poses[frame][:3, 3]))],
+        'frame.rpy': [atan2(axes[2, 1], axes[2, 2]),
+                      atan2(-axes[2, 0], hypot(axes[0, 0], axes[1, 0])),
+                      atan2(axes[1, 0], axes[0, 0])],
+        **plane.values,
+        'drive.source': 'joint_state', 'drive.joint': motor.motor,
+        'drive.joint_ratio': driving.ratio / motor.ratio,
+        'drive.joint_offset': (driving.offset - motor.offset) / motor.ratio, 'drive.start': start,
+        'joint_names': [scale.joint.name for scale in scales.values()],
+        'joint_states.ratios': [scale.ratio for scale in scales.values()],
+        'joint_states.offsets': [scale.offset for scale in scales.values()],
+        'joint_states.only_passive': gear is None,
+        'joint_states.leave_out': [each.joint.name for each in scales.values()
+                                   if each.joint.closes],
+        'outputs': ['joint_states', 'state', *(['loads'] if has_masses else [])]}
+    return Imported(loop, values, from_values(values), scales, driving, report)
+
+
+def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
+    """Add the masses that the links carry, and weight; return whether there are any masses."""
+    loop, count = plane.loop, 0
+    robot, normal, root = loop.robot, plane.axes[2], loop.part_of[loop.robot.root]
+    for part, link in plane.links.items():
+        carried = loop.carried_by(part) if part != base else set()
+        if root in carried:
+            report.append(f'note: the root of the robot hangs on {link.name}: that is not counted '
+                          f'as its mass, and loads are right only while {frame} stands still')
+            carried = {part}
+        inertials = {body: inertial for body, inertial in robot.inertials.items()
+                     if loop.part_of[body] in carried}
+        hanging = [body for body in inertials if loop.part_of[body] != part]
+        if hanging:
+            report.append(f'{link.name} carries, held as in the file: {", ".join(hanging)}')
+        mass = sum(inertial.mass for inertial in inertials.values())
+        if mass > 0.0:
+            count += 1
+            centre = np.sum([each.mass * each.centre for each in inertials.values()],
+                            axis=0) / mass
+            along, across = link.of(plane.flat(centre))
+            plane.values |= {
+                f'bodies.{link.name}.mass': float(mass),
+                f'bodies.{link.name}.cg_along': along, f'bodies.{link.name}.cg_across': across,
+                f'bodies.{link.name}.inertia': float(sum(
+                    normal @ each.inertia @ normal
+                    + each.mass * abs(plane.flat(each.centre - centre))**2
+                    for each in inertials.values()))}
+    report.append(f'masses on {count} of {len(loop.parts) - 1} links')
+    weight = plane.flat(robot.gravity) * plane.links[base].direction.conjugate()
+    square = abs(float(normal @ robot.gravity))
+    plane.values |= {'gravity.x': weight.real, 'gravity.y': weight.imag}
+    if square > 1e-6:
+        report.append(f'note: {square:.4g} m/s^2 of gravity are square to the plane, which the '
+                      'pins bear: left out')
+    if base != root:
+        report.append(f"note: the robot moves the base {frame}: gravity is that of the file's "
+                      'pose (base.topic)')
+    return count > 0
+
+
+def _next_dyad(loop: Loop, solved: set[str]
+               ) -> tuple[list[tuple[str, RobotJoint]], RobotJoint] | None:
+    """Return ((link, joint on a solved part) twice, joint between them) of a dyad; None: none."""
+    for inner in loop.joints:
+        ways = []
+        for part in loop.ends(inner):
+            on_solved = [joint for joint in loop.joints_of(part)
+                         if loop.far(joint, part) in solved and joint is not inner]
+            if part not in solved and len(on_solved) == 1:
+                ways.append((part, on_solved[0]))
+        if len(ways) == 2:
+            return ways, inner
+    return None

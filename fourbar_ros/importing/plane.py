@@ -1,0 +1,247 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+The plane of a loop: its links and dyads, measured as a scene states them, and their modes.
+
+Points and directions are complex numbers, x + iy, in the file's pose. Each link is measured within
+itself, so its lengths and the zeros of its joints are right where the file leaves the loop open.
+The pose says the assembly modes alone: of both, the nearest, if there is no doubt.
+"""
+from __future__ import annotations
+
+from cmath import phase
+from collections.abc import Mapping, Sequence
+from math import degrees, pi, tau
+import re
+from typing import Any, NamedTuple
+
+from fourbar_ros.errors import FourBarError
+from fourbar_ros.importing.loops import Loop
+from fourbar_ros.importing.robot import Refused, RobotJoint, SLIDE
+from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.scene import from_values
+import numpy as np
+
+OPEN = 20.0             # [deg] by which links may turn to close a loop, for its mode to be read
+FLAT = 0.02             # [rad] from a dyad's flat position in which its mode is not read
+BESIDE = 1e-6           # share of the size by which a cylinder may push beside its pins
+TAKEN = 'ground', 'crank', 'slider', 'rods'     # names of links that mean something in a scene
+KINDS = 'RRR', 'RRP', 'RPR', 'RPP', 'PRP'
+CYLINDER = 'cylinder'
+
+
+class PlaneLink(NamedTuple):
+    """A link of the scene: its name, its first joint and its direction in the file's pose."""
+
+    name: str
+    origin: complex
+    direction: complex              # a unit vector
+
+    def of(self, point: complex) -> tuple[float, float]:
+        """Return (along, across) of a point [m]."""
+        local = (point - self.origin) * self.direction.conjugate()
+        return local.real, local.imag
+
+
+class Scale(NamedTuple):
+    """A joint of the robot as a coordinate of the scene: position = ratio * it + offset."""
+
+    joint: RobotJoint
+    ratio: float
+    offset: float
+
+
+class Plane:
+    """Links, dyads and joints of a loop as they are found, and the scene's values of them."""
+
+    def __init__(self, loop: Loop, base: str, carrier: str, axes: Array, origin: Array) -> None:
+        self.loop, self.base, self.axes = loop, base, axes
+        self.links = {carrier: PlaneLink(GROUND, self.flat(origin), 1.0)}
+        self.scales: dict[str, Scale] = {}
+        self.modes: dict[str, str] = {}                 # {dyad: its parameter}
+        self.values: dict[str, Any] = {'linkage.kind': 'machine', 'linkage.dyads': []}
+
+    def flat(self, vector: Array) -> complex:
+        return complex(self.axes[0] @ vector, self.axes[1] @ vector)
+
+    def at(self, joint: RobotJoint, part: str) -> complex:
+        return self.flat(self.loop.point(joint, part))
+
+    def slide(self, joint: RobotJoint, part: str) -> complex:
+        """Return the unit vector along which a part slides at a joint as its position grows."""
+        assert joint.axis is not None
+        along = self.flat(joint.axis)
+        return along / abs(along) * (1.0 if self.loop.part_of[joint.child] == part else -1.0)
+
+    def add_link(self, part: str, origin: complex, direction: complex, name: str = '') -> str:
+        """Add a link, called like its part; return its name."""
+        name = name or re.sub(r'\W', '_', self.loop.name_of(part)).strip('_')
+        name = f'link_{name}' if not name[:1].isalpha() else name
+        while name in {link.name for link in self.links.values()} or (
+                name in TAKEN and len(self.links) > 1):
+            name += '_link'
+        self.links[part] = PlaneLink(name, origin, direction / abs(direction))
+        return name
+
+    def add_pin(self, name: str, joint: RobotJoint, part: str, carrier: str) -> None:
+        """Add a joint that turns: the angle of a part from that of its carrier."""
+        sense = 1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0
+        ratio = sense * (1.0 if self.loop.part_of[joint.child] == part else -1.0)
+        angle = phase(self.links[part].direction / self.links[carrier].direction)
+        # from the ground counts what hangs on it, whichever of both is the dyad's link
+        self.scales[name] = Scale(joint, -ratio if part == self.base else ratio,
+                                  joint.position - ratio * angle)
+
+    def add_slide(self, name: str, joint: RobotJoint, part: str, direction: complex,
+                  travel: float) -> None:
+        """Add a joint at which a part has slid by ``travel`` along a direction."""
+        ratio = 1.0 if (self.slide(joint, part) * direction.conjugate()).real > 0.0 else -1.0
+        self.scales[name] = Scale(joint, ratio, joint.position - ratio * travel)
+
+    def set_point(self, name: str, part: str, point: complex) -> None:
+        link = self.links[part]
+        if not name.startswith(CYLINDER):
+            self.values[f'{name}.link'] = link.name
+        self.values[f'{name}.along'], self.values[f'{name}.across'] = link.of(point)
+
+    def add_dyad(self, name: str, ways: Sequence[tuple[str, RobotJoint]], inner: RobotJoint
+                 ) -> None:
+        """
+        Add the links of a dyad, or of the cylinder, with the joints that hang them on others.
+
+        ``ways``: (link, joint) at first and second. In machines.md stands what a kind measures.
+        """
+        (u, at_u), (v, at_v) = ways
+        kind = ''.join('P' if joint.kind == SLIDE else 'R' for joint in (at_u, inner, at_v))
+        if kind not in KINDS and kind[::-1] in KINDS:
+            (u, at_u), (v, at_v), kind = (v, at_v), (u, at_u), kind[::-1]
+        if kind not in KINDS:
+            raise Refused(f'{self.loop.name_of(u)} and {self.loop.name_of(v)} form a dyad {kind}, '
+                          'which there is none of')
+        on_u, on_v = self.loop.far(at_u, u), self.loop.far(at_v, v)
+        first, second = self.at(at_u, on_u), self.at(at_v, on_v)        # where they hang
+        start_u, start_v = self.at(at_u, u), self.at(at_v, v)
+        inner_u, inner_v = self.at(inner, u), self.at(inner, v)
+        group = name if name == CYLINDER else f'dyads.{name}'
+        names = ('rod', 'tube') if name == CYLINDER else ('', '')
+        self.modes[name] = f'{group}.mode'
+        sizes: dict[str, float] = {}
+        travel_u, along = 0.0, 1.0 + 0.0j          # of the inner joint, if that slides
+        if kind == 'RRR':
+            directions = inner_u - start_u, inner_v - start_v
+            sizes = {'length_1': abs(directions[0]), 'length_2': abs(directions[1])}
+        elif kind == 'RRP':
+            directions = inner_u - start_u, self.slide(at_v, v)
+            sizes = {'length_1': abs(directions[0]), 'direction_2': phase(
+                directions[1] / self.links[on_v].direction)}
+            start_v = second = inner_v
+        elif kind == 'RPR':
+            along = self.slide(inner, u)
+            between = (start_u - start_v) * along.conjugate()
+            if name == CYLINDER and between.real < 0.0:
+                along, between = -along, -between
+            directions = along, along
+            travel_u, sizes = between.real, {'offset': between.imag}
+        elif kind == 'RPP':
+            along = self.slide(inner, u)
+            directions = along, self.slide(at_v, v)
+            sizes = {'direction_2': phase(directions[1] / self.links[on_v].direction),
+                     'slot': phase(along / directions[1])}
+            start_v = second = start_u
+        else:
+            directions = self.slide(at_u, u), self.slide(at_v, v)
+            sizes = {'direction_1': phase(directions[0] / self.links[on_u].direction),
+                     'direction_2': phase(directions[1] / self.links[on_v].direction)}
+            start_u, start_v, first, second = inner_u, inner_v, inner_u, inner_v
+        if name == CYLINDER:
+            off = abs(sizes.pop('offset'))
+            if off > BESIDE * self.loop.size():
+                raise Refused(f'the cylinder {inner.name} pushes {off:.3g} m beside the line of '
+                              'its two pins')
+            self.set_point('cylinder.pin', on_u, first)
+            self.set_point('cylinder.base', on_v, second)
+        else:
+            self.values['linkage.dyads'].append(name)
+            self.values[f'{group}.kind'] = kind
+            self.set_point(f'{group}.first', on_u, first)
+            self.set_point(f'{group}.second', on_v, second)
+        self.values[f'{group}.links'] = [self.add_link(u, start_u, directions[0], names[0]),
+                                         self.add_link(v, start_v, directions[1], names[1])]
+        self.values |= {f'{group}.{size}': value for size, value in sizes.items()}
+        for end, joint, part, carrier in (('first', at_u, u, on_u), ('second', at_v, v, on_v)):
+            if joint.kind == SLIDE:
+                self.add_slide(f'{name}_{end}', joint, part, self.links[part].direction, 0.0)
+            else:
+                self.add_pin(f'{name}_{end}', joint, part, carrier)
+        if inner.kind == SLIDE:
+            self.add_slide(f'{name}_inner', inner, u, along, travel_u)
+        else:
+            self.add_pin(f'{name}_inner', inner, v, u)
+
+    def set_ground(self) -> None:
+        """Call the base the ground, where the machine is solved from a moving link."""
+        carrier = next(iter(self.links))
+        if carrier == self.base:
+            return
+        names = {GROUND: self.add_link(carrier, *self.links.pop(carrier)[1:]),
+                 self.links[self.base].name: GROUND}
+        self.links = {part: link._replace(name=names.get(link.name, link.name))
+                      if part != carrier else link for part, link in self.links.items()}
+        for key, value in self.values.items():
+            if key.endswith('.link'):
+                self.values[key] = names.get(value, value)
+            elif key.endswith('.links'):
+                self.values[key] = [names.get(name, name) for name in value]
+        self.values['cylinder.base.link' if 'cylinder.mode' in self.values
+                    else 'linkage.carrier'] = names[GROUND]
+
+    def input_of(self, drive: RobotJoint) -> float:
+        """Return the input of the scene in the file's pose."""
+        scale = next(each for each in self.scales.values() if each.joint is drive)
+        return (drive.position - scale.offset) / scale.ratio
+
+    def set_mode(self, name: str, drive: RobotJoint, parts: Sequence[str],
+                 wanted: Mapping[str, int]) -> float:
+        """
+        Set the mode of the newest dyad, in which its loop closes nearest to the file's pose.
+
+        Returns by how much its links turn to that [deg]; raises Refused if it leaves a doubt.
+        ``wanted``: {dyad: mode} that the user gives.
+        """
+        key, links, start = self.modes[name], [self.links[each] for each in parts], self.input_of(
+            drive)
+        before = np.array([phase(link.direction) for link in links])
+        away: dict[int, Array] = {}     # {mode: how far each link turns [rad]}
+        why = ''
+        for mode in (1, 2):
+            try:
+                motion = from_values({**self.values, key: mode}).linkage.motion(start, 0.0, 0.0)
+            except FourBarError as error:
+                why = str(error)
+                continue
+            angles = [getattr(motion, f'theta_{link.name}', angle)
+                      for link, angle in zip(links, before)]        # what only slides has none
+            away[mode] = (np.array(angles) - before + pi) % tau - pi
+        turns = {mode: float(degrees(np.max(np.abs(angles)))) for mode, angles in away.items()}
+        has_one = self.values.get(f'dyads.{name}.kind') in ('RPP', 'PRP')
+        mode = self.values[key] = 2 if has_one else wanted.get(name) or min(
+            turns, key=turns.__getitem__, default=2)
+        if name in wanted:
+            return turns.get(mode, 0.0)
+        ask = 'give a pose by --at or --key' + (
+            '' if has_one else f', or the mode by --mode {name}=1 or {name}=2')
+        whose = ', '.join(link.name for link in links)
+        if mode not in turns:
+            raise Refused(f'{whose}: the loop does not close with the drive where the file has it '
+                          f'({why}); {ask}')
+        if turns[mode] > OPEN:
+            raise Refused(f"{whose}: the loop is open in the file's pose, links would turn by "
+                          f'{turns[mode]:.3g} degrees to close it, too far to read the mode; '
+                          f'{ask}')
+        if len(turns) == 2 and not has_one:
+            apart = float(np.max(np.abs((away[1] - away[2] + pi) % tau - pi)))
+            if apart < 2.0 * FLAT or turns[3 - mode] < 2.0 * turns[mode]:
+                raise Refused(f"{whose}: flat in the file's pose, the modes are "
+                              f'{degrees(apart):.3g} degrees apart, too near to read which; {ask}')
+        return turns[mode]

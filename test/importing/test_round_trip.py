@@ -1,0 +1,90 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What describe writes of every shipped scene, import reads: the same joints, the same drive."""
+from math import pi, tau
+
+from fourbar_ros.description.formats import describe
+from fourbar_ros.description.model import NoDescription
+from fourbar_ros.errors import MissingBodies
+from fourbar_ros.importing.files import import_file, Wishes
+from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.scene.files import shipped
+from fourbar_ros.scene.scene import from_values, load
+import numpy as np
+import pytest
+
+# a start pose in which both modes are alike
+FLAT = {'coupling_rod', 'parallelogram', 'antiparallelogram'}
+
+
+def joints_of(scene, position, rate=1.0, acceleration=0.5):
+    """Return ({joint: position}, driving torque or force at the driven joint or None)."""
+    mechanism, shown = scene.linkage, scene.joint_states
+    try:
+        motion, loads = mechanism.step(position, rate, acceleration)
+    except MissingBodies:
+        motion, loads = mechanism.motion(position, rate, acceleration), None
+    joints = {name: ratio * getattr(motion, joint.coordinate.position) + offset
+              for name, joint, ratio, offset in zip(scene.joint_names, mechanism.JOINTS,
+                                                    shown.ratios, shown.offsets)}
+    if loads is None:
+        return joints, None
+    return joints, (loads.driving_force if mechanism.is_driven_by_slide
+                    else loads.driving_torque) / ratio_of(scene)[0]
+
+
+def ratio_of(scene):
+    """Return ratio and offset of the driven joint, which is positive or negative."""
+    index = [joint.coordinate for joint in scene.linkage.JOINTS].index(
+        scene.linkage.input_coordinate)
+    return scene.joint_states.ratios[index], scene.joint_states.offsets[index]
+
+
+def unloaded(scene):
+    """Return a scene without what no robot's file can say: forces, springs, friction."""
+    return from_values({name: value for name, value in scene.values.items() if not name.startswith(
+        ('external.', 'forces', 'springs', 'torsion_springs', 'friction'))})
+
+
+def worst_of(source, read):
+    """Return the largest difference of joints [rad, m] and of the drive, as share of its peak."""
+    low, high = source.linkage.input_ranges[0]
+    (ratio, offset), (of_read, off_read) = ratio_of(source), ratio_of(read)
+    worst, far, peak = 0.0, 0.0, 0.0
+    turns = {name for name, joint in zip(source.joint_names, source.linkage.JOINTS)
+             if joint.coordinate.unit == 'rad'}
+    for position in np.linspace(low + 0.02 * (high - low), high - 0.02 * (high - low), 23):
+        ours, drive = joints_of(source, float(position))
+        there = (ratio * float(position) + offset - off_read) / of_read
+        theirs, read_drive = joints_of(read, there, ratio / of_read, 0.5 * ratio / of_read)
+        assert ours.keys() == theirs.keys()
+        for name in ours.keys() - {*read.joint_states.leave_out}:      # which have no zero
+            away = ours[name] - theirs[name]
+            away = (away + pi) % tau - pi if name in turns else away
+            worst = max(worst, abs(away))
+        if drive is not None:
+            far, peak = max(far, abs(drive - read_drive)), max(peak, abs(drive))
+    return worst, far / peak if peak else 0.0
+
+
+@pytest.mark.parametrize('name', shipped())
+@pytest.mark.parametrize('format_', ('mjcf', 'urdf'))
+def test_what_describe_writes_import_reads_without_options(format_, name, tmp_path):
+    pytest.importorskip('mujoco', reason='mujoco is not installed')
+    source = unloaded(load(name))
+    try:
+        text = describe(source, format_)
+    except NoDescription as error:
+        pytest.skip(str(error))
+    path = tmp_path / f'robot.{format_}'
+    path.write_text(text)
+    # a URDF has no gravity
+    gravity = (*field_of(source.linkage.gravity), 0.0) if format_ == 'urdf' else ()
+    result = import_file(path, Wishes(gravity=gravity))
+    report = '\n'.join(result.report)
+    if name in FLAT:
+        assert not result.loops and "flat in the file's pose" in report
+        return
+    assert result.is_good and len(result.loops) == 1, report
+    joints, drive = worst_of(source, result.loops[0].scene)
+    assert joints < 1e-12 and drive < 1e-9, (joints, drive, report)

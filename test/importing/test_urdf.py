@@ -1,0 +1,154 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Loops of URDF: one small file for each way of saying where it is cut, beside MuJoCo."""
+import re
+
+from fourbar_ros.importing.files import import_file, Wishes
+from fourbar_ros.importing.robot import Refused
+import numpy as np
+import pytest
+
+# A four-bar O1 (0, 0), A (0, 0.4), B (0.9, 0.7), O4 (1, 0) in x-z of its base, y along -z.
+LINK = """
+  <link name="{name}"><inertial><origin xyz="{cg}" rpy="0 0.3 0"/><mass value="{mass}"/>
+    <inertia ixx="0.04" iyy="0.05" izz="0.03" ixy="0.001" ixz="0.002" iyz="0"/></inertial>
+  </link>"""
+JOINT = """
+  <joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>
+    <origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/></joint>"""
+MOTOR = '<transmission name="t"><joint name="shoulder"/></transmission>'
+FRAMES = '<link name="{0}"/><link name="{1}"/>' + JOINT.format(
+    name='of_{0}', kind='fixed', parent='link', child='{0}', xyz='0.9 0 0.3', rpy='0 0 0',
+    axis='0 0 0') + JOINT.format(name='of_{1}', kind='fixed', parent='lever', child='{1}',
+                                 xyz='-0.1 0 0.7', rpy='0 0 0', axis='0 0 0')
+CONSTRAINT = """
+  <constraint name="tip" type="revolute"><parent link="link"/><parent_origin xyz="0.9 0 0.3"/>
+    <parent_axis xyz="0 1 0"/><child link="lever"/><child_origin xyz="-0.1 0 0.7"/>
+    <child_axis xyz="0 1 0"/></constraint>"""
+GAZEBO = """
+  <gazebo><joint name="tip" type="revolute"><parent>link</parent><child>lever</child>
+    <pose>-0.1 0 0.7 0.2 0.1 0</pose><axis><xyz>{axis}</xyz>{frame}</axis></joint></gazebo>"""
+
+
+def robot(closing=CONSTRAINT, motor=MOTOR, pivot='0 1 0', more=''):
+    """Return the URDF of the four-bar, its pivot's link turned about y."""
+    def joint(name, parent, child, xyz, axis='0 1 0'):
+        return JOINT.format(name=name, kind='continuous', parent=parent, child=child, xyz=xyz,
+                            rpy='0 0 0', axis=axis)
+    return ('<robot name="robot"><link name="frame"/>'
+            + ''.join(LINK.format(name=name, cg=cg, mass=mass) for name, cg, mass in (
+                ('arm', '0.03 0 0.2', 2), ('link', '0.4 0.02 0.1', 1), ('lever', '-0.1 0 0.3', 3)))
+            + joint('shoulder', 'frame', 'arm', '0 0 0') + joint('elbow', 'arm', 'link', '0 0 0.4')
+            + joint('pivot', 'frame', 'lever', '1 0 0', pivot) + closing + motor + more
+            + '</robot>')
+
+
+def read(tmp_path, text, **wishes):
+    path = tmp_path / 'urdf' / 'robot.urdf'
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    return import_file(path, Wishes(**wishes))
+
+
+def good(tmp_path, text, **wishes):
+    """Return the only loop, with the report, after it agreed with MuJoCo."""
+    pytest.importorskip('mujoco', reason='mujoco is not installed')
+    result = read(tmp_path, text, check=True, **wishes)
+    report = '\n'.join(result.report)
+    assert result.is_good and len(result.loops) == 1, report
+    (checked,) = result.checks
+    # MuJoCo moves no frame without a mass of 1e-9 kg
+    assert checked.joint < 1e-12 and checked.drive < 1e-8 and checked.peak > 1.0, report
+    values = result.loops[0].values
+    assert [values['dyads.d1.length_1'], values['dyads.d1.length_2']] == pytest.approx(
+        [np.hypot(0.9, 0.3), np.hypot(0.1, 0.7)], rel=1e-14)
+    return result.loops[0], report
+
+
+@pytest.mark.parametrize('closing, wishes', [
+    (CONSTRAINT, {}),
+    (GAZEBO.format(axis='0 1 0', frame='<use_parent_model_frame>1</use_parent_model_frame>'), {}),
+    (FRAMES.format('closing_tip_1', 'closing_tip_2'), {}),
+    (FRAMES.format('closedloop1_A', 'closedloop1_B'), {}),
+    (FRAMES.format('rod_end', 'ball'), {'close': ['rod_end,ball']}),
+    ('', {'close': ['link@0.9/0/0.3,lever@-0.1/0/0.7']}),
+], ids=['constraint', 'gazebo', 'ours', "Gepetto's", 'frames', 'points'])
+def test_a_loop_is_read_however_it_is_stated(closing, wishes, tmp_path):
+    loop, report = good(tmp_path, robot(closing), **wishes)
+    assert 'base frame, driven shoulder, dyads RRR' in report
+    assert 'URDF has no gravity: taken as 9.80665' in report
+    assert len(loop.scene.joint_states.leave_out) == 1
+
+
+def test_loop_closures_of_jsk_are_read_beside_the_file(tmp_path):
+    (tmp_path / 'config').mkdir()
+    (tmp_path / 'config' / 'loop_closures.yaml').write_text(
+        'independent: [shoulder]\ndependent: [elbow, pivot]\nclosures:\n'
+        '- {link_a: link, link_b: lever, point: [0.9, 0.0, 0.7], axis: [0.0, 1.0, 0.0]}\n')
+    _, report = good(tmp_path, robot('', motor=''), at={'shoulder': '10', 'elbow': '-10'})
+    assert 'closed at link~lever' in report and 'driven shoulder' in report
+
+
+def test_a_fixed_pair_of_frames_joins_two_parts(tmp_path):
+    end = LINK.format(name='end', cg='0 0 0', mass=0.1) + JOINT.format(
+        name='wrist', kind='continuous', parent='link', child='end', xyz='0.9 0 0.3',
+        rpy='0 0 0', axis='0 1 0')
+    loop, _ = good(tmp_path, robot('', more=end), close=['end,lever@-0.1/0/0.7:fixed'])
+    assert loop.scene.joint_names == ('shoulder', 'elbow', 'wrist', 'pivot')
+
+
+def test_the_drive_may_stand_in_ros2_control_and_the_pose_in_a_group_state(tmp_path):
+    motor = ('<ros2_control name="r" type="system"><joint name="elbow"><state_interface '
+             'name="position"/></joint><joint name="shoulder"><command_interface '
+             'name="position"/></joint></ros2_control>')
+    pose = ('<group_state name="up"><joint name="shoulder" value="0.1"/>'
+            '<joint name="elbow" value="-0.1"/></group_state>')
+    loop, _ = good(tmp_path, robot(motor=motor, more=pose), key='up')
+    assert loop.drive.joint.position == 0.1
+
+
+def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
+    loop, _ = good(tmp_path, robot(pivot='0 -1 0'))
+    assert loop.scene.joint_states.ratios == [1.0, 1.0, 1.0, -1.0]
+
+
+MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', xyz='0 0 0',
+                     rpy='0 0 0', axis='0 1 0').replace('</joint>',
+                                                        '<mimic joint="pivot"/></joint>')
+
+
+@pytest.mark.parametrize('text, wishes, words', [
+    (robot(''), {}, 'no closed loop in the file; name the frames that coincide by --close A,B$'),
+    (robot('', more='<link name="foot"/>' + MIMIC), {}, 'it has 1 mimic or gear joints .pad., '
+     'which are none; name the frames'),
+    (robot(motor=''), {}, 'does not say which joint of this loop is driven: give --drive, as of '
+     'shoulder, pivot'),
+    (robot().replace('<robot', '<robot xmlns:xacro="http://ros.org/wiki/xacro"'), {},
+     'is xacro: write its URDF first'),
+    (robot(more='<link name="lost"/>'), {}, 'has 2 roots, frame, lost'),
+    (robot(''), {'close': ['rod,ball']}, '--close rod: the file has no such link'),
+    (robot(''), {'close': ['link:fixed']}, 'must be FRAME,FRAME or FRAME,FRAME:fixed'),
+    (robot(''), {'close': ['link@0.9/0.1/0.3,lever@-0.1/0/0.7']}, 'not planar: the points of .* '
+     'are 0.1 m apart square to the plane'),
+    (robot(GAZEBO.format(axis='1 0 0', frame='')), {}, 'not planar: tip is .* degrees off'),
+    (robot('', more=LINK.format(name='end', cg='0 0 0', mass=0.1) + JOINT.format(
+        name='wrist', kind='continuous', parent='link', child='end', xyz='0.9 0 0.3', rpy='0 0 0',
+        axis='0 1 0')), {'close': ['end,lever:fixed']},
+     'the weld end is open by .* m and 0 degrees: give a pose that closes it by --at or --key'),
+    (robot('', more=LINK.format(name='rod', cg='0 0 0', mass=0.1) + JOINT.format(
+        name='ball', kind='ball', parent='link', child='rod', xyz='0.9 0 0.3', rpy='0 0 0',
+        axis='0 1 0')), {'close': ['rod@0/0/0.1,lever@-0.1/0/0.8']}, 'rod is a rod on balls'),
+    (robot(), {'key': 'up'}, '--key up: the file has no such group_state'),
+    (robot(), {'at': {'knee': '1'}}, '--at knee: the file has no such joint'),
+    (robot().replace('"0 0 0.4"', '"0 O 0.4"'), {}, "'0 O 0.4' in the URDF are no numbers"),
+    (robot()[:-9], {}, 'is no XML'),
+    ('<sdf/>', {}, 'is SDF, which is not read: take the URDF or MJCF of the robot'),
+    ('#usda 1.0', {}, 'is neither MJCF nor URDF'),
+])
+def test_a_refusal_is_a_line_that_says_what_would_help(text, wishes, words, tmp_path):
+    try:
+        line = read(tmp_path, text, **wishes).report[-1]
+    except Refused as error:
+        line = str(error)
+    assert re.search(words, line), line
+    assert '\n' not in line
