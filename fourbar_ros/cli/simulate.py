@@ -106,6 +106,12 @@ def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> Non
         low, high = speeds
         console.print(f'Speed at the samples of the last turn: {low:.6g} to {high:.6g} {unit}/s, '
                       f'coefficient of fluctuation {2.0 * (high - low) / abs(low + high):.4g}.')
+    if run.system.mechanism.friction:
+        console.print(f'Friction took {run.states.dissipated[-1]:.6g} J, smooth within '
+                      f'{run.system.mechanism.slip_speed:g} {unit}/s.')
+    for stuck in run.stuck(1.0 / simulated.scene.drive.rate):
+        console.print(f'Stuck from {stuck.begin:.6g} to {stuck.end:.6g} s: it crept '
+                      f'{stuck.crept:.2g} {unit}.')
     modes = sorted(set(run.modes.tolist()))
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         RunState,
         simulate,
         STOPPED,
+        Stuck,
     )
     from fourbar_ros.dynamics.sources import (
         ConstantTorque,

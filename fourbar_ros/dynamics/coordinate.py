@@ -6,9 +6,10 @@ The coordinates of a motion, one after the other: through the toggle positions o
 At a toggle the input q turns back, its rate is zero and the equation in it is singular, J = 0/0.
 Another coordinate p (:meth:`~fourbar_ros.mechanisms.mechanism.Mechanism.driven_otherwise`: the
 slide of a driven crank, the crank of a driven slide, the output link) goes on there and is
-regular. Next to a toggle p takes over from q, later q from p: each where the successor o of the
-coordinate in use changes so fast with it that |do/dp| > 2, in units of about the size of the
-mechanism, long before a toggle, so that both are accurate there:
+regular; not with friction, whose direction is that of the input. Next to a toggle p takes over
+from q, later q from p: each where the successor o of the coordinate in use changes so fast with it
+that |do/dp| > 2, in units of about the size of the mechanism, long before a toggle, so that both
+are accurate there:
 
     o. = p. do/dp                                                                          (Q1)
     torque on p = T dq/dp                                                                  (Q2)
@@ -150,7 +151,7 @@ class Coordinates:
         self.system, self._mechanism = system, mechanism
         # the links as the coordinate that goes on at toggles drives them, by their mode then
         self.driven_otherwise: dict[int, DrivenLinks] = (
-            {} if mechanism.turns_fully else
+            {} if mechanism.turns_fully or mechanism.has_direction else
             {links.mode: links for links in mechanism.driven_otherwise()})
         # of the range between toggles, shifted to the start by whole turns
         self.middle, self.half = 0.0, inf

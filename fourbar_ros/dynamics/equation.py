@@ -49,7 +49,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
-from fourbar_ros.mechanisms.elements import BOTH, LinkAngle, PositionForce, TableForce
+from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arguments import finite
@@ -198,7 +198,6 @@ class Equation:
                                     least=0.0)
         if mechanism.bodies is None:
             raise MissingBodies
-        mechanism.require_no_friction('a motion that follows from torque')
         # (link, body, applied load), without links that add nothing
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
@@ -207,16 +206,15 @@ class Equation:
         self._gravity = field_of(gravity)
         self._base = gravity if isinstance(gravity, Base) else Base()
         self._is_turned = bool(self._base.rate or self._base.acceleration)
-        self.forces = [e for e in mechanism.elements if isinstance(e, PositionForce)]
-        for force in self.forces:
-            if force.when != BOTH:
-                raise InvalidParameter('when', force.when, f'must be {BOTH}: motion that follows '
-                                       'from torque takes no force one way alone yet')
+        forces = [e for e in mechanism.elements if isinstance(e, PositionForce)]
+        self.forces = [force for force in forces if not force.is_one_way]
         self._springs = [e for e in mechanism.elements if not isinstance(e, PositionForce)]
-        self.tables = [force for force in self.forces if isinstance(force.value, TableForce)]
+        self.tables = [force for force in forces if isinstance(force.value, TableForce)]
         self.has_couples = bool(self.forces) or self._is_turned or any(
             applied.couple for _, _, applied in self._bodies)
         self.has_dampers = any(spring.damping for spring in self._springs)
+        # friction and forces one way, which are no functions of q; R of (E9)
+        self.has_resistance = mechanism.has_direction
         # q -> fields of FullTerms
         self.full_terms = compiled(self.make_terms, self.coordinate)
 
@@ -225,8 +223,8 @@ class Equation:
         """Return whether q is the input of the mechanism."""
         return self.coordinate is self.mechanism
 
-    def _make_pose(self, coordinate: DrivenLinks, n: NumberType
-                   ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
+    def make_pose(self, coordinate: DrivenLinks, n: NumberType
+                  ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
         """
         Return q -> motions of all links by name; the input with its two derivatives by q.
 
@@ -250,7 +248,7 @@ class Equation:
         ``outside``: numbers of the type ``n`` in place of the mechanism's gravity and of the
         forces on some links.
         """
-        pose, extra = self._make_pose(coordinate, n), self.extra_inertia
+        pose, extra = self.make_pose(coordinate, n), self.extra_inertia
         gravity, base, bodies = self._gravity, self._base, self._bodies
         if outside:
             base = outside.base or base
@@ -288,9 +286,32 @@ class Equation:
             return FullTerms(inertia, half_slope, force, damping, couples, turn, bend)
         return terms
 
+    def make_resistance(self, n: NumberType, outside: Outside | None = None) -> Function:
+        """Return the formula of :func:`.make_resistance`: R of (E9), zero without any."""
+        if not self.has_resistance:
+            return lambda *_: (0.0, 0.0, None)
+        from fourbar_ros.dynamics.resistance import make_resistance  # few mechanisms have any
+        return make_resistance(self, n, outside)
+
+    @cached_property
+    def resistance(self) -> Function:
+        """
+        Return (q, w, push, J) -> results of :func:`.make_resistance`, of floats.
+
+        ArithmeticError where the links cannot close.
+        """
+        line = straight_line(self.make_resistance, 4)
+
+        def resistance(*numbers: float) -> Any:
+            try:
+                return line(*numbers)
+            except ValueError:
+                raise ArithmeticError('the links do not close') from None
+        return resistance
+
     def make_table_positions(self, coordinate: DrivenLinks, n: NumberType) -> Function:
         """Return the formula q -> the positions s of all forces with a table."""
-        pose = self._make_pose(coordinate, n)
+        pose = self.make_pose(coordinate, n)
 
         def table_positions(position: Scalar) -> tuple[Scalar, ...]:
             motions, (value, _, _) = pose(position)
@@ -326,7 +347,7 @@ class Equation:
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
         """Return the formula q -> (V, sum of the sizes of the parts of V)."""
-        pose = self._make_pose(coordinate, n)
+        pose = self.make_pose(coordinate, n)
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
             # forces over a position have none

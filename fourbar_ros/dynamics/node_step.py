@@ -88,7 +88,7 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     A stroke is left out: it would hide that the input turns fully.
     """
     mechanism = mechanism.without_stroke()
-    if mechanism.turns_fully:                            # it has no toggles
+    if mechanism.turns_fully or mechanism.has_direction:     # it has no toggles, or ends there
         return ()
     if not mechanism.driven_otherwise():                 # no other coordinate leads through them
         return ()

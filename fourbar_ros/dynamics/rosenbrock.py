@@ -53,6 +53,7 @@ C: tuple[tuple[float, ...], ...] = (
 C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
           -6.058818238834054)
 DIFFERENCE = 1e-7          # step of p for the derivative of du/dt by it, in the unit of p
+LEAST_PUSH = 1e-200        # [N m], [N]: no difference is zero
 HUGE = 1e100               # derivatives beyond it count as not finite
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 
@@ -167,14 +168,15 @@ class StepFormulas:
 
     # --- formulas -------------------------------------------------------------------------------
 
-    def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> Function:
-        """Return the formula p -> :class:`FullTerms` of (E1)."""
-        if not acting:
-            return self._equation.make_terms(self._equation.coordinate, n)
-        numbers = iter(acting)
-        wrenches = {name: list(islice(numbers, count_of(name))) for name in self._acting}
-        base = Base(*wrenches.pop(BASE)) if BASE in wrenches else None
-        return self._equation.make_terms(self._equation.coordinate, n, Outside(base, wrenches))
+    def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> tuple[Function, Function]:
+        """Return the formulas p -> :class:`FullTerms` of (E1), (p, u, push, J) -> R of (E9)."""
+        outside, numbers = None, iter(acting)
+        if acting:
+            wrenches = {name: list(islice(numbers, count_of(name))) for name in self._acting}
+            base = Base(*wrenches.pop(BASE)) if BASE in wrenches else None
+            outside = Outside(base, wrenches)
+        return (self._equation.make_terms(self._equation.coordinate, n, outside),
+                self._equation.make_resistance(n, outside))
 
     def _make_taking_over(self, n: NumberType) -> Function:
         """Return the formula p -> (next_position, next_ratio, room) of a Linearization."""
@@ -203,15 +205,18 @@ class StepFormulas:
         def linearization(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any,
                           *acting: Any) -> Linearization:
             x = StateVector(p, u, s, v, z)
-            terms_of, taking_over_at = self._make_terms(n, acting), self._make_taking_over(n)
+            (terms_of, resists), taking_over_at = (self._make_terms(n, acting),
+                                                   self._make_taking_over(n))
             next_position, next_ratio, room = taking_over_at(p)
             terms = terms_of(p)
-            change, torque, motor_torque, piece = self._rates(n, terms, x, command)
+            change, torque, motor_torque, piece, felt = self._rates(n, terms, resists, x, command)
             acceleration = (change.rate if self._equation.is_input else
                             terms.ratio * change.rate + terms.ratio_slope * u * u)          # (Q3)
             slope = change.motor_speed if self._shaft else acceleration
             speed = v if self._shaft else terms.ratio * u
             to_bend = self._to_bend(n, command, (speed, z), (slope, change.source))
+            if self._equation.has_resistance:
+                terms = self._with_resistance(n, terms, resists, p, u, torque, felt)
             return Linearization(
                 room, next_position, next_ratio, to_bend, acceleration, torque, motor_torque,
                 change, Coefficients(
@@ -224,13 +229,14 @@ class StepFormulas:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
         def attempt(*numbers: Any) -> tuple[StateVector, Scalar]:
             start = StepStart.of(numbers)
-            h, terms_of = start.length, self._make_terms(n, start.acting)
-            solve = self._solver(n, start, 1.0 / (GAMMA * h), terms_of)
+            h, (terms_of, resists) = start.length, self._make_terms(n, start.acting)
+            near = self._felt(n, start, terms_of, resists)
+            solve = self._solver(n, start, 1.0 / (GAMMA * h), terms_of, resists, near)
             stages = [solve(start.change)]
 
             def add_stage(x: StateVector, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                change, *_ = self._rates(n, terms_of(x.position), x, start.command)
+                change, *_ = self._rates(n, terms_of(x.position), resists, x, start.command, near)
                 stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
                 x = _sum(start.state, a, stages)
@@ -247,8 +253,7 @@ class StepFormulas:
         """Return the formula of :attr:`euler`: less accurate, and stable whatever the error."""
         def euler(*numbers: Any) -> StateVector:
             start = StepStart.of(numbers)
-            terms_of = self._make_terms(n, start.acting)
-            solve = self._solver(n, start, 1.0 / start.length, terms_of)
+            solve = self._solver(n, start, 1.0 / start.length, *self._make_terms(n, start.acting))
             # a rate that grows so fast would leave nothing of the Jacobian but rounding
             whole = n.where(n.fabs(start.change.rate) < HUGE, 1.0, nan)
             return _plus(start.state, whole, solve(start.change))
@@ -273,9 +278,36 @@ class StepFormulas:
         time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
         return time
 
-    def _rates(self, n: NumberType, terms: FullTerms, x: StateVector, command: Scalar
-               ) -> tuple[StateVector, Scalar, Scalar, Piece]:
-        """Return dx/dt by (RB1), the torques on the input and of the source, and its law there."""
+    def _felt(self, n: NumberType, start: StepStart, terms_of: Function, resists: Function) -> Any:
+        """Return what joints with friction feel at the start of a step, None without any."""
+        if not self._equation.has_resistance:
+            return None
+        x = start.state
+        return self._rates(n, terms_of(x.position), resists, x, start.command)[-1]
+
+    def _with_resistance(self, n: NumberType, terms: FullTerms, resists: Function, p: Scalar,
+                         u: Scalar, torque: Scalar, felt: Any) -> FullTerms:
+        """Return terms with the J and D of which du/dt has its slopes by torque and rate."""
+        def change(rate: Scalar, more: Scalar) -> tuple[Scalar, Scalar]:
+            push = (terms.force + terms.ratio * torque + more
+                    - (terms.damping + terms.half_slope * rate) * rate)
+            resisting = resists(p, rate, push, terms.inertia, felt)[0]
+            return (push - resisting) / terms.inertia, n.fabs(push) + n.fabs(resisting)
+        here, size = change(u, 0.0)
+        more = DIFFERENCE * (size + LEAST_PUSH)
+        aside = u + DIFFERENCE * (n.fabs(u) + self._equation.mechanism.slip_speed)
+        inertia = more / (change(u, more)[0] - here)
+        damping = inertia * (here - change(aside, 0.0)[0]) / (aside - u)
+        return terms._replace(inertia=inertia, damping=damping - 2.0 * terms.half_slope * u)
+
+    def _rates(self, n: NumberType, terms: FullTerms, resists: Function, x: StateVector,
+               command: Scalar, near: Any = None
+               ) -> tuple[StateVector, Scalar, Scalar, Piece, Any]:
+        """
+        Return dx/dt by (RB1), the torques on the input and of the source, and its law there.
+
+        And what joints with friction feel; ``near``: that of a state near by.
+        """
         u, v, shaft = x.rate, x.motor_speed, self._shaft
         w = terms.ratio * u
         speed = v if shaft else w
@@ -283,22 +315,24 @@ class StepFormulas:
         motor_torque = torque = piece.torque_at(speed, x.source)
         if shaft:
             torque = shaft.stiffness * x.twist + shaft.damping * (v - w)
-        acceleration = (terms.force + terms.ratio * torque
-                        - (terms.damping + terms.half_slope * u) * u) / terms.inertia
+        push = (terms.force + terms.ratio * torque
+                - (terms.damping + terms.half_slope * u) * u)
+        resisting, _, felt, *_ = resists(x.position, u, push, terms.inertia, near)
+        acceleration = (push - resisting) / terms.inertia
         twist_rate = v - w if shaft else 0.0
         motor_acceleration = (motor_torque - torque) / self._rotor if shaft else 0.0
         source_change = piece.change_at(speed, x.source) if self._has_source_state else 0.0
         change = StateVector(u, acceleration, twist_rate, motor_acceleration, source_change)
-        return change, torque, motor_torque, piece
+        return change, torque, motor_torque, piece, felt
 
-    def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function
-                ) -> Callable[[StateVector], StateVector]:
+    def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function,
+                resists: Function, near: Any = None) -> Callable[[StateVector], StateVector]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step, x = DIFFERENCE * self.unit, start.state
         if self._equation.tables:                  # in the piece that lies ahead
             step = n.where(x.rate < 0.0, -step, step)
         aside = x._replace(position=x.position + step)
-        change, *_ = self._rates(n, terms_of(aside.position), aside, start.command)
+        change, *_ = self._rates(n, terms_of(aside.position), resists, aside, start.command, near)
         jacobian = self._jacobian(x, start.coefficients, (change.rate - start.change.rate)
                                   / (aside.position - x.position))
         solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]

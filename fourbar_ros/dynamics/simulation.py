@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf, isfinite, nan, nextafter
+from math import copysign, inf, isfinite, nan, nextafter
 from threading import Lock
 import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -28,7 +28,7 @@ import warnings
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.errors import FourBarError, InvalidParameter, Locked
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arguments import array, finite
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -46,6 +46,7 @@ EVENT, STOPPED = 'stopped where asked', 'gave up'
 NOT_CONVERGED, NOT_CHECKED = 'not converged', 'not checked'
 # how a leg may end besides: the run goes on
 HANDED_OVER, AT_KINK = 'handed over', 'at a kink'
+EXPLICIT = 'DOP853', 'RK45'
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 TIGHTER = 0.1              # tolerance of a finer run over that of the rougher run
 TIGHTEST = 1e-14           # tolerance of the finest run; below it rounding governs
@@ -56,6 +57,8 @@ STIFF = 1e4                # fastest mode at the start times the run, above whic
 HUGE = 1e100               # states and derivatives beyond it count as not finite
 WITHIN_A_STEP = 5000       # evaluations beyond the bound after which a step is broken off
 LONGER = 1.01              # first step in a piece of a table over the time in the one before
+AHEAD = 1e-7               # way over the unit, and rate over the slip speed, to just after a start
+NONE_AHEAD = 1e-9          # what is not smooth at less is so at the start already
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
 COMPARED = 400             # steps of a run at which it is compared
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
@@ -70,7 +73,16 @@ class RunState(NamedTuple):
     motor_position: Any        # before an elastic shaft, else that of the input; NaN: no drive
     motor_rate: Any
     source: tuple[Any, ...]    # states of the torque source: current [A], integral [rad]
+    dissipated: Any            # by friction since the start [J]; 0 without any
     work: Any                  # done by all that is not conservative since the start [J]
+
+
+class Stuck(NamedTuple):
+    """A time in which the input is slower than the slip speed of its friction."""
+
+    begin: float       # [s]
+    end: float
+    crept: float       # how far the input goes meanwhile [rad], [m]; with less slip speed less
 
 
 class Event(NamedTuple):
@@ -115,6 +127,7 @@ class Work:
     used: int = 0                  # evaluations so far
     began: float = field(default_factory=clock.monotonic)
     reason: str = ''               # why a run was given up
+    locked: Locked | None = None   # the last state that was tried in which friction locks
 
     def is_spent(self, time: float) -> bool:
         """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
@@ -141,6 +154,9 @@ class Work:
                 raise ArithmeticError('evaluations are used up within a step')
             try:
                 change = list(derivative(min(time, latest), state.tolist()))
+            except Locked as error:
+                self.locked = error
+                return [nan] * state.size
             except (FourBarError, ArithmeticError):
                 return [nan] * state.size
             if min(change) > -HUGE and max(change) < HUGE:
@@ -183,6 +199,23 @@ class Run:
             asked = np.append(asked, end)
         return asked
 
+    def stuck(self, shortest: float = 1e-3) -> tuple[Stuck, ...]:
+        """
+        Return when friction held the mechanism, or nearly: within its slip speed for some time.
+
+        ``shortest``: such a time [s]; a motion that turns back is within it for less.
+        """
+        slip_speed, intervals = self.system.mechanism.slip_speed, list[Stuck]()
+        for leg in self.legs if slip_speed else ():
+            positions, rates = leg.states[:2]
+            if abs(rates[rates.size // 2]) > slip_speed:
+                continue
+            begin, crept = float(leg.time[0]), float(positions[-1] - positions[0])
+            if intervals and begin == intervals[-1].end:
+                begin, crept = intervals[-1].begin, crept + intervals.pop().crept
+            intervals.append(Stuck(begin, float(leg.time[-1]), crept))
+        return tuple([each for each in intervals if each.end - each.begin >= shortest])
+
     @property
     def _end(self) -> float:
         return float(self.legs[-1].time[-1])
@@ -212,9 +245,11 @@ class Run:
         drive = self.system.drive
         has_shaft = drive is not None and drive.shaft is not None
         motor = rows[2:4] if has_shaft else rows[:2] if drive else np.full_like(rows[:2], nan)
-        work = np.zeros(rows.shape[1:])[()] if self.system.is_conservative else rows[-1]
-        (position, rate), source = rows[:2], tuple(rows[4 if has_shaft else 2:-1])
-        return RunState(position, rate, motor[0], motor[1], source, work)
+        names, none = self.system.names, np.zeros(rows.shape[1:])[()]
+        dissipated, work = [rows[names.index(name)] if name in names else none
+                            for name in ('dissipated', 'work')]
+        source = tuple(rows[self.system.of_source])
+        return RunState(rows[0], rows[1], motor[0], motor[1], source, dissipated, work)
 
     @property
     def states(self) -> RunState:
@@ -395,7 +430,8 @@ def _first_run(work: Work, method: str, tolerance: float) -> Run:
     if _is_stiff(work.system, work.until):
         return _run(work, 'LSODA', tolerance)
     # many short legs are no sign of a stiff system: half is left for the finer run
-    share = 0.5 if work.system.equation.tables else FIRST_TRY
+    equation = work.system.equation
+    share = 0.5 if equation.tables or equation.has_resistance else FIRST_TRY
     run = _run(work, 'DOP853', tolerance, share=share)
     if run.status != STOPPED:
         return run
@@ -452,6 +488,8 @@ def _is_stiff(system: System, until: float) -> bool:
     Jacobian, by central differences.
     """
     coordinate, state = system.coordinates.begin(system.start)
+    if system.equation.has_resistance:         # within the slip speed LSODA takes over anyway
+        state[1] = copysign(max(abs(state[1]), 2.0 * system.mechanism.slip_speed), state[1])
     columns = []
     try:
         for i, value in enumerate(state):
@@ -492,6 +530,12 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
         if coordinate.equation.tables:
             events.append(_kink(coordinate, state))
+        used = method
+        if coordinate.equation.has_resistance:
+            is_slow = _is_slow(system, coordinate, first, state)
+            events.append(_edge(system, coordinate, first, state, is_slow))
+            if is_slow and method in EXPLICIT:      # friction is stiff there
+                used = 'LSODA'
         if stop_when is not None:
             stop = _of_input(coordinate, stop_when)
             if first == 0.0:
@@ -499,7 +543,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        leg = _leg(coordinate, (first, last), state, method, tolerance, work, events, step)
+        leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
         # a leg without length, as two coordinates handing over to each other: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
@@ -507,7 +551,8 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         yield leg
         # The first step into the next piece of a table, which takes about as long. Were it as long
         # as the piece, it would end exactly at its end, and scipy before 1.12 would stop there.
-        step = LONGER * float(leg.time[-1] - first) if leg.end == AT_KINK else None
+        step = (LONGER * float(leg.time[-1] - first)
+                if leg.end == AT_KINK and coordinate.equation.tables else None)
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
@@ -528,14 +573,14 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
                      events=[_remembered(event, span[0]) for event in events],
                      first_step=None if step is None else min(step, span[1] - span[0]))
     if result is None or result.t.size < 2 or not np.all(np.abs(result.y) < HUGE):
-        work.reason = f'no step of {method} is short enough at {span[0]:.6g} s'
+        work.reason = _why_no_step(work, method, span[0])
         return Leg(coordinate, np.array(span[:1]), start[:, None],
                    lambda times: np.repeat(start[:, None], times.size, 1), STOPPED)
     end = REACHED
     if result.status == 1:
         end = next(event.end for event, times in zip(events, result.t_events) if times.size)
     elif result.status == -1:
-        end, work.reason = STOPPED, f'no step of {method} is short enough at {result.t[-1]:.6g} s'
+        end, work.reason = STOPPED, _why_no_step(work, method, float(result.t[-1]))
     length = result.t[-1] - result.t[-2]
     if end in (HANDED_OVER, AT_KINK) and length > 0.0:
         # where the run goes on a step is more exact than the interpolant
@@ -543,6 +588,11 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
         if last is not None and last.status == 0:
             result.y[:, -1] = last.y[:, -1]
     return Leg(coordinate, result.t, result.y, result.sol, end)
+
+
+def _why_no_step(work: Work, method: str, time: float) -> str:
+    why = f': {work.locked}' if work.locked else ''
+    return f'no step of {method} is short enough at {time:.6g} s{why}'
 
 
 def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, method: str,
@@ -628,6 +678,40 @@ def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
     """Return the event where the force of a table bends: at its next point."""
     excess = coordinate.equation.make_excess(state[0])
     return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
+
+
+def _is_slow(system: System, coordinate: MotionCoordinate, time: float, state: list[float]
+             ) -> bool:
+    """Return whether the rate is within the slip speed; where it is at its end, soon after."""
+    beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
+    if abs(beyond) > AHEAD:
+        return beyond < 0.0
+    return bool(coordinate.derivative(time, state)[1] * state[1] < 0.0)
+
+
+def _edge(system: System, coordinate: MotionCoordinate, time: float, state: list[float],
+          is_slow: bool) -> Event:
+    """
+    Return the event where friction is not smooth: where a joint turns back, or at the slip speed.
+
+    What jumps at the start, which may be just before such an event, counts as it is after it.
+    """
+    edges, (position, rate, *rest) = system.make_edges(coordinate), state
+    ahead = position + copysign(AHEAD * coordinate.equation.coordinate.input_unit, rate)
+
+    def values(time: float, state: Sequence[float]) -> list[float]:
+        try:
+            return list(edges(time, state))
+        except (FourBarError, ArithmeticError):      # there no step ends
+            return []
+    signs = [copysign(1.0, value) if abs(value) > NONE_AHEAD else 0.0
+             for value in values(time, [ahead, rate, *rest])]
+
+    def excess(time: float, state: Array) -> float:
+        beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
+        joints = [-sign * value for sign, value in zip(signs, values(time, state.tolist()))]
+        return float(max([beyond if is_slow else -beyond, *joints])) - SAME
+    return Event(excess, AT_KINK, 1.0)
 
 
 def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:

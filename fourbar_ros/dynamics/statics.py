@@ -66,15 +66,21 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     samples where |Q + T| dips. Where |Q + T| is within its rounding error over a piece of the
     range, or all of it, as of a balanced mechanism, the piece is one equilibrium with its ``end``;
     of a crank it may go on beyond a whole turn. A jump of Q over zero, as at the wrap of a torsion
-    spring, is no equilibrium.
+    spring, is no equilibrium. With friction the equilibria are the pieces in which it holds the
+    mechanism, :meth:`.Mechanism.holding`: they are stable.
     """
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
     drive, mechanism = finite('drive', drive), equation.mechanism
     results = list[Equilibrium]()
 
+    is_held = bool(mechanism.friction)
+
     def push(q: Value) -> Value:
-        total: Value = equation.terms(q).force + drive
+        if is_held:
+            total: Value = drive - np.clip(drive, *mechanism.holding(q))
+        else:
+            total = equation.terms(q).force + drive
         return total
 
     def error(q: Value) -> Array:
@@ -95,7 +101,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
                 pieces.append((start, stop + cycle))
         results += [_equilibrium(equation, root) for root in roots
                     if not _jumps(equation, root, drive)]
-        results += [Equilibrium(low if start == ends[0] else start, False, 0.0, nan, nan,
+        results += [Equilibrium(low if start == ends[0] else start, is_held, 0.0, nan, nan,
                                 high if stop == ends[1] else stop) for start, stop in pieces]
     return tuple(sorted(results))
 

@@ -4,26 +4,29 @@
 A mechanism and its drive as one system of first-order equations.
 
 State, in order: q, w = dq/dt of the input; p, dp/dt of the motor if there is an elastic shaft; the
-state of the torque source (current, integral of a controller); last the work W of all that is not
-conservative, so that energy less W is constant whatever acts (not if nothing of the kind acts):
+state of the torque source (current, integral of a controller); what friction dissipates, if there
+is any; last the work W of all that is not conservative, so that energy less W is constant whatever
+acts (not if nothing of the kind acts):
 
-    dW/dt = (T + C - D w) w,   C the part of Q without a potential: of applied couples, of
-                               forces over a position                                      (E6)
+    dW/dt = (T + C - D w - R) w,   C the part of Q without a potential: of applied couples, of
+                                   forces over a position; R of (E9)                       (E6)
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
+from typing import Any
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.sources import Answer, Drive
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import InvalidParameter, Locked
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Function
 
 State = Sequence[float]
+SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
 NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
 
 
@@ -33,15 +36,18 @@ class System:
 
     The mechanism has bodies; its assembly mode is that at the start. There its input is at
     ``position`` with ``rate``: [rad] or [m], [rad/s] or [m/s], and so is the motor of the drive.
-    Without a drive it moves freely.
+    Without a drive it moves freely. ``slip_speed`` of the input [rad/s], [m/s], of a mechanism
+    that has none: where friction would hold it, it creeps at less.
     """
 
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
-                 drive: Drive | None = None) -> None:
+                 drive: Drive | None = None, slip_speed: float = SLIP_SPEED) -> None:
         """Set up names and start of the state; integrators use the mechanism without stroke."""
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
+        mechanism = mechanism.with_slip_speed(
+            finite('slip_speed', slip_speed, 'must be a positive number', above=0.0))
         self.drive, self._with_stroke = drive, mechanism
         # an integrator's trial steps go beyond the end at which the run stops
         mechanism = mechanism.without_stroke()
@@ -50,16 +56,19 @@ class System:
         self.stroke = self._with_stroke.stroke_around(motion[0])    # in the turn of the start
         self.coordinates = Coordinates(self, mechanism, motion[0])
         self.equation = self.coordinates.first.equation
+        has_resistance = self.equation.has_resistance
         self.is_conservative = not (drive or self.equation.has_couples
-                                    or self.equation.has_dampers)
+                                    or self.equation.has_dampers or has_resistance)
         shaft, source = (drive.shaft, drive.source.start) if drive else (None, ())
         self.names = ('position', 'rate', *(('motor_position', 'motor_rate') if shaft else ()),
                       *(f'source_{i}' for i in range(len(source))),
+                      *(('dissipated',) if has_resistance else ()),
                       *(() if self.is_conservative else ('work',)))
-        self.start = (*motion * (2 if shaft else 1), *source,
+        self.start = (*motion * (2 if shaft else 1), *source, *((0.0,) if has_resistance else ()),
                       *(() if self.is_conservative else (0.0,)))
         # index of the source's speed in a state: of the input's rate, or of dp/dt behind a shaft
         self._speed = 3 if shaft else 1
+        self.of_source = slice(self._speed + 1, self._speed + 1 + len(source))
         self.derivative = self.coordinates.first.derivative
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -100,6 +109,13 @@ class System:
         low, high = self.stroke
         return min((position - low) / (high - low), (high - position) / (high - low))
 
+    def locked(self, position: float) -> Locked:
+        """Return the error where friction leaves no acceleration at an input."""
+        driven = self.mechanism.input_coordinate
+        return Locked(driven.position, position, driven.unit, [
+            name for name, friction in self.mechanism.friction
+            if getattr(friction, 'coefficient', 0.0)])
+
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
         return self._drive(time, state)[0] if self.drive else 0.0
@@ -108,14 +124,14 @@ class System:
         """Return the torque (force) of the source, which an elastic shaft passes on."""
         if self.drive is None:
             return 0.0
-        speed, source_state = state[self._speed], state[self._speed + 1:-1]
+        speed, source_state = state[self._speed], state[self.of_source]
         return float(self.drive.source.torque(time, speed, source_state)[0])
 
     def _drive(self, time: float, state: State) -> Answer:
         """Return the torque on the input and the derivatives of the states after q and w, (A1)."""
         drive = self.drive
         assert drive is not None
-        speed, source_state = state[self._speed], state[self._speed + 1:-1]
+        speed, source_state = state[self._speed], state[self.of_source]
         torque, change = drive.source.torque(time, speed, source_state)
         if drive.shaft is None:
             return torque, change
@@ -127,6 +143,7 @@ class System:
     def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
         terms_of, is_input = coordinate.equation.full_terms, coordinate.is_input
+        resisting = self.make_resisting(coordinate) if self.equation.has_resistance else None
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state
@@ -143,4 +160,36 @@ class System:
             torque = torque * ratio - damping * rate                                        # (Q2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)
-        return conservative if self.is_conservative else driven
+
+        def with_resistance(time: float, state: State) -> tuple[float, ...]:
+            assert resisting is not None
+            rate, change, couples, push, inertia, (resists, friction, *_) = resisting(time, state)
+            return (rate, (push - resists) / inertia, *change, friction * rate,
+                    (couples - resists) * rate)
+        return (conservative if self.is_conservative else with_resistance if resisting else driven)
+
+    def make_resisting(self, coordinate: MotionCoordinate) -> Function:
+        """
+        Return (time, state) -> the parts of (E9) with friction and forces one way.
+
+        That is w, the derivatives of the source's states, T + C - D w, the push as of
+        :func:`.make_resistance`, J and the results of its formula. Raises Locked.
+        """
+        terms_of, resistance = coordinate.equation.full_terms, coordinate.equation.resistance
+
+        def resisting(time: float, state: State) -> tuple[Any, ...]:
+            position, rate = state[:2]
+            torque, change = self._drive(time, state) if self.drive else (0.0, ())
+            inertia, half_slope, force, damping, couples, *_ = terms_of(position)
+            torque = torque - damping * rate
+            push = force + torque - half_slope * rate * rate
+            results = resistance(position, rate, push, inertia)
+            if results[1] != results[1]:
+                raise self.locked(position)
+            return rate, change, torque + couples, push, inertia, results
+        return resisting
+
+    def make_edges(self, coordinate: MotionCoordinate) -> Function:
+        """Return (time, state) -> numbers at whose zeros friction of joints is not smooth."""
+        resisting = self.make_resisting(coordinate)
+        return lambda time, state: resisting(time, state)[-1][3:]

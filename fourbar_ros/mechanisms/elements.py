@@ -17,7 +17,7 @@ from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
 from math import ceil, degrees, inf, lcm, remainder, tau
-from typing import Any, NamedTuple, TYPE_CHECKING, Union
+from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import InvalidParameter, UnknownForce
 from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
@@ -85,6 +85,7 @@ class Spring:
     # without both it has no force where its ends meet, with one of them no direction there
     has_length: bool = field(init=False, repr=False)
     has_damping: bool = field(init=False, repr=False)
+    is_one_way: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         check_quantities(self)
@@ -137,6 +138,7 @@ class TorsionSpring:
     damping: float = quantity(0.0, least=0.0)
     free_direction: tuple[float, float] = field(init=False, repr=False)
     has_damping: bool = field(init=False, repr=False)
+    is_one_way: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         check_quantities(self)
@@ -407,16 +409,27 @@ class PositionForce:
         second = (self.apart_from.link,) if self.apart_from else ()
         return self.point.link, self.axes, *links_of_s, *second
 
+    @property
+    def is_one_way(self) -> bool:
+        """Return whether it acts only while s grows, or falls."""
+        return self.when != BOTH
+
     def position(self, n: NumberType, links: LinkMotions, input_position: Scalar) -> Scalar:
         """Return the position s in a pose at an input."""
         return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
-    def _push(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar
-              ) -> tuple[Scalar, Scalar, Scalar, MovingPoint]:
-        """Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so."""
+    def _push(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar,
+              direction: Scalar) -> tuple[Scalar, Scalar, Scalar, MovingPoint]:
+        """
+        Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so.
+
+        ``direction``: in which the links move over that in which ``rate`` and they are given, its
+        size the share of a force one way.
+        """
         size = self.factor * n.call(self.value, self.position(n, links, position))
-        if self.when != BOTH:
+        if self.is_one_way:
             grows = rate if isinstance(self.over, str) else self.over.grows(links)
+            grows, size = grows * direction, size * n.fabs(direction)
             is_acting = grows.real > 0.0 if self.when == FORWARD else grows.real < 0.0
             size = n.where(is_acting, size, 0.0)
         if self.apart_from is not None:
@@ -428,17 +441,22 @@ class PositionForce:
             return size, 0.0, 0.0, point
         return size, *_along(self.unit_vector, links[self.axes]), point
 
-    def generalised(self, n: NumberType, links: LinkMotions, position: Scalar) -> Scalar:
-        """Return Q of (E7) in a pose at an input."""
-        size, x, y, moved = self._push(n, links, position, 1.0)
+    def generalised(self, n: NumberType, links: LinkMotions, position: Scalar,
+                    direction: Scalar = 1.0) -> Scalar:
+        """Return Q of (E7) in a pose at an input; ``direction`` of it, of a force one way."""
+        size, x, y, moved = self._push(n, links, position, 1.0, direction)
         if self.unit_vector is None and self.apart_from is None:
             return size * links[self.point.link].omega
         return size * (x * moved.v_x + y * moved.v_y)
 
-    def forces(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar
-               ) -> list[ForceOnLink]:
-        """Return the force on its link, and on a second one, at an input and its rate."""
-        size, x, y, _ = self._push(n, links, position, rate)
+    def forces(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar,
+               share: Scalar) -> list[ForceOnLink]:
+        """
+        Return the force on its link, and on a second one, at an input and its rate.
+
+        ``share``: of it that acts if it acts one way, 1 but at a rate within the slip speed.
+        """
+        size, x, y, _ = self._push(n, links, position, rate, share)
         is_couple = self.unit_vector is None and self.apart_from is None
         on_link = [(self.point, size)]
         if self.apart_from is not None:
@@ -594,8 +612,12 @@ def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
     def applied(motion: NamedFields) -> Any:
         moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
         position, rate = getattr(motion, driven.position), getattr(motion, driven.rate)
+        share: Scalar = 1.0
+        if mechanism.slip_speed:
+            from fourbar_ros.mechanisms.friction import direction_of  # few mechanisms have any
+            share = n.fabs(direction_of(n, rate, mechanism.slip_speed_in(constants)))
         acting = [force for element in constants.elements
-                  for force in element.forces(n, moving, position, rate)]
+                  for force in element.forces(n, moving, position, rate, share)]
         return constants.external._replace(**{link: _sum_of(
             applied_to(constants.external, link), moving[link],
             [force for force in acting if force.link == link]) for link in loaded})

@@ -97,12 +97,20 @@ class DriveFriction:
         Constant torque, or force of a driven slide, against the motion [N m], [N].
     viscous : float
         Torque or force over the rate of the input [N m s/rad], [N s/m].
+    slip_speed : float
+        Rate of the input [rad/s], [m/s] below which dry friction of drive and joints falls off
+        smoothly, to none at rest, as motion that follows from torque needs it; 0: it jumps.
 
     """
 
     torque: float = 0.0
     viscous: float = 0.0
-    structure = ()
+    slip_speed: float = 0.0
+
+    @property
+    def structure(self) -> tuple[bool]:
+        """Return in what its formula differs besides numbers: is there a slip speed."""
+        return (self.slip_speed > 0.0,)
 
     def __post_init__(self) -> None:
         """Check the numbers and store them as floats."""
@@ -143,12 +151,34 @@ def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
     return tuple([(name, given[name]) for name in (*slides, DRIVE) if name in given])
 
 
+def direction_of(n: NumberType, rate: Scalar, slip_speed: Scalar | None) -> Scalar:
+    """
+    Return the direction of the input: the sign of its rate, between -1 and 1 within a slip speed.
+
+    (R4) With x = rate / slip_speed it is x (3 - x^2) / 2, and so is the size of dry friction over
+    that of Coulomb, the same for all joints: of one degree of freedom they stick together.
+    """
+    if slip_speed is None:
+        return sign_of(n, rate)
+    x = rate / slip_speed
+    smooth: Scalar = 0.5 * x * (3.0 - x * x)
+    direction: Scalar = n.where((n.fabs(x) - 1.0).real > 0.0, sign_of(n, x), smooth)
+    return direction
+
+
+def sign_of(n: NumberType, x: Scalar) -> Scalar:
+    """Return the sign of a number: 1, -1 or 0."""
+    sign: Scalar = n.where(x.real > 0.0, 1.0, n.where(x.real < 0.0, -1.0, 0.0))
+    return sign
+
+
 # --- what it does to a mechanism -----------------------------------------------------------------
 
 def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
     """Return the bounds of the drive that holds a mechanism, as :meth:`.Mechanism.holding`."""
     still = mechanism.with_friction([
-        (name, replace(friction, viscous=0.0)) for name, friction in mechanism.friction])
+        (name, replace(friction, viscous=0.0, **({'slip_speed': 0.0} if name == DRIVE else {})))
+        for name, friction in mechanism.friction])
     bounds = list[Any]()
     for way in (-1.0, 1.0):
         try:

@@ -66,17 +66,24 @@ class Mechanism(MechanismGeometry):
 
         ``told``: takes what joints with friction tell, each a :class:`.Told`.
         """
+        joint_loads = self.make_joint_loads(n, constants, told)
+
+        def loads(fields: Iterable[Any]) -> Any:
+            motion = self.MOTION._make(fields)
+            return all_loads(self, constants, motion, joint_loads(motion))
+        return loads
+
+    def make_joint_loads(self, n: NumberType, constants: Constants, told: Any = None) -> Function:
+        """Return motion -> fields of LOADS but for those that follow, of all that acts."""
         applied = None
         if constants.elements:
             from fourbar_ros.mechanisms.elements import make_applied  # few mechanisms have any
             applied = make_applied(n, self, constants)
 
-        def loads(fields: Iterable[Any]) -> Any:
-            motion, acting = self.MOTION._make(fields), constants
-            if applied is not None:
-                acting = constants._replace(external=applied(motion))
-            return all_loads(self, constants, motion, self.joint_loads(n, acting, motion, told))
-        return loads
+        def joint_loads(motion: NamedFields) -> Any:
+            acting = constants._replace(external=applied(motion)) if applied else constants
+            return self.joint_loads(n, acting, motion, told)
+        return joint_loads
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
         """
@@ -262,14 +269,45 @@ class Mechanism(MechanismGeometry):
         ``unit``: of lengths [m]; ``told``: takes what the joints tell.
         """
         # few mechanisms have friction
-        from fourbar_ros.mechanisms.machine.solve.friction import MachineFriction
+        from fourbar_ros.mechanisms.friction import direction_of
+        from fourbar_ros.mechanisms.machine.solve import friction as solve
+        kind = solve.OpenFriction if isinstance(told, solve.OpenForces) else solve.MachineFriction
         joints = [name if name == DRIVE else self.joint_in_layout(name)
                   for name, _ in self.friction]
-        return MachineFriction(
+        return kind(
             n, self.layout, dict(zip(joints, constants.friction)),
             {joint: friction.length < inf for joint, (_, friction) in zip(joints, self.friction)
-             if joint != DRIVE and friction.coefficient}, rate, unit,
+             if joint != DRIVE and friction.coefficient}, rate,
+            direction_of(n, rate, self.slip_speed_in(constants)), unit,
             [] if told is None else told)
+
+    @property
+    def has_direction(self) -> bool:
+        """Return whether what acts depends on its direction: friction, forces one way alone."""
+        return bool(self.friction) or any(element.is_one_way for element in self.elements)
+
+    @property
+    def slip_speed(self) -> float:
+        """Return the rate of the input within which friction is smooth [rad/s], [m/s]; 0: none."""
+        friction: Any = dict(self.friction).get(DRIVE)
+        return friction.slip_speed if friction else 0.0
+
+    def slip_speed_in(self, constants: Constants) -> Any:
+        """Return the slip speed of constants of any number type, None where there is none."""
+        return constants.friction[-1].slip_speed if self.slip_speed else None
+
+    def with_slip_speed(self: _Self, slip_speed: float) -> _Self:
+        """
+        Return the same mechanism with a slip speed, where what acts has a direction.
+
+        That is friction, and forces over a position that act one way. One that has it keeps it.
+        """
+        if self.slip_speed or not self.has_direction:
+            return self
+        from fourbar_ros.mechanisms.friction import DriveFriction  # few mechanisms have any
+        friction = dict(self.friction)
+        of_drive = friction.get(DRIVE, DriveFriction())
+        return self.with_friction({**friction, DRIVE: replace(of_drive, slip_speed=slip_speed)})
 
     def joint_in_layout(self, joint: str) -> str:
         """Return the name that the :class:`.Layout` of its machine has for a joint."""

@@ -11,10 +11,8 @@ from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base, UnknownBase
-from fourbar_ros.mechanisms.elements import BOTH, PositionForce
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.number_fields import quantities_of
-from fourbar_ros.scene.elements import element_names
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues
 
 
@@ -37,10 +35,6 @@ def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
     if mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
                                'that follows from torque needs masses')
-    for name, element in zip(element_names(values), mechanism.elements):
-        if isinstance(element, PositionForce) and element.when != BOTH:
-            raise InvalidParameter(f'{name}.when', element.when, f'must be {BOTH}: motion that '
-                                   'follows from torque takes no force one way alone yet')
     gear, stiffness = values[GEAR.name], values['shaft.stiffness']
     if gear == 0.0:
         raise InvalidParameter(GEAR.name, gear, 'must not be zero')

@@ -10,9 +10,9 @@ from fourbar_ros.mechanisms.friction import DriveFriction, Friction, JointFricti
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import DRIVE
 from fourbar_ros.scene.parameters import names_in, of_name
-from fourbar_ros.scene.settings import ParameterValues, SOURCES
+from fourbar_ros.scene.settings import ParameterValues
 
-OF_DRIVE = 'torque', 'viscous'
+OF_DRIVE = 'torque', 'viscous', 'slip_speed'
 OF_JOINTS = 'coefficient', 'radius', 'length', 'viscous'
 
 
@@ -22,9 +22,6 @@ def friction_of(values: ParameterValues, mechanism: Mechanism) -> Friction:
     if mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
                                f'friction.{names[0]} needs masses')
-    if values['drive.source'] in SOURCES:
-        raise InvalidParameter('drive.source', values['drive.source'], 'a motion that follows '
-                               f'from torque takes no friction yet, as friction.{names[0]}')
     if 'equation' in values['outputs']:
         raise InvalidParameter('outputs', 'equation', 'has no friction, which depends on the '
                                f'acceleration: leave it out, or friction.{names[0]}')

@@ -290,7 +290,9 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
         mechanism = mechanism.with_friction(friction_of(values, mechanism))
     dynamics = None
     if values['drive.source'] in SOURCES:
-        from fourbar_ros.scene.dynamics import of_values  # nor torque
+        from fourbar_ros.dynamics.system import SLIP_SPEED  # nor torque
+        from fourbar_ros.scene.dynamics import of_values
+        mechanism = mechanism.with_slip_speed(SLIP_SPEED)
         dynamics = of_values(values, mechanism)
     scene = Scene(
         kind=kind, linkage=mechanism, points=points, wrenches=wrenches, base=base,

@@ -512,6 +512,9 @@ _FRICTION = _table(
               'guide NAME, or of a drive that slides [N s/m]', low=0.0),
     Parameter('friction.NAME.torque', 'double', 0.0, 'N m or N',
               'of friction.drive: constant friction of the drive itself', low=0.0),
+    Parameter('friction.NAME.slip_speed', 'double', 0.0, 'rad/s or m/s',
+              'of friction.drive: speed of the input below which dry friction and forces one way '
+              'fall off smoothly; with torque or motor 0 stands for 1e-4, else for none', low=0.0),
 )
 # A table of forces stands in a file, or in places and values.
 _FORCE = _table(

@@ -68,7 +68,7 @@ def test_the_state_of_a_run_is_one_record_whatever_the_system(drive, has_motor, 
     run = simulate(System(LINKAGE, 0.0, 1.0, drive=drive), 0.01, 1e-6)
     for state in (run.at(0.01), run.at([0.01, 0.0]), run.states):
         assert state._fields == ('position', 'rate', 'motor_position', 'motor_rate', 'source',
-                                 'work')
+                                 'dissipated', 'work')
         assert np.isfinite(state.motor_rate).all() == has_motor and len(state.source) == states
     state, work = run.at(0.01), run.states.work[-1]
     assert state.work == work and (work != 0.0) == (drive is not None)

@@ -53,6 +53,9 @@ MORE = {
     'huge torque': {**CRANK, 'motor.stall_torque': 1e300, 'motor.free_speed': 1.0},
     'cylinder': {**load_scene('cylinder').values, 'drive.source': 'torque', 'drive.start': 1.3},
     'bucket': {**load_scene('bucket').values, 'drive.source': 'torque', 'drive.start': 1.85},
+    'friction': {**CRANK, **LINE, 'friction.A.coefficient': 0.1, 'friction.A.radius': 0.02,
+                 'friction.B.coefficient': 0.1, 'friction.B.radius': 0.02,
+                 'friction.drive.torque': 3.0},
     'narrow tables': {**ROCKER, **LINE, 'outputs': ['state', 'loads'],
                       'points.end.link': 'coupler', 'points.end.along': 1.0,
                       **{f'forces.{name}.{key}': value

@@ -14,7 +14,6 @@ from fourbar_ros import (
     round_rod,
     SliderCrank,
 )
-from fourbar_ros.dynamics import System
 from fourbar_ros.extrema import find_extrema, OverInput
 from fourbar_ros.mechanisms.elements import (
     Attachment,
@@ -273,8 +272,6 @@ def test_a_cut_acts_on_the_way_down_alone():
         back = free.loads(-angle, -rate)            # the other way round it is as the mirror
         assert back.driving_torque == pytest.approx(-here.driving_torque, rel=1e-12)
         assert free.loads(angle, 0.0) == free.with_elements(free.elements[0]).loads(angle, 0.0)
-    with pytest.raises(InvalidParameter, match='one way alone'):
-        System(free, 0.3)
     with pytest.raises(InvalidParameter, match='must be both, forward or backward'):
         replace(free.elements[1], when='down')
 

@@ -14,7 +14,6 @@ from fourbar_lab.studies.study import from_document
 from fourbar_ros import DriveFriction, find_extrema, InvalidParameter, JointFriction
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.main import main
-from fourbar_ros.dynamics import System
 from fourbar_ros.errors import Locked
 from fourbar_ros.extrema import OverInput
 from fourbar_ros.pipeline.stepper import LOCKED, OK, STATUS_NAMES, Stepper, Wanted
@@ -200,12 +199,8 @@ def test_a_bag_recomputes_exactly(there, tmp_path):
 
 
 def test_what_takes_none_refuses_it():
-    doors = {'motion that follows': lambda: System(THERE.linkage, 0.0),
-             'balancing': lambda: Loads(THERE.linkage, SPEED),
-             }
-    for words, door in doors.items():
-        with pytest.raises(InvalidParameter, match=f'friction.O1: .*{words}.* takes no friction'):
-            door()
+    with pytest.raises(InvalidParameter, match='friction.O1: .*balancing.* takes no friction'):
+        Loads(THERE.linkage, SPEED)
 
 
 @pytest.mark.parametrize('more, words', [
@@ -213,9 +208,8 @@ def test_what_takes_none_refuses_it():
     ({'friction.A.radius': 0.0}, 'friction.A.radius = 0.0: must be positive'),
     ({'friction.A.coefficient': -0.1}, 'friction.A.coefficient = -0.1'),
     ({'friction.A.torque': 1.0}, 'friction.A.torque = 1.0: friction.A has coefficient'),
-    ({'friction.drive.radius': 1.0}, 'friction.drive has torque, viscous only'),
+    ({'friction.drive.radius': 1.0}, 'friction.drive has torque, viscous, slip_speed only'),
     ({'friction.guide.radius': 0.1}, 'friction.guide.radius = 0.1: only pins'),
-    ({'drive.source': 'torque'}, 'takes no friction yet'),
     ({'outputs': ['equation']}, "outputs = 'equation': has no friction"),
     ({'bodies.crank.mass': None}, 'bodies')])
 def test_wrong_scenes(more, words):

@@ -34,12 +34,14 @@ is the last, as nothing feels its effort but the drive.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import combinations
 from math import nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.newton_euler import Needs
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.friction import sign_of
 from fourbar_ros.mechanisms.machine.solve.loads import DyadForces, with_drive_along
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import (
@@ -52,11 +54,13 @@ from fourbar_ros.mechanisms.machine.structure import (
 )
 from fourbar_ros.mechanisms.parts import DRIVE, SLIDE
 from fourbar_ros.numerics.arrays import EPS
+from fourbar_ros.numerics.linear_forms import CONSTANT, LinearForm
 from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
 from fourbar_ros.numerics.vectors import Vector
 
 SHARES = (0.5, *[1.0] * 5)      # of the friction, in each iteration; one less if no block tilts
 CONVERGED = 1e-8       # change of the efforts by the last iteration, over all; its square is left
+NEAR_SHARES, CONVERGED_NEAR = (1.0, 1.0, 1.0), 1e-4      # the same from near a solution on
 AT_REST = 16.0 * EPS   # a relative rate below this part of the rates of both links is rounding
 NO_FORCE = Vector(0.0, 0.0)
 
@@ -98,8 +102,8 @@ class MachineFriction:
         {joint of the layout, or 'drive': its friction}.
     dry : mapping
         {joint that has a coefficient: whether its block has a length}.
-    rate : number
-        Of the input.
+    rate, direction : number
+        Of the input; its direction by :func:`direction_of`.
     unit : number
         Of lengths [m].
     told : list of Told
@@ -108,11 +112,11 @@ class MachineFriction:
     """
 
     def __init__(self, n: NumberType, layout: Layout, by_joint: Mapping[str, Any],
-                 dry: Mapping[str, bool], rate: Scalar, unit: Scalar,
-                 told: list[Told]) -> None:
+                 dry: Mapping[str, bool], rate: Scalar, direction: Scalar, unit: Scalar,
+                 told: Any) -> None:
         self._n, self._layout, self._by_joint, self._dry = n, layout, by_joint, dry
-        self._rate, self._unit, self._direction = rate, unit, sign_of(n, rate)
-        self._told = told
+        self._rate, self._unit, self._direction, self._told = rate, unit, direction, told
+        self.paid: Any = 0.0     # what friction takes of the drive [N m], [N]
 
     @property
     def gate(self) -> Scalar:
@@ -223,33 +227,50 @@ class MachineFriction:
             return force.x, force.y
 
         needs = held[stage.link], held[stage.link + 1]
-        efforts = [self._viscous(joint.friction, joint.rate, joint.slide is None)
-                   for joint in joints]
+        efforts: list[Any] = [self._viscous(joint.friction, joint.rate, joint.slide is None)
+                              for joint in joints]
         dry = [k for k, joint in enumerate(joints) if joint.name in self._dry]
         if dry:
-            forces, _ = with_efforts(efforts, needs, drive)
-            at_none = list[Felt]()
+            signs = [self._direction * sign_of(self._n, joint.moving) for joint in joints]
+            unknown = list(efforts)
             for k in dry:
+                unknown[k] = unknown[k] + LinearForm({joints[k].name: signs[k]})
+            forces, _ = with_efforts(unknown, needs, drive)
+            affine = list[tuple[LinearForm, LinearForm]]()
+            for k in dry:
+                x: Any
+                y: Any
                 x, y = felt(forces, joints[k])
                 more = borne.get(joints[k].name, NO_FORCE)
-                at_none.append((x + more.x, y + more.y))
-            columns = list[list[Felt]]()
-            signs = [self._direction * sign_of(self._n, joint.moving) for joint in joints]
-            for k in dry:
-                alone = [sign if k == i else 0.0 for i, sign in enumerate(signs)]
-                forces, _ = with_efforts(alone, [Needs(NO_FORCE, 0.0)] * 2, 0.0)
-                columns.append([felt(forces, joints[i]) for i in dry])
-            sizes, locks = solved(self._n, [
-                self._law(joints[k].name, joints[k].slide is not None) for k in dry], at_none,
-                columns, SHARES[:None if any(self._dry[joints[k].name] for k in dry) else -1])
+                affine.append((x + more.x, y + more.y))
+            sizes, locks = self._sizes([joints[k] for k in dry], affine)
             for k, size in zip(dry, sizes):
                 efforts[k] = efforts[k] + signs[k] * size
         forces, drive = with_efforts(efforts, needs, drive)
+        for effort, joint in zip(efforts, joints):
+            self.paid = self.paid + self._unit * (joint.rate * effort)
         if dry:
-            edges = [edge for k in dry for edge in (joints[k].moving, *self._edges(
-                joints[k].name, joints[k].slide is not None, felt(forces, joints[k])))]
-            self._told.append(Told([joints[k].name for k in dry], locks, edges))
+            self._tell([(joints[k], felt(forces, joints[k])) for k in dry], locks)
         return rubbed(forces, efforts, joints), drive
+
+    def _sizes(self, joints: Sequence[Rubbing],
+               affine: Sequence[tuple[LinearForm, LinearForm]]) -> tuple[list[Any], Scalar]:
+        """
+        Return the sizes of the dry efforts of joints, and NaN where they lock, else 0.
+
+        ``affine``: what each feels as linear forms of all of these sizes.
+        """
+        at_none, *columns = [[(x.coefficient(name), y.coefficient(name)) for x, y in affine]
+                             for name in (CONSTANT, *[joint.name for joint in joints])]
+        return solved(self._n, [self._law(joint.name, joint.slide is not None)
+                                for joint in joints], at_none, columns, SHARES[
+            :None if any(self._dry[joint.name] for joint in joints) else -1])[:2]
+
+    def _tell(self, joints: Sequence[tuple[Rubbing, Felt]], locks: Scalar) -> None:
+        """Tell of joints that are solved together, and of what they feel."""
+        edges = [edge for joint, felt in joints for edge in (joint.moving, *self._edges(
+            joint.name, joint.slide is not None, felt))]
+        self._told.append(Told([joint.name for joint, _ in joints], locks, edges))
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
         """
@@ -262,14 +283,20 @@ class MachineFriction:
             friction = by_joint[BASE]
             effort = self._viscous(friction, 1.0 / self._unit if is_slide else 1.0, not is_slide)
             if BASE in self._dry:
-                size = _dot(self._law(BASE, is_slide)((first, second)), (first, second))
+                size = self._size_at_base(is_slide, (first, second))
                 effort = effort + self._direction * size
-                self._told.append(Told([BASE], 0.0, self._edges(BASE, is_slide, (first, second))))
-            drive = drive + (effort if is_slide else self._unit * effort)
+            effort = effort if is_slide else self._unit * effort
+            self.paid, drive = self.paid + effort, drive + effort
         if DRIVE in by_joint:
             own = by_joint[DRIVE]
-            drive = drive + (own.torque * self._direction + own.viscous * self._rate)
+            effort = own.torque * self._direction + own.viscous * self._rate
+            self.paid, drive = self.paid + effort, drive + effort
         return drive
+
+    def _size_at_base(self, is_slide: bool, felt: Felt) -> Scalar:
+        """Return the size of the dry effort of the driven joint."""
+        self._told.append(Told([BASE], 0.0, self._edges(BASE, is_slide, felt)))
+        return _dot(self._law(BASE, is_slide)(felt), felt)
 
     def _viscous(self, friction: Any, rate: Scalar, is_pin: bool) -> Scalar:
         """Return the viscous effort [N unit], [N]; ``rate`` as of :class:`Rubbing`."""
@@ -313,6 +340,58 @@ class MachineFriction:
         return of_pin
 
 
+class OpenJoint(NamedTuple):
+    """A joint with dry friction while the sizes of efforts are unknowns."""
+
+    name: str
+    law: Callable[[Felt], Felt]            # as of :func:`solved`
+    felt: tuple[Any, Any]                  # linear forms
+    moving: Scalar                         # its relative rate at unit rate, 0 at rest
+    edges: Callable[[Felt], list[Scalar]]  # what it feels, as numbers -> at whose zeros it bends
+
+
+class OpenForces(list[OpenJoint]):
+    """All joints with dry friction, from the last dyad on, while sizes are unknowns."""
+
+    paid: Any = 0.0         # linear form of what friction takes of the drive
+    tilts: bool = False     # whether the block of any guide does
+
+
+class OpenFriction(MachineFriction):
+    """Friction whose sizes are left open, as with it goes an acceleration that is not known."""
+
+    _told: OpenForces
+
+    def _open(self, name: str, is_slide: bool, felt: tuple[Any, Any], moving: Scalar) -> Any:
+        def edges(felt: Felt) -> list[Scalar]:
+            if not (is_slide and self._dry[name]):
+                return [felt[0]] if is_slide else []
+            fabs, tilt = self._n.fabs, 2.0 * self._unit / self._by_joint[name].length * felt[1]
+            return [felt[0], tilt, fabs(tilt) - fabs(felt[0])]
+        self._told.append(OpenJoint(name, self._law(name, is_slide), felt, moving, edges))
+        return LinearForm({name: 1.0})
+
+    def _sizes(self, joints: Sequence[Rubbing],
+               affine: Sequence[tuple[LinearForm, LinearForm]]) -> tuple[list[Any], Scalar]:
+        return [self._open(joint.name, joint.slide is not None, felt, joint.moving)
+                for joint, felt in zip(joints, affine)], 0.0
+
+    def _tell(self, joints: Sequence[tuple[Rubbing, Felt]], locks: Scalar) -> None:
+        pass
+
+    def _size_at_base(self, is_slide: bool, felt: Felt) -> Any:
+        return self._open(BASE, is_slide, felt, 1.0)
+
+    def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
+        drive = super().of_base(first, second, drive)
+        self._told.paid, self._told.tilts = self.paid, any(self._dry.values())
+        return drive
+
+    @property
+    def gate(self) -> Scalar:
+        return 0.0
+
+
 def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]
            ) -> DyadForces:
     """Return the forces of a dyad with what friction adds at its joints."""
@@ -328,42 +407,43 @@ def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbi
 
 
 def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Sequence[Felt],
-           columns: Sequence[Sequence[Felt]], shares: Sequence[float]
-           ) -> tuple[list[Scalar], Scalar]:
+           columns: Sequence[Sequence[Felt]], shares: Sequence[float], by_minors: bool = True,
+           near: Sequence[Felt] | None = None) -> tuple[list[Scalar], Scalar, list[Felt]]:
     """
-    Return the sizes of efforts by (R3), and NaN where they lock, else 0.
+    Return the sizes of efforts by (R3), NaN where they lock, else 0, and what is felt then.
 
     ``laws``: of each joint what it feels -> slopes of (R1); ``at_none``: what each feels without
     efforts; ``columns``: by effort what each feels of an effort of one; ``shares``: of the
-    friction, in each iteration.
+    friction, in each iteration; ``by_minors``: for up to four joints, by cofactors and with all
+    principal minors, else by pivots, of which all must be positive; ``near``: what is felt, about,
+    from where two iterations are enough.
     """
-    felt, sizes, matrix = list(at_none), [0.0] * len(laws), list[list[Scalar]]()
-    before = sizes
+    felt, sizes, matrix = list(near or at_none), [0.0] * len(laws), list[list[Scalar]]()
+    before, solution = sizes, partial(_solution, n) if by_minors else _without_pivots
     for share in shares:
         slopes = [(share * x, share * y) for law, pair in zip(laws, felt)
                   for x, y in [law(pair)]]
         matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in range(len(laws))]
                   for i in range(len(laws))]
-        before, sizes = sizes, _solution(n, matrix, list(map(_dot, slopes, at_none)))  # (R3)
+        before, sizes = sizes, solution(matrix, list(map(_dot, slopes, at_none)))  # (R3)
         felt = [_plus(pair, [(column[i], size) for column, size in zip(columns, sizes)])
                 for i, pair in enumerate(at_none)]
     change = total = locks = 0.0
     for size, old in zip(sizes, before):
         change, total = change + n.fabs(size - old), total + n.fabs(size)
-    locks = n.where((change - CONVERGED * total).real > 0.0, nan, 0.0)
+    converged = CONVERGED_NEAR if near else CONVERGED
+    locks = n.where((change - converged * total).real > 0.0, nan, 0.0)
     every = range(len(laws))
+    if not by_minors:
+        for k, row in enumerate(_reduced(matrix, list(map(_dot, slopes, at_none)))):
+            locks = locks + n.where(row[k].real > 0.0, 0.0, nan)
+        return sizes, locks, felt
     for count in range(1, len(laws) + 1):
         minors = 0.0
         for chosen in combinations(every, count):
             minors = minors + _determinant([[matrix[i][j] for j in chosen] for i in chosen])
         locks = locks + n.where(minors.real > 0.0, 0.0, nan)
-    return sizes, locks
-
-
-def sign_of(n: NumberType, x: Scalar) -> Scalar:
-    """Return the sign of a number: 1, -1 or 0."""
-    sign: Scalar = n.where(x.real > 0.0, 1.0, n.where(x.real < 0.0, -1.0, 0.0))
-    return sign
+    return sizes, locks, felt
 
 
 def _dot(one: Felt, two: Felt) -> Scalar:
@@ -389,6 +469,26 @@ def _solution(n: NumberType, matrix: Matrix, right: Sequence[Scalar]) -> list[Sc
             term = value * _determinant(without)
             total = total - term if (i + j) % 2 else total + term
         solution.append(per * total)
+    return solution
+
+
+def _reduced(matrix: Matrix, right: Sequence[Scalar]) -> list[list[Scalar]]:
+    """Return the rows of a matrix and a right side, reduced without an exchange of rows."""
+    rows, count = [[*row, b] for row, b in zip(matrix, right)], len(matrix)
+    for k, i in combinations(range(count), 2):
+        share = rows[i][k] / rows[k][k]
+        rows[i] = [b - share * a if j > k else b for j, (a, b) in enumerate(zip(rows[k], rows[i]))]
+    return rows
+
+
+def _without_pivots(matrix: Matrix, right: Sequence[Scalar]) -> list[Scalar]:
+    """Return the solution of linear equations."""
+    solution = [0.0] * len(matrix)
+    for k, row in reversed(list(enumerate(_reduced(matrix, right)))):
+        rest = row[-1]
+        for j in range(k + 1, len(matrix)):
+            rest = rest - row[j] * solution[j]
+        solution[k] = rest / row[k]
     return solution
 
 

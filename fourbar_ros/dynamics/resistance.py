@@ -1,0 +1,97 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Friction and forces one way in the equation of motion.
+
+They depend on the direction of the motion, and friction on its acceleration too, as forces of
+joints do. So (E1) has one term more,
+
+    J dw/dt + J'/2 w^2 = Q - D w + T - R                                                   (E9)
+
+R w is what friction dissipates, never negative, less the power of forces one way. The joint
+forces are linear in dw/dt and in the sizes of all dry efforts; with dw/dt of (E9) they are so in
+the sizes alone, and these are solved together as the loads of a given motion are, (R3) of
+:mod:`fourbar_ros.mechanisms.machine.solve.friction`. Here the joints lock where friction grows
+with the deceleration that it brings faster than the inertia takes it (Painleve's paradox): then
+there is no acceleration, and R is not a number.
+
+Within the slip speed of the input the direction is smooth, (R4): where Coulomb's friction would
+hold the mechanism, it creeps at a part of that speed.
+"""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from fourbar_ros.mechanics.bodies import Applied, unchecked
+from fourbar_ros.mechanisms.friction import direction_of
+from fourbar_ros.mechanisms.machine.solve.friction import (
+    Felt,
+    NEAR_SHARES,
+    OpenForces,
+    SHARES,
+    solved,
+)
+from fourbar_ros.numerics.linear_forms import CONSTANT, form_of, LinearForm
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar, TINY
+
+CHANGE = 'change'      # the unknown dw/dt
+
+
+def make_resistance(equation: Any, n: NumberType, outside: Any = None) -> Function:
+    """
+    Return the formula (q, w, push, J) -> (R, the part of R that is friction, felt, *edges).
+
+    ``felt``: what the joints feel; as a fifth argument from a state near by it saves iterations.
+    The edges are numbers at whose zeros R is not smooth: relative rates at unit rate, what guides
+    bear over the sum of all.
+
+    ``push``: Q - D w - J'/2 w^2 + T; ``outside`` as of :meth:`.Equation.make_terms`.
+    """
+    mechanism, make_pose = equation.mechanism, equation.make_pose(equation.coordinate, n)
+    constants = mechanism.constants
+    if outside:
+        loads = mechanism.loads_of_links()
+        constants = constants._replace(
+            gravity=outside.base or constants.gravity,
+            external=constants.external._replace(**{
+                name: unchecked(Applied, force_x, force_y, loads[name][1].along,
+                                loads[name][1].across, couple)
+                for name, (force_x, force_y, couple) in outside.wrenches.items()}))
+    motion_of = mechanism.motion_formula(n, constants)
+    one_way = [force for force in mechanism.elements if force.is_one_way]
+    # forces of joints are linear forms, whose sizes are not asked for
+    of_forms = replace(n, hypot=lambda x, y: 0.0 if isinstance(x, LinearForm) or isinstance(
+        y, LinearForm) else n.hypot(x, y))
+
+    def resistance(position: Scalar, rate: Scalar, push: Scalar, inertia: Scalar,
+                   near: Sequence[Felt] | None = None) -> tuple[Any, ...]:
+        cut, told = 0.0, OpenForces()
+        if one_way:
+            moving, (value, _, _) = make_pose(position)
+            direction = direction_of(n, rate, mechanism.slip_speed_in(constants))
+            for force in one_way:
+                cut = cut + force.generalised(n, moving, value, direction)
+        mechanism.make_joint_loads(of_forms, constants, told)(mechanism.MOTION._make(
+            motion_of(position, rate, LinearForm({CHANGE: 1.0}))))
+        paid, felt, edges = form_of(told.paid), list[Felt](), list[Scalar]()
+        friction = paid.coefficient(CONSTANT)
+        if told:
+            change = (push + cut - paid) / inertia
+            affine = [[form_of(each).with_known(CHANGE, change) for each in joint.felt]
+                      for joint in told]
+            at_none, *columns = [[(x.coefficient(name), y.coefficient(name)) for x, y in affine]
+                                 for name in (CONSTANT, *[joint.name for joint in told])]
+            sizes, locks, felt = solved(n, [joint.law for joint in told], at_none, columns,
+                                        NEAR_SHARES if near else SHARES[
+                                            :None if told.tilts else -1], False, near)
+            largest = 0.0
+            for joint, size, (x, y) in zip(told, sizes, felt):
+                friction = friction + paid.coefficient(joint.name) * size
+                largest = largest + n.fabs(x) + n.fabs(y)
+            edges = [edge for joint, pair in zip(told, felt) for edge in (joint.moving, *[
+                force / (largest + TINY) for force in joint.edges(pair)])]
+            friction = friction + locks
+        return friction - cut, friction, felt, *edges
+    return resistance
