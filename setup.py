@@ -13,7 +13,7 @@ BAG = ['mcap>=1.5,<2', 'zstandard', 'rosbags>=0.11,<1']
 PLOT = ['matplotlib']
 STUDY = ['pyarrow>=15', 'distributed', *DYNAMICS]
 BALANCE = ['clarabel>=0.9', *DYNAMICS]
-LIVE = ['nicegui>=3.5,<4', 'starlette']
+LIVE = ['starlette>=0.37', 'uvicorn>=0.23']
 PROOF = ['python-flint']
 ROBOTS = ['mujoco>=3.3']
 # Scenes are installed in the package, to be found by name, and in share, as ROS does.
@@ -26,7 +26,7 @@ setup(
     packages=[*find_packages(include=[NAME, NAME + '.*', LAB, LAB + '.*']), *SCENES],
     package_dir=SCENES,
     package_data={NAME: ['py.typed'], LAB: ['py.typed'], f'{LAB}.export': ['c/*', 'js/*'],
-                  f'{LAB}.live': ['*.js', '*.css'],
+                  f'{LAB}.live': ['js/*', '*.css', '*.html'],
                   **dict.fromkeys(SCENES, ['*.yaml', '*.csv', '*.rviz', '*.json', '*.xml'])},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
@@ -53,7 +53,7 @@ setup(
         'test': ['pytest<9', 'pytest-xdist', 'hypothesis', 'mpmath',
                  'mcap-ros2-support>=0.6,<1', 'foxglove-sdk', 'matplotlib', 'python-flint',
                  'yourdfpy', 'mujoco', 'pyarrow', 'distributed',
-                 'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'nicegui>=3.5,<4', 'starlette',
+                 'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'starlette', 'uvicorn',
                  'selenium', 'axe-core-python', 'resvg-py'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],
         # the last two groups are ament's own wrappers, and what they call

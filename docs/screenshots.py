@@ -10,27 +10,24 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'test')]
 
 from support.browser import browser, live, Tab  # noqa: E402, I100
 
-HEIGHT = 1250                     # [px] with the first curves
-PAGES = {                         # scene, width [px], address, tab, is dark
-    'light': ('paper', 1280, '?at=-50', 'Curves', False),
-    'dark': ('jansen', 1280, '?at=40', 'Extrema', True),
-    'narrow': ('paper', 800, '?at=-50', 'Polygons', False)}
+PAGES = {                         # scene, width and height [px], address, view, is dark
+    'light': ('paper', 1280, 1080, '#at=-50', 'Numbers', False),
+    'dark': ('jansen', 1280, 1080, '#at=40', 'Extrema', True),
+    'narrow': ('paper', 390, 844, '#at=-50', 'Extrema', False)}
 
 
-def take(name, scene, width, query, view, is_dark):
+def take(name, scene, width, height, query, view, is_dark):
     """Take one picture."""
     with (TemporaryDirectory() as folder, live(scene) as address,
           browser(f'{folder}/browser', width) as driver):
-        driver.set_window_size(width, HEIGHT)
+        driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': width < 600})
         tab = Tab(driver, address + query)
         if is_dark:
-            tab.by('dark or light').click()
+            tab.click('dark or light')
         tab.open(view)
-        tab.until(lambda: tab.rows('now'), 'the table')
-        driver.implicitly_wait(2.0)
-        driver.find_elements('css selector', '.no-such-thing')     # charts are drawn meanwhile
-        if width < 1000:
-            driver.execute_script("document.querySelector('.q-tabs').scrollIntoView()")
+        tab.until(lambda: 'fourbar show' in tab.script(
+            "return document.querySelector('#view-Extrema .proof').textContent"), 'the extrema')
         driver.save_screenshot(str(ROOT / 'docs' / 'images' / f'live_{name}.png'))
 
 

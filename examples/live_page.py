@@ -1,9 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The page of a scene in the browser; needs nicegui. Press Enter to end it.
+The page of a scene in the browser; needs starlette and uvicorn. Press Enter to end it.
 
-You see the mechanism, its curves and forces, and a slider for each parameter.
+You see the mechanism, its curves and forces, and a field for each parameter.
 """
 import re
 import subprocess

@@ -20,7 +20,8 @@ INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
            'mujoco': 'pip install mujoco',
-           'nicegui': 'pip install nicegui', 'clarabel': 'pip install clarabel',
+           **dict.fromkeys(('starlette', 'uvicorn'), 'pip install starlette uvicorn'),
+           'clarabel': 'pip install clarabel',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
            'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')

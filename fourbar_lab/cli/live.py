@@ -4,26 +4,32 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from pathlib import Path
 
-from fourbar_ros.cli.common import add_scene, add_verb, Verbs
+from fourbar_ros.cli.common import add_scene, add_verb, refuse_overwriting, Verbs
 
 EPILOG = """\
 examples:
-  fourbar live paper                        move the sliders, drag a joint, see at once
+  fourbar live paper                        drag a joint, type a length, see at once
   fourbar live my.yaml --port 8100 --no-browser
+  fourbar live jansen -o jansen.html        one file that needs no server
 
 The address of the page holds what you changed: a link to it shows the same to others who have
-started the same scene. The page is served to browsers of this machine only.
+started the same scene, or have the file. The page is served to browsers of this machine only.
 """
 
 
 def add(verbs: Verbs) -> None:
     live = add_verb(verbs, 'live', 'a page in the browser: the mechanism moving, curves, forces, '
                                    'extrema',
-                    'Show a mechanism moving in the browser, with its curves, forces, polygons '
-                    'and extrema, and a slider\nfor every parameter.\n'
-                    'Requires nicegui: pip install nicegui.', EPILOG)
+                    'Show a mechanism moving in the browser, with its curves, forces and extrema, '
+                    'and a field\nfor every length, mass, spring and force.\n'
+                    'Requires starlette and uvicorn: pip install starlette uvicorn; with -o '
+                    'nothing.', EPILOG)
     add_scene(live)
+    live.add_argument('-o', '--out', metavar='FILE.html', type=Path,
+                      help='write the page as one file, and serve nothing')
+    live.add_argument('--force', action='store_true', help='overwrite a file that exists')
     live.add_argument('--port', type=int, metavar='PORT',
                       help='port of 127.0.0.1 (default 8420, or any free one if that is in use)')
     live.add_argument('--no-browser', action='store_true', help='print the address, open nothing')
@@ -31,7 +37,14 @@ def add(verbs: Verbs) -> None:
 
 
 def _live(arguments: Namespace) -> None:
-    from fourbar_lab.live.server import free_port, serve
+    """Serve the page of a scene, or write it as a file."""
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    serve(str(arguments.scene), scene.values, free_port(arguments.port), not arguments.no_browser)
+    if arguments.out is None:
+        from fourbar_lab.live.server import free_port, serve
+        serve(arguments.scene, scene, free_port(arguments.port), not arguments.no_browser)
+        return
+    from fourbar_lab.live.page import page
+    refuse_overwriting([arguments.out], arguments.force)
+    arguments.out.write_text(page(Path(arguments.scene).stem, scene), encoding='utf-8')
+    print(arguments.out)

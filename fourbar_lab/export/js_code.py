@@ -22,7 +22,7 @@ from fourbar_lab.export.statements import filled, JS, JUDGED, lines_of, snippet,
 from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Base, unchecked
-from fourbar_ros.mechanisms.curves import PointMotion
+from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
 from fourbar_ros.mechanisms.elements import TableForce
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
@@ -38,7 +38,7 @@ GROUPS = ('linkage', 'dyads', 'cylinder', 'bodies', 'gravity', 'base', 'external
           'torsion_springs', 'forces', 'friction', 'points')
 # of a spring: numbers that are another structure once they are not 0
 SWITCHING = 'free_length', 'preload', 'damping'
-OF_FRAME = 'x', 'y', 'cos', 'sin'       # of a link: its first joint and its direction
+UNITS_OF_FRAME = 'm', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', '', '', 'rad/s', 'rad/s^2'
 CHECKED = 3             # recorded poses of the self-check
 Inputs = tuple[float, float, float]         # position, rate and acceleration of the input
 
@@ -111,7 +111,7 @@ class JsModule:
         def formula(x: Any, rate: Any, acceleration: Any) -> Any:
             motion = mechanism.MOTION._make(motion_of(x, rate, acceleration))
             moving = mechanism.link_motions(motion, constants.lengths)
-            frames = [(link.x, link.y, link.cosine, link.sine) for link in moving.values()]
+            frames = [tuple(link) for link in moving.values()]
             self.ends.append(len(x.trace.steps))
             loads = (mechanism.loads_formula(n, constants)(motion) if mechanism.bodies else ())
             self.ends.append(len(x.trace.steps))
@@ -125,8 +125,8 @@ class JsModule:
         """Return {name of a result: unit} in the order of the results, the loads last."""
         mechanism, known = self.mechanism, fields_of(self.mechanism)
         motion = {name: known[name].unit for name in mechanism.MOTION._fields if name in known}
-        frames = {f'frame.{link.name}.{field}': 'm' if field in 'xy' else ''
-                  for link in mechanism.LINKS for field in OF_FRAME}
+        frames = {f'frame.{link.name}.{field}': unit for link in mechanism.LINKS
+                  for field, unit in zip(LinkMotion._fields, UNITS_OF_FRAME)}
         points = {f'{name}.{field}': UNITS_OF_POINTS[field] for name in self.scene.points
                   for field in PointMotion._fields} | {
             name: quantity.unit for name, quantity in self._of_points.items()}
@@ -143,8 +143,9 @@ class JsModule:
     def _indices(self) -> dict[str, int]:
         """Return {name of a result: index of its step}."""
         mechanism = self.mechanism
-        names = [*mechanism.MOTION._fields, *(f'frame.{link.name}.{field}' for link in
-                                              mechanism.LINKS for field in OF_FRAME),
+        names = [*mechanism.MOTION._fields, *(
+            f'frame.{link.name}.{field}' for link in mechanism.LINKS for field in
+            LinkMotion._fields),
                  *(f'{name}.{field}' for name in self.scene.points
                    for field in PointMotion._fields),
                  *self._of_points, *(mechanism.LOADS._fields if mechanism.bodies else ())]
@@ -163,6 +164,12 @@ class JsModule:
     @cached_property
     def text(self) -> str:
         """Return the text of the module."""
+        return filled(self.body, {
+            'PARAMETERS': _object(self.parameters), 'RECORDED': json.dumps(self._recorded)})
+
+    @cached_property
+    def body(self) -> str:
+        """Return the text without values of parameters: equal texts are the same structure."""
         trace, indices = self.trace, self._indices
         positions = {name: i for i, name in enumerate(self.values, trace.count)}
         texts = Texts(trace, list(self.values.values()), {
@@ -197,12 +204,11 @@ class JsModule:
         return filled(snippet('functions.js', 'module'), {
             'ABOUT': f'// {self.name}: {self.mechanism.TITLE}. Written by fourbar_ros '
                      f'{__version__}; not to be edited. SI units, angles in rad.',
-            'PARAMETERS': _object(self.parameters), 'BOUNDS': json.dumps(self._bounds),
+            'BOUNDS': json.dumps(self._bounds),
             'NAMES': json.dumps(names), 'FIRST_LOAD': self.first_load,
             'FUNCTIONS\n': '\n'.join(runtime), 'PREPARATION\n': lines_of(preparation),
-            'KEPT': ', '.join(texts.prepared), 'IS_OUT_OF_REACH': self._out_of_reach,
-            'STATEMENTS\n': lines_of(lines), 'UNITS': json.dumps([*self.units.values()]),
-            'RECORDED': json.dumps(self._recorded)})
+            'KEPT': ', '.join(texts.prepared), 'STATEMENTS\n': lines_of(self._reach + lines),
+            'UNITS': json.dumps([*self.units.values()])})
 
     @property
     def operations(self) -> int:
@@ -212,12 +218,20 @@ class JsModule:
                    if i in trace.varies and not trace.steps[i].is_given)
 
     @property
-    def _out_of_reach(self) -> str:
-        mechanism = self.mechanism
-        far = (f'(x0{"" if mechanism.is_driven_by_slide else f" * {mechanism.overflowing!r}"}'
-               ' + x1 * x1 + x2) * 0 !== 0')
-        low, high = mechanism.stroke or (-inf, inf)
-        return far + (f' || !(x0 >= {low!r} && x0 <= {high!r})' if mechanism.stroke else '')
+    def _reach(self) -> list[str]:
+        """Return the statements that refuse an input beyond numbers, or beyond the stroke."""
+        mechanism, cut, period = self.mechanism, self.mechanism.cut, self.mechanism.period
+        far = 'x0' if mechanism.is_driven_by_slide else f'x0 * {mechanism.overflowing!r}'
+        lines = [f'if (({far} + x1 * x1 + x2) * 0 !== 0) return refuse(to);']
+        if cut:
+            low, high, away = *cut, '0'
+            if not mechanism.is_driven_by_slide:        # of angles in any turn
+                middle = JS.literal(0.5 * (low + high))
+                away = f'{period!r} * Math.round((x0 - {middle}) / {period!r})'
+            lines += [f'const away = {away}, slack = 2 ** -51 * Math.abs(away);',
+                      f'if (!(x0 - away >= {JS.literal(low)} - slack '
+                      f'&& x0 - away <= {JS.literal(high)} + slack)) return refuse(to);']
+        return lines
 
     @property
     def _bounds(self) -> list[tuple[str, float, bool]]:

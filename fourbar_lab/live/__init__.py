@@ -3,7 +3,6 @@
 """
 A page in the browser that shows a mechanism moving, with its curves, loads and extrema.
 
-Formulas stay in the core: this package turns results into pictures and pictures into a page.
-Only :mod:`fourbar_lab.live.page` and :mod:`fourbar_lab.live.server` import the user-interface
-server (NiceGUI).
+Its formulas are those of the core, as JavaScript (:mod:`fourbar_lab.export.js_code`). Only
+:mod:`fourbar_lab.live.server` imports a server (starlette, uvicorn).
 """

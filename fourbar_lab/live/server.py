@@ -3,65 +3,122 @@
 """The server of the page: for browsers of this machine, and for no other page or machine."""
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+import json
 import os
+from pathlib import Path
 import socket
 from typing import Any
 
-from fourbar_lab.live.page import Page
+from fourbar_lab.live.answers import Answer, answered, scene_of
+from fourbar_lab.live.page import as_json, page
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.scene.settings import ParameterValues
-from nicegui import app, ui
-from starlette.datastructures import Headers
+from fourbar_ros.scene import files
+from fourbar_ros.scene.scene import load, Scene
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware import Middleware
 from starlette.middleware.trustedhost import TrustedHostMiddleware
-from starlette.responses import PlainTextResponse
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+import uvicorn
 
 HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
 PORT = 8420
-PATIENCE = 30.0         # [s] a tab that is silent for longer is forgotten
+LARGEST = 1_000_000         # [bytes] of a question
+QUESTIONS = 'structure', 'extrema', 'check', 'save'
 # No page of others may show this one in a frame, transparent above buttons of its own.
-NOT_FRAMED = ((b'content-security-policy', b"frame-ancestors 'none'"),
-              (b'x-frame-options', b'DENY'), (b'cross-origin-resource-policy', b'same-origin'))
-HISTORY = 20            # messages kept for a tab that comes back; older ones: it loads again
+HEADERS = {'content-security-policy': "frame-ancestors 'none'", 'x-frame-options': 'DENY',
+           'cross-origin-resource-policy': 'same-origin', 'cache-control': 'no-store',
+           'x-content-type-options': 'nosniff'}
 
 
 class PortTaken(FourBarError, OSError):
     """The port of the page is in use, or no port."""
 
 
-Asgi = Callable[..., Awaitable[None]]
-Scope = dict[str, Any]          # of a request, as ASGI states it
-
-
 class OnlyHere:
     """
-    ASGI middleware that refuses requests to other hosts' names and of other pages.
+    ASGI middleware that refuses requests of other pages, and adds :data:`HEADERS`.
 
-    A page elsewhere could otherwise reach this one through the browser: by its own name bound to
-    this address (the Host header shows it), or by a script of its own (Origin does).
+    A page elsewhere could otherwise reach this one through the browser, by a script of its own:
+    the Origin header shows it.
     """
 
-    def __init__(self, served: Asgi, port: int):
-        self.served = TrustedHostMiddleware(served, list(NAMES), www_redirect=False)
-        self.origins = {f'http://{name}:{port}' for name in NAMES}
+    def __init__(self, served: Any, port: int) -> None:
+        self.served, self.origins = served, {f'http://{name}:{port}' for name in NAMES}
 
-    async def __call__(self, scope: Scope, receive: Asgi, send: Asgi) -> None:
-        """Serve a request, or refuse it with status 403; of a websocket, with code 1008."""
-        async def send_for_us(message: Scope) -> None:
-            """Send, with headers that forbid frames around our pages."""
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """Serve a request, or refuse it with status 403."""
+        async def send_with_headers(message: Any) -> None:
             if message['type'] == 'http.response.start':
-                message['headers'] = [*message['headers'], *NOT_FRAMED]
+                message['headers'] = [*message['headers'], *(
+                    (name.encode(), value.encode()) for name, value in HEADERS.items())]
             await send(message)
 
-        origin = (Headers(scope=scope).get('origin') if scope['type'] in ('http', 'websocket')
-                  else None)
-        if origin is None or origin in self.origins:
-            await self.served(scope, receive, send_for_us)
-        elif scope['type'] == 'websocket':
-            await send({'type': 'websocket.close', 'code': 1008})
-        else:
-            await PlainTextResponse('only for this machine\n', 403)(scope, receive, send_for_us)
+        origin = dict(scope.get('headers', ())).get(b'origin')
+        served = self.served
+        if origin is not None and origin.decode('latin-1') not in self.origins:
+            served = PlainTextResponse('only for this machine\n', 403)
+        await served(scope, receive, send_with_headers)
+
+
+def app_of(path: str | Path, scene: Scene, port: int) -> Starlette:
+    """Return the application that serves the page of a scene and answers its questions."""
+    # a shipped scene is not written over
+    file = files.find(path)
+    can_save = file not in files.shipped().values()
+
+    def page_of(name: str) -> Response:
+        is_other = name not in ('', str(path), _title(path))
+        try:
+            shown = load(files.shipped()[name]) if is_other else scene
+        except KeyError:
+            return PlainTextResponse(f'this page shows {_title(path)}, and scenes that come with '
+                                     f'fourbar: start fourbar live {name}\n', 404)
+        return Response(page(name if is_other else _title(path), shown, True,
+                             can_save and not is_other), media_type='text/html')
+
+    async def html(request: Request) -> Response:
+        return await run_in_threadpool(page_of, request.query_params.get('scene', ''))
+
+    def answer(question: str, asked: Answer) -> Answer:
+        if question != 'save':
+            return answered(question, asked)
+        if not can_save:
+            return {'problem': f'{_title(path)} comes with fourbar and is not written over'}
+        try:
+            file.write_text(scene_of(asked.get('scene', {})).as_text, encoding='utf-8')
+        except (FourBarError, OSError) as error:
+            return {'problem': str(error)}
+        return {'saved': str(file)}
+
+    async def asked(request: Request) -> Response:
+        question = request.path_params['question']
+        if question not in QUESTIONS:
+            return PlainTextResponse('no such question\n', 404)
+        body = b''
+        async for part in request.stream():
+            body += part
+            if len(body) > LARGEST:
+                return PlainTextResponse(f'at most {LARGEST} bytes\n', 413)
+        try:
+            tree = json.loads(body)
+        except (ValueError, RecursionError):
+            tree = None
+        if not isinstance(tree, dict):
+            return PlainTextResponse('must be an object of JSON\n', 400)
+        return Response(as_json(await run_in_threadpool(answer, question, tree)),
+                        media_type='application/json')
+
+    return Starlette(routes=[Route('/', html), Route('/{question}', asked, methods=['POST'])],
+                     middleware=[Middleware(OnlyHere, port=port), Middleware(
+                         TrustedHostMiddleware, allowed_hosts=list(NAMES), www_redirect=False)])
+
+
+def _title(path: str | Path) -> str:
+    return Path(path).stem
 
 
 def free_port(wanted: int | None) -> int:
@@ -87,18 +144,10 @@ def free_port(wanted: int | None) -> int:
         return int(trial.getsockname()[1])
 
 
-def serve(title: str, values: ParameterValues, port: int, is_opened: bool) -> None:
-    """Serve the page of a scene, one for each tab, until the process is interrupted."""
-    async def page() -> None:
-        # nothing is made for what only asks and never opens a socket, as an image tag
-        await ui.context.client.connected()
-        Page(title, values, dict(ui.context.client.request.query_params)).build()
-
-    ui.page('/', title=f'{title} - fourbar live')(page)
-    app.add_middleware(OnlyHere, port=port)
-    app.on_startup(lambda: print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True))
-    ui.run(host=HOST, port=port, title='fourbar live', dark=None, language='en-US', reload=False,
-           show=is_opened, show_welcome_message=False, favicon='⚙️',
-           reconnect_timeout=PATIENCE, message_history_length=HISTORY,
-           # nothing is gained by packing what stays on this machine; Quasar's classes are enough
-           gzip_middleware_factory=None, ws_per_message_deflate=False, tailwind=False)
+def serve(path: str | Path, scene: Scene, port: int, is_opened: bool) -> None:
+    """Serve the page of a scene until the process is interrupted."""
+    print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True)
+    if is_opened:
+        import webbrowser
+        webbrowser.open(f'http://{HOST}:{port}')
+    uvicorn.run(app_of(path, scene, port), host=HOST, port=port, log_level='warning')

@@ -17,7 +17,7 @@ from support.scenes import PAPER, RODS
 
 EXAMPLES = ROOT / 'examples'
 NEEDS = {'loads_plot': ['matplotlib'], 'balancing': ['scipy'], 'study': ['scipy', 'pyarrow'],
-         'motor_start': ['scipy'], 'proof': ['scipy'], 'live_page': ['nicegui'],
+         'motor_start': ['scipy'], 'proof': ['scipy'], 'live_page': ['starlette', 'uvicorn'],
          'bag_to_dataframe': ['mcap'], 'mujoco_chassis': ['mujoco', 'rclpy'],
          'mujoco_motor': ['mujoco', 'rclpy'], 'mujoco_without_ros': ['mujoco']}
 OVER_ROS = 'mujoco_chassis', 'mujoco_motor'
@@ -54,7 +54,7 @@ class DataFrame:
 def run(name, folder, *arguments, code=0):
     """Return what an example prints, or why it ends with another exit code."""
     ours = {name: value for name, value in os.environ.items()
-            if not name.startswith('PYTEST')}        # nicegui takes it for a test of its own
+            if not name.startswith('PYTEST')}        # no process is a test of ours
     environment = {**ours, 'PYTHONPATH': os.pathsep.join(
         [str(folder), str(ROOT), os.environ.get('PYTHONPATH', '')])}
     done = subprocess.run([sys.executable, str(EXAMPLES / f'{name}.py'), *arguments], cwd=folder,

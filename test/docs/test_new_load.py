@@ -24,7 +24,7 @@ from dataclasses import replace
 import json
 from fourbar_lab.drawing.poses import loads_table
 from fourbar_lab.export.model import GeneratedModel
-from fourbar_lab.live.model import shown
+from fourbar_lab.live.answers import structure_of
 from fourbar_ros import Bodies, find_extrema, FourBar, load_scene, round_rod
 from fourbar_ros.mechanisms.quantities import fields_of
 import fourbar_ros
@@ -43,8 +43,8 @@ for name in ('paper', 'cylinder', 'jansen'):
                        'winding_loss'),
                    'extrema': len(find_extrema(linkage, ('winding_loss',), 2.0))}
 scene = load_scene('paper')
-page = shown(scene.values)
-found['page'] = [page.values(page.poses[0])['winding_loss'], 'winding_loss' in page.quantities]
+page = structure_of(scene)
+found['page'] = [page['quantities']['winding_loss']['unit'], 'winding_loss' in page['shown']]
 found['per_mass'] = []
 for density in (2700.0, 7750.0):      # two linkages that share a trace
     rods = Bodies(*(round_rod(length, density, 0.01) for length in (0.4, 1.2, 0.8)))
@@ -116,6 +116,6 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tree):
         own = found[name]
         assert own['loss'] == own['expected'] != 0.0
         assert own['unit'] == 'W' and own['field'] == 'winding_loss' and own['extrema']
-    assert found['page'][0][1] == 'W' and found['page'][1]
+    assert found['page'][0] == 'W' and found['page'][1]
     assert found['per_mass'][0] == pytest.approx(found['per_mass'][1], rel=1e-7)
     assert found['show'] and found['texts'] == ['W', 'heat in the winding']

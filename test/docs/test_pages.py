@@ -183,7 +183,7 @@ def start(folder):
     Then it must still run, and end well.
     """
     running, environment = [], {name: value for name, value in os.environ.items()
-                                if not name.startswith('PYTEST')}   # nicegui has tests of its own
+                                if not name.startswith('PYTEST')}   # they are no tests of ours
 
     def start(line, keeps_going):
         command, ampersand, _ = line.partition(' &')

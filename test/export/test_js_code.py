@@ -3,8 +3,6 @@
 """Generated JavaScript in Node beside Python: results, refusals, changed parameters, mistakes."""
 import json
 import re
-import shutil
-import subprocess
 
 from fourbar_lab.export import generate
 from fourbar_lab.export.js_code import JsModule
@@ -18,35 +16,11 @@ from fourbar_ros.scene.parameters import of_name
 import numpy as np
 import pytest
 from support.exported import EPS, SCENES
+from support.javascript import in_node, needs_node, node
 
-NODE = shutil.which('node')
-pytestmark = pytest.mark.skipif(not NODE, reason='no node: apt-get install nodejs')
+pytestmark = needs_node
 BOUND = 1e-13           # of the full scale of a unit
 QUICK = 'paper', 'jansen', 'door_closer', 'engine', 'cylinder', 'lift_table', 'scotch_yoke'
-RUN = """
-import { readFileSync } from 'node:fs';
-const module = await import(process.argv[2]), { inputs, changed } = JSON.parse(readFileSync(0));
-const k = module.prepare(changed), to = new Float64Array(module.names.length);
-const rows = inputs.map(input => [module.step(k, ...input, to), ...to]);
-process.stdout.write(JSON.stringify({ rows, check: module.selfCheck() }));
-"""
-
-
-def node(script, *arguments, given=''):
-    """Return what a script prints; AssertionError with its words if it fails."""
-    run = subprocess.run([NODE, '--input-type=module', '-e', script, '-', *arguments],
-                         check=False, input=given, capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr[-2000:]
-    return run.stdout
-
-
-def in_node(text, folder, inputs, changed):
-    """Return (status of each input, results, self-check) of a module."""
-    (folder / 'module.mjs').write_text(text)
-    answer = json.loads(node(RUN, str(folder / 'module.mjs'), given=json.dumps(
-        {'inputs': inputs, 'changed': changed})))
-    rows = np.array(answer['rows'], float)
-    return rows[:, 0], rows[:, 1:], answer['check']
 
 
 def inputs_of(scene, count):
@@ -58,7 +32,7 @@ def inputs_of(scene, count):
     return [(x, rate, 0.5) for x in np.linspace(low - beyond, high + 0.97 * beyond, count)]
 
 
-def compared(module, scene, folder, count, changed):
+def compared(module, scene, count, changed):
     """
     Compare a module with Python's scene of the same parameters.
 
@@ -67,7 +41,7 @@ def compared(module, scene, folder, count, changed):
     condition of a pose multiplies it, twice for accelerations.
     """
     inputs = inputs_of(scene, count)
-    statuses, rows, check = in_node(module.text, folder, inputs, changed)
+    statuses, rows, check = in_node(module.text, inputs, changed)
     reference = JsModule(scene, 'reference')
     expected = [reference.sample(*values) for values in inputs]
     assert (statuses == [status for status, _ in expected]).all()
@@ -112,17 +86,17 @@ def close_by(scene, module, seed):
 @pytest.mark.parametrize('path', [pytest.param(
     path, id=path.stem, marks=[] if path.stem in QUICK else [pytest.mark.slow])
     for path in SCENES])
-def test_every_scene_has_the_numbers_and_refusals_of_python(path, tmp_path):
+def test_every_scene_has_the_numbers_and_refusals_of_python(path):
     scene = load_scene(path)
     module = JsModule(scene, path.stem)
     count = 300 if path.stem in QUICK else 2000
-    assert compared(module, scene, tmp_path, count, {}) <= 1e-11
+    assert compared(module, scene, count, {}) <= 1e-11
     changed, other = close_by(scene, module, 1)
-    compared(module, other, tmp_path, count, changed)
+    compared(module, other, count, changed)
 
 
 @pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank', 'quick_return'])
-def test_masses_modes_and_forces_can_be_changed(name, tmp_path):
+def test_masses_modes_and_forces_can_be_changed(name):
     scene = load_scene(name)
     module = JsModule(scene, name)
     mode = next(one for one in module.parameters if one.endswith('.mode'))
@@ -133,7 +107,7 @@ def test_masses_modes_and_forces_can_be_changed(name, tmp_path):
     if density in module.parameters:
         changed[density] = 2700.0
     other = from_values({**scene.values, **changed, mode: int(changed[mode])})
-    compared(module, other, tmp_path, 200, changed)
+    compared(module, other, 200, changed)
 
 
 ELEMENTS = {
@@ -147,24 +121,34 @@ ELEMENTS = {
     'friction.O4': {'viscous': 0.3}}
 
 
-def test_springs_tables_and_friction_follow_their_parameters(tmp_path):
+def test_springs_tables_and_friction_follow_their_parameters():
     values = {f'{group}.{name}': value for group, fields in ELEMENTS.items()
               for name, value in fields.items()}
     scene = from_values({**read_values('paper'), **values})
     module = JsModule(scene, 'paper')
-    assert compared(module, scene, tmp_path, 300, {}) <= BOUND
+    assert compared(module, scene, 300, {}) <= BOUND
     changed = {'springs.back.stiffness': 1300.0, 'springs.back.second.along': 0.5,
                'springs.back.free_length': 0.3, 'forces.cut.factor': 2.0,
                'friction.A.coefficient': 0.2, 'friction.O4.viscous': 1.0, 'linkage.a1': 0.39}
-    compared(module, from_values({**scene.values, **changed}), tmp_path, 300, changed)
+    compared(module, from_values({**scene.values, **changed}), 300, changed)
 
 
-def test_a_joint_that_locks_itself_has_a_pose_and_no_loads(tmp_path):
+@pytest.mark.parametrize('ends', [(-3.0, -2.0), (2.5, 4.0), (-1.0, 7.0)])
+def test_a_crank_with_a_range_goes_no_further_in_any_turn(ends):
+    scene = from_values({**read_values('paper'), 'linkage.range': list(ends)})
+    module = JsModule(scene, 'paper')
+    compared(module, scene, 200, {})
+    inputs = [(x, 25.0, 0.0) for x in np.linspace(-9.0, 9.0, 200)]
+    statuses = in_node(module.text, inputs)[0]
+    assert (statuses == [module.sample(*values)[0] for values in inputs]).all()
+
+
+def test_a_joint_that_locks_itself_has_a_pose_and_no_loads():
     scene = from_values({**read_values('slider_crank'), 'friction.guide.coefficient': 0.5,
                          'friction.A.coefficient': 0.9, 'friction.A.radius': 0.09,
                          'friction.B.coefficient': 0.9, 'friction.B.radius': 0.2})
     module = JsModule(scene, 'locks')
-    compared(module, scene, tmp_path, 300, {})
+    compared(module, scene, 300, {})
     assert {module.sample(*values)[0] for values in inputs_of(scene, 60)} == {0, 2}
 
 
@@ -183,22 +167,22 @@ for (const changed of [{ 'linkage.a9': 1 }, { 'linkage.a1': 0 }, { 'bodies.rods.
         'bodies.rods.radius = NaN', 'gravity.y = NaN', 'linkage.a2 = Infinity')]
 
 
-def test_one_operation_changed_fails_the_self_check(tmp_path):
+def test_one_operation_changed_fails_the_self_check():
     module = JsModule(load_scene('paper'), 'paper')
     lines = [line for line in module.text.splitlines()
              if re.match(r'  const v\d+ = \S+ \+ ', line)]
     inputs = [(0.5, 1.0, 0.5), (2.0, 25.0, 0.5)]
-    wanted, failed = in_node(module.text, tmp_path, inputs, {})[1], 0
+    wanted, failed = in_node(module.text, inputs)[1], 0
     for line in lines[::5]:
         changed = module.text.replace(line, line.replace(' + ', ' - '))
-        _, rows, check = in_node(changed, tmp_path, inputs, {})
+        _, rows, check = in_node(changed, inputs)
         is_other = (np.abs(rows - wanted) > 1e-3 * np.abs(wanted)).any()      # not by adding 0
         assert check > 1e-6 or not is_other, line
         failed += is_other
     assert failed > 5
 
 
-def test_exact_sums_and_powers_have_the_bits_of_python(tmp_path):
+def test_exact_sums_and_powers_have_the_bits_of_python():
     rng = np.random.default_rng(5)
     rows = [(rng.choice([-1.0, 1.0], 5) * 10.0**rng.uniform(-20.0, 20.0, 5)).tolist()
             for _ in range(2000)]

@@ -13,7 +13,7 @@ from math import radians
 
 from fourbar_lab.drawing.curves import curves_of, extrema_of
 from fourbar_lab.drawing.cycles import make_forces_figure
-from fourbar_lab.live.model import shown
+from fourbar_lab.live.answers import extrema_answer, scene_of, structure_of
 from fourbar_lab.studies.measures import Design, Measures
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 from support.exported import Code, COMPILERS
+from support.javascript import needs_node, on_the_page
 
 AT, SPEED = 10.0, 157.0                         # [deg], [rad/s]
 AREA, PRESSURE = 5e-3, 6.4e5                    # [m^2], [Pa] at 10 degrees
@@ -149,14 +150,12 @@ def test_the_service():
         assert found == set(names) if names else {'f41', 'omega_beta'} <= found
 
 
+@needs_node
 def test_the_page():
-    page = shown(VALUES)
-    pose = page.pose(GIVEN[0])
-    assert are_true(pose.loads.f41, pose.loads.driving_torque)
-    x, y = page.curves(['f41']).values
-    at = int(np.argmin(np.abs(np.radians(x) - GIVEN[0])))
-    assert abs(y[at] - TRUE.f41) <= CLOSE * TRUE.f41
-    assert {one.quantity for one in page.extrema(['omega_beta', 'f41'])} == {'omega_beta', 'f41'}
+    loads = on_the_page(THERE, *GIVEN)
+    assert are_true(loads['f41'], loads['driving_torque'])
+    found = extrema_answer(THERE, ['omega_beta', 'f41'], 0.0)['extrema']
+    assert {one['quantity'] for one in found} == {'omega_beta', 'f41'}
 
 
 def test_studies():
@@ -183,9 +182,9 @@ def test_a_four_stroke_has_two_turns_and_the_page_shows_both():
     for degrees in (370.0, 10.0):
         one = engine.linkage.loads(radians(degrees), 100.0).f41
         assert abs(curves.values[1, int(degrees)] - one) <= CLOSE * one
-    page = shown(engine.values)
-    assert page.ranges == ((0.0, 4.0 * np.pi),) and page.bounds == (0.0, 720.0)
-    firing, idle = (page.pose(turn + radians(10.0)).loads.f41 for turn in (2.0 * np.pi, 0.0))
+    assert structure_of(engine)['ranges'] == [(0.0, 4.0 * np.pi)]
+    firing, idle = (engine.linkage.loads(turn + radians(10.0), 100.0).f41
+                    for turn in (2.0 * np.pi, 0.0))
     assert firing != idle
 
 
@@ -203,9 +202,9 @@ def test_no_door_gives_loads_of_a_base_that_a_topic_moves(tmp_path, capsys):
         assert main([verb, str(path), '-o', str(tmp_path / out)]) == 0
     assert 'f41' not in (tmp_path / 'it.csv').read_text()
     assert main(['draw', str(path), '--at', '10', '-o', str(tmp_path / 'it.png')]) == 0
-    page = shown(there.values)
-    assert page.pose(0.3).loads is None and 'motion of the base' in page.linkage.why_no_loads
-    assert 'driving_torque' not in page.usual_quantities
+    page = structure_of(there)
+    assert not page['hasLoads'] and 'motion of the base' in page['lacks']
+    assert 'driving_torque' not in page['usual']
     for asked in (lambda: there.linkage.loads(0.3), lambda: there.linkage.loads([0.3, 0.4]),
                   lambda: there.linkage.step(0.3, fields=('f41',)),
                   lambda: find_extrema(there.linkage, ['f41'], SPEED)):
@@ -244,6 +243,6 @@ def test_python_and_the_page_warn_too_and_all_read_the_same_numbers(typed):
         there = load_scene(typed)
     assert there.linkage.lengths == (50.0, 150.0, 100.0, 125.0)
     assert there.drive.speed == 10.0 * np.pi
-    page = shown({**there.values, 'linkage.a1': '5000 cm'})
-    assert page.scene.values == there.values
-    assert scene.warnings_of(page.scene) == scene.warnings_of(there)
+    page = scene_of({**there.values, 'linkage.a1': '5000 cm'})
+    assert page.values == there.values
+    assert structure_of(page)['warnings'] == scene.warnings_of(there)

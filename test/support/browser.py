@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real browser in front of a real ``fourbar live``."""
 from contextlib import contextmanager
+import json
 import os
 import re
 import shutil
@@ -110,23 +111,15 @@ def browser(folder, width=1280, height=1000):
         driver.quit()
 
 
-def open_last_closed(tab):
-    """Open a group from below, as what opens moves others; return whether one was closed."""
-    closed = tab.driver.find_elements('css selector', '.q-expansion-item--collapsed .q-item')
-    if closed:
-        closed[-1].click()
-    return bool(closed)
-
-
 class Tab:
     """A page as a user sees it: elements by their labels, waits instead of sleeps."""
 
     def __init__(self, driver, address):
         self.driver = driver
+        driver.get('about:blank')           # another address of the same page is another visit
         self.until(lambda: self._is_reached(address), address)
-        self.until(lambda: '<circle' in self.picture(), 'a picture')
-        self.until(lambda: driver.execute_script('return window.did_handshake'), 'a connection')
-        self.until(lambda: self._height() > 100, 'the place of the picture')    # else all moves
+        self.until(lambda: driver.execute_script(
+            'return document.documentElement.dataset.ready'), 'the page')
 
     def _is_reached(self, address):
         """Go there, or return False: a machine may be too slow for the patience of a load."""
@@ -137,9 +130,14 @@ class Tab:
             return False
         return True
 
-    def _height(self):
-        """Return the height of the picture of the mechanism [px]."""
-        return self.by('the mechanism in its pose').size['height']
+    @property
+    def state(self):
+        """Return the state of the page: its scene, and its view."""
+        return json.loads(self.driver.execute_script('return JSON.stringify(page.store.state)'))
+
+    def script(self, text, *arguments):
+        """Return what a script in the page returns."""
+        return self.driver.execute_script(text, *arguments)
 
     def click(self, label):
         """Click on the element with this label, once nothing covers it."""
@@ -151,23 +149,27 @@ class Tab:
 
     def picture(self):
         """Return the SVG of the mechanism."""
-        found = self.driver.find_elements('css selector',
-                                          '[aria-label="the mechanism in its pose"]')
-        return found[0].get_attribute('innerHTML') if found else ''
+        return self.script('return document.querySelector("#picture .main").innerHTML')
 
-    def frame(self):
-        """Return where the picture begins in the window [px], and how much it is enlarged."""
-        return self.driver.execute_script(
-            'const m = arguments[0].getScreenCTM(); return [m.e, m.f, m.a]',
-            self.by('the mechanism in its pose'))
+    def place(self, joint):
+        """Return where a joint is in the window [px]."""
+        return self.script(
+            'const b = document.getElementById("picture").getBoundingClientRect(), [x, y] = '
+            'page.picture.pixels(page.engine.joint(arguments[0])); return [b.x + x, b.y + y]',
+            joint)
+
+    def text_of(self, name):
+        """Return the text of an element by its id: alarm, said, warnings."""
+        return self.driver.find_element('id', name).text
 
     def alarm(self):
         """Return the line that says what is wrong."""
-        return self.driver.find_element('css selector', '[role=alert]').text
+        return self.text_of('alarm')
 
-    def warnings(self):
-        """Return the lines that say what is probably not meant."""
-        return self.driver.find_element('css selector', '.fb-warnings').text
+    def wrong(self):
+        """Return what fields say of what was typed."""
+        return self.script("return [...document.querySelectorAll('.wrong')].map(e => "
+                           "e.textContent).join('')")
 
     def select(self, label):
         """Put the keyboard's focus on a field and select its text; return it."""
@@ -187,73 +189,52 @@ class Tab:
                                         ).get_attribute('value')
 
     def open(self, name):
-        """Open one of the views."""
-        self.until(lambda: self._is_clicked('.q-tab', name), f'{name} among the views')
+        """Open one of the views beside the picture."""
+        self.driver.find_element('id', f'tab-{name}').click()
 
-    def tick(self, words):
-        """Click on the checkbox that has these words."""
-        self.until(lambda: self._is_clicked('.q-checkbox', words), f'{words} to be clicked')
+    def menu(self, name, words):
+        """Open a menu by its label and click on what has these words."""
+        self.script('document.querySelectorAll("details.menu").forEach(e => e.open = '
+                    'e.innerText.includes(arguments[0]) || e.firstElementChild.ariaLabel === '
+                    'arguments[0])', name)
+        found = [element for element in self.driver.find_elements(
+            'css selector', 'details[open] button, details[open] label')
+            if element.text.strip() == words]
+        found[0].click()
+        self.script('document.querySelectorAll("details.menu").forEach(e => e.open = false)')
 
-    def press(self, words):
-        """Press the button of a choice that has these words."""
-        self.until(lambda: self._is_clicked('.q-btn-toggle button', words), f'{words} to press')
-
-    def choose(self, words):
-        """Click on the item of an open menu that has these words."""
-        self.until(lambda: self._is_clicked('.q-item', words), f'{words} in a menu')
-
-    def _is_clicked(self, selector, words):
-        """Click on the first of these elements that has these words, if there is one."""
-        found = [element for element in self.driver.find_elements('css selector', selector)
-                 if element.is_displayed() and words in element.text]
-        if found:
-            found[0].click()
-        return bool(found)
-
-    def rows(self, label):
-        """Return the rows of texts of the table in whose head this stands."""
-        return self.driver.execute_script(
-            "return [...document.querySelectorAll('table')].filter(t => t.offsetParent && "
-            't.innerText.startsWith(arguments[0])).flatMap(t => [...t.querySelectorAll('
-            "'tbody tr')].map(r => [...r.children].map(c => c.innerText.trim())))", label)
+    def rows(self, view):
+        """Return the rows of texts of the table in a view."""
+        return self.script(
+            'return [...document.querySelectorAll(`#view-${arguments[0]} tbody tr`)].map(r => '
+            '[...r.children].map(c => c.innerText.trim()))', view)
 
     def now(self):
-        """Return {name: value as text} of the present pose."""
-        return {row[0]: row[1] for row in self.rows('now') if len(row) >= 3}
+        """Return {name: value as text} of the present pose; the view is open."""
+        return {row[0]: row[1] for row in self.rows('Values')}
 
     def keys(self, *keys):
         """Press keys, real ones, in one go."""
         from selenium.webdriver.common.action_chains import ActionChains
         ActionChains(self.driver, duration=0).send_keys(*keys).perform()
 
-    def focus_slider(self, label):
-        """Put the keyboard's focus on a slider."""
-        self.driver.execute_script(
-            "document.querySelector(`[role=slider][aria-label='${arguments[0]}']`)"
-            ".querySelector('[tabindex]').focus()", label)
+    def drag(self, start, *places):
+        """Press the mouse at a place of the window, move it over others, and let go."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        actions = ActionChains(self.driver, duration=30)
+        pointer = actions.w3c_actions.pointer_action
+        pointer.move_to_location(*map(round, start))
+        actions.click_and_hold()
+        for place in places:
+            pointer.move_to_location(*map(round, place))
+        actions.release()
+        actions.perform()
 
-    def labels(self, role):
-        """Return the labels of all controls of a role."""
-        return self.driver.execute_script(
-            'return [...document.querySelectorAll(`[role=${arguments[0]}]`)]'
-            ".map(e => e.getAttribute('aria-label'))", role)
-
-    def query(self):
+    def address(self):
         """Return the state in the address of the page, {name: text}."""
         from urllib.parse import parse_qsl, urlsplit
-        return dict(parse_qsl(urlsplit(self.driver.current_url).query))
-
-    def pins(self, kind='pin'):
-        """Return the places of all joints in the picture, in its own pixels."""
-        found = re.findall(rf'class="{kind}" cx="([^"]+)" cy="([^"]+)"', self.picture())
-        return [(float(x), float(y)) for x, y in found]
-
-    def count_series(self, label):
-        """Return how many curves a chart has; 0 when it is empty."""
-        chart = self.driver.find_elements('css selector', f'[aria-label="{label}"]')
-        return self.driver.execute_script(
-            'return getElement(+arguments[0].id.slice(1)).chart.getOption()?.series?.length || 0',
-            chart[0]) if chart else 0
+        return dict(parse_qsl(urlsplit(self.driver.current_url).fragment,
+                              keep_blank_values=True))
 
     def until(self, condition, what):
         """Wait until a condition holds."""

@@ -105,7 +105,6 @@ function noLoads(to) {
  */
 export function step(k, x0, x1, x2, to) {
   let refuse = noMotion;
-  if (IS_OUT_OF_REACH) return refuse(to);
 STATEMENTS
 }
 /** The largest difference from poses that Python computed, over the full scale of each unit. */

@@ -1,0 +1,189 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The answers that a page asks for: the structure of a scene, its extrema, a check; as JSON."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from math import isfinite, remainder, tau
+from typing import Any
+
+from fourbar_lab.drawing.curves import extrema_of
+from fourbar_lab.drawing.cycles import usual_points
+from fourbar_lab.drawing.labels import labels_of
+from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.tables import facts, proofs_in_words, SIDES
+from fourbar_lab.export.js_code import JsModule
+from fourbar_lab.live.sketch import sketch_of
+from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
+from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
+from fourbar_ros.scene.files import flatten, YamlTree
+from fourbar_ros.scene.linkage import warnings_of
+from fourbar_ros.scene.parameters import of_name, unit_in
+from fourbar_ros.scene.scene import from_values, Scene
+from fourbar_ros.scene.settings import FAMILIES, PARAMETERS
+
+Answer = dict[str, Any]         # JSON
+GROUPS = ('linkage', 'dyads', 'cylinder', 'drive', 'gravity', 'bodies', 'springs',
+          'torsion_springs', 'forces', 'external', 'friction', 'points')      # with fields
+
+
+def scene_of(tree: YamlTree) -> Scene:
+    """Return the scene of nested parameters, as a page has them; InvalidParameter, SceneError."""
+    if not isinstance(tree, dict):
+        raise InvalidParameter('scene', type(tree).__name__, 'must be an object of parameters')
+    values = flatten(tree)
+    for name, value in values.items():      # JSON does not tell 1 from 1.0
+        if type(value) is int and not _is_integer(name):
+            values[name] = float(value)
+        elif isinstance(value, list) and any(type(item) is float for item in value):
+            values[name] = [float(item) if type(item) is int else item for item in value]
+    return from_values(values)
+
+
+INTEGERS = sorted({name.rpartition('.')[2] for table in (PARAMETERS, *FAMILIES.values())
+                   for name, parameter in table.items() if parameter.type == 'integer'})
+
+
+def _is_integer(name: str) -> bool:
+    return name.rpartition('.')[2] in INTEGERS
+
+
+def answered(question: str, asked: Answer) -> Answer:
+    """Return the answer to a question of a page; {problem, name}: why there is none."""
+    try:
+        scene = scene_of(asked.get('scene', {}))
+        if question == 'extrema':
+            return extrema_answer(scene, asked['quantities'], float(asked['acceleration']))
+        if question == 'check':
+            return {'warnings': warnings_of(scene)}
+        return structure_of(scene, str(asked.get('known', '')))
+    except (FourBarError, KeyError, TypeError) as error:
+        return {'problem': str(error), 'name': getattr(error, 'name', '')}
+
+
+def quantities_of(scene: Scene) -> dict[str, Named]:
+    """Return {name: quantity} of all that a page draws over the input."""
+    linkage, driven = scene.linkage, scene.linkage.input
+    drive = {} if linkage.friction else of_drive(linkage, driven)
+    return {**{quantity.name: quantity
+               for quantity in select((), linkage, scene.point_quantities)},
+            **positions(linkage, driven),
+            **{name: quantity for name, quantity in drive.items()
+               if linkage.has_loads or not quantity.is_load}}
+
+
+def structure_of(scene: Scene, known: str = '') -> Answer:
+    """
+    Return a scene's module of JavaScript, and what a page shows of it.
+
+    ``known``: the key of a module that the page has; if it is the same structure's it is not sent
+    again.
+    """
+    linkage, coordinate = scene.linkage, scene.linkage.input_coordinate
+    module = JsModule(scene, 'scene')
+    key = sha256(module.body.encode()).hexdigest()[:16]
+    quantities = quantities_of(scene)
+    output = linkage.outputs[0].coordinate
+    labels = labels_of(diagram_of(linkage, linkage.motion(_start(scene), 1.0)))
+    points = dict(usual_points(linkage, scene.points))
+    shown = [*(name for part in linkage.PARTS for name in part), 'transmission_angle',
+             *(name for name, quantity in quantities.items()
+               if quantity.is_load and not isinstance(quantity, OfDrive))]
+    ranges = [(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges
+    return {
+        'key': key, **({} if key == known else {'module': module.text}),
+        'title': linkage.TITLE, 'description': linkage.description,
+        'warnings': warnings_of(scene), 'lacks': lacks(linkage, scene),
+        'hasLoads': linkage.has_loads, 'values': {
+            name: value if isfinite(value) else None for name, value in
+            {**module.parameters, 'drive.speed': float(scene.drive.speed)}.items()},
+        'input': {'name': coordinate.position, 'rate': coordinate.rate,
+                  'acceleration': coordinate.acceleration, 'unit': coordinate.unit},
+        'ranges': ranges, 'turns': linkage.turns if linkage.turns_fully else 0,
+        'start': _start(scene), 'drive': linkage.drive_load, 'outputRate': output.rate,
+        'links': [link.name for link in linkage.LINKS],
+        'size': max(map(abs, linkage.lengths)),
+        'quantities': {name: {'unit': quantity.unit, 'text': quantity.text,
+                              'isLoad': quantity.is_load}
+                       for name, quantity in quantities.items()},
+        'usual': [name for name in (output.rate, output.acceleration, linkage.drive_load,
+                                    'shaking_force') if name in quantities],
+        'shown': [name for name in dict.fromkeys(shown) if name in module.units],
+        'words': {name: f'{name} = {symbol.translate(PLAIN)}'
+                  for name, symbol in labels.forces.items() if labels.words},
+        'facts': [*facts(linkage), *_joints(labels.letters)],
+        'fields': _fields(scene, module), 'positive': [
+            name for name in module.parameters if name.startswith('bodies.') or (
+                not name.startswith('base.') and of_name(name).positive)],
+        'sketch': sketch_of(scene, module.parameters, points)}
+
+
+PLAIN = str.maketrans('', '', '_{}')
+
+
+def _joints(letters: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return (letter, names of the joints there) where pictures have letters for words."""
+    joints: dict[str, list[str]] = {}
+    for name, letter in letters.items():
+        joints.setdefault(f'joint {letter.translate(PLAIN)}', []).append(name)
+    return [(letter, ', '.join(names)) for letter, names in joints.items()]
+
+
+def _start(scene: Scene) -> float:
+    """Return the input at which a page begins: that of the scene, within the ranges."""
+    linkage, position = scene.linkage, float(scene.drive.start)
+    if linkage.turns_fully:
+        return position
+    if not linkage.is_driven_by_slide:
+        position = remainder(position, tau)
+    low, high = min(linkage.input_ranges, key=lambda ends: max(ends[0] - position,
+                                                               position - ends[1]))
+    margin = 1e-6 * (high - low)
+    return min(max(position, low + margin), high - margin)
+
+
+def lacks(linkage: Mechanism, scene: Scene) -> str:
+    """Return why there are no forces, or no extrema of them; empty: there are."""
+    if why := linkage.why_no_loads:
+        return f'no forces: {why}'
+    locked = linkage.locked_ranges(float(scene.drive.speed))
+    return ('no extrema of forces: it locks itself by friction in '
+            + in_words(locked, linkage.input_coordinate.unit) if locked else '')
+
+
+def _fields(scene: Scene, module: JsModule) -> list[Answer]:
+    """Return the parameters that get a field on the page."""
+    fields = []
+    for name, value in scene.values.items():
+        group = name.partition('.')[0]
+        if group not in GROUPS or not (name in module.parameters or name == 'drive.speed'):
+            continue
+        parameter = of_name(name)
+        field = {'name': name, 'unit': unit_in(parameter, scene.values), 'value': value,
+                 'text': parameter.text.partition('; for the sliders')[0]}
+        if name.endswith('.mode'):
+            modes = scene.linkage.modes if name == 'linkage.mode' else {1: '1', 2: '2'}
+            if len(modes) < 2:
+                continue
+            field['choices'] = {str(mode): text for mode, text in modes.items()}
+        fields.append(field)
+    order = {group: i for i, group in enumerate(GROUPS)}
+    return sorted(fields, key=lambda field: order[field['name'].partition('.')[0]])
+
+
+def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> Answer:
+    """Return the extrema of quantities by name, as ``fourbar show`` finds them."""
+    linkage = scene.linkage
+    extrema = extrema_of(scene, linkage, list(names), float(scene.drive.speed), acceleration)
+    rows = [{'quantity': extremum.quantity, 'kind': extremum.kind,
+             'value': extremum.value if isfinite(extremum.value) else str(extremum.value),
+             'input': counted(linkage, extremum.input), 'isGlobal': extremum.is_global,
+             'note': ' '.join(filter(None, (
+                 'global' if extremum.is_global else '',
+                 extremum.place if extremum.place != 'interior' else '', SIDES[extremum.side],
+                 'not certain' if extremum.proof else '')))} for extremum in extrema]
+    return {'extrema': rows, 'proof': 'Found by the search of fourbar show, all there are. '
+                                      + (proofs_in_words(extrema) or '')}

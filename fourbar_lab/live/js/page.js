@@ -1,0 +1,425 @@
+// Copyright 2026 fourbar_ros developers
+// SPDX-License-Identifier: Apache-2.0
+// The page: one state with undo and an address, the questions to the server, play, tools, files.
+import { Engine, TURN } from "./engine.js";
+import { draw, Picture, plain, significant } from "./picture.js";
+import { Curves, drawPolygon, shownUnit } from "./curves.js";
+import { html, numberField, numberOf, Panel, shownNumber } from "./panel.js";
+import { addDrawing } from "./draw.js";
+const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
+const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z_]\w*$/i;
+
+// --- scenes: nested parameters ---
+export const leafOf = (scene, path) => path.split(".").reduce((tree, key) => tree?.[key], scene);
+export function flatten(tree, prefix = "", flat = {}) {
+  for (const [key, value] of Object.entries(tree)) {
+    if (value !== null && typeof value === "object" && !Array.isArray(value)) flatten(value, `${prefix}${key}.`, flat);
+    else flat[prefix + key] = value;
+  }
+  return flat;
+}
+/** A copy of a scene with another value or subtree at a path; null takes it away. */
+export function withLeaf(scene, path, value) {
+  const [key, ...rest] = path.split("."), copy = { ...scene };
+  if (["__proto__", "constructor", "prototype"].includes(key)) return copy;
+  if (rest.length) {
+    const below = scene[key];
+    copy[key] = withLeaf(below && typeof below === "object" ? below : {}, rest.join("."), value);
+    if (!Object.keys(copy[key]).length) delete copy[key];
+  } else if (value === null) delete copy[key];
+  else copy[key] = value;
+  return copy;
+}
+/** The scene as the text of a parameter file; integers: last words of the names that are whole numbers. */
+export function yamlOf(scene, integers) {
+  const written = (value, key) => {
+    if (Array.isArray(value)) return `[${value.map(item => written(item, key)).join(", ")}]`;
+    if (typeof value === "number") return Number.isInteger(value) && !integers.includes(key) ? (Math.abs(value) < 1e21 ? `${value}.0` : `${value}`.replace("e", ".0e")) : String(value);
+    return typeof value === "boolean" || WORDS.test(value) ? String(value) : JSON.stringify(value);
+  };
+  const lines = (tree, indent) => Object.entries(tree).flatMap(([key, value]) => (value !== null && typeof value === "object" && !Array.isArray(value)
+    ? [`${indent}${written(key)}:`, ...lines(value, `${indent}  `)] : [`${indent}${written(key)}: ${written(value, key)}`]));
+  return ["/**:", "  ros__parameters:", ...lines(scene, "    "), ""].join("\n");
+}
+
+/** The state {scene, view} with undo: the only way to change it is dispatch(). */
+export class Store {
+  constructor(scene, view) {
+    Object.assign(this, { state: { scene, view }, past: [], future: [], heard: [] });
+  }
+  subscribe(listener) { this.heard.push(listener); }
+  change(state) {
+    const before = this.state;
+    this.state = state;
+    for (const listener of this.heard) listener(state, before);
+  }
+  dispatch({ set = {}, scene = null, view = {}, merge = null }) {
+    const { state } = this;
+    let next = scene ?? state.scene;
+    for (const [path, value] of Object.entries(set)) if (leafOf(next, path) !== value) next = withLeaf(next, path, value);
+    if (next !== state.scene) {
+      if (!(merge && merge === this.past.at(-1)?.merge)) this.past.push({ scene: state.scene, merge });
+      this.future = [];
+    }
+    this.change({ scene: next, view: { ...state.view, ...view } });
+  }
+  /** Begin a new entry of undo at the next change, though it merges with the one before by its word. */
+  seal() { if (this.past.length) this.past.at(-1).merge = null; }
+  undo() { this.step(this.past, this.future); }
+  redo() { this.step(this.future, this.past); }
+  step(from, to) {
+    const entry = from.pop();
+    if (!entry) return;
+    to.push({ scene: this.state.scene, merge: null });
+    this.change({ ...this.state, scene: entry.scene });
+  }
+}
+
+/** What an address changes in a scene and a view; RangeError of one that is too long or no address of ours. */
+function readAddress(hash, base) {
+  if (hash.length > MOST_ADDRESS) throw new RangeError(`the address has ${hash.length} characters, at most ${MOST_ADDRESS} are read`);
+  let scene = base;
+  const view = {}, flat = flatten(base);
+  for (const [name, text] of new URLSearchParams(hash.slice(1))) {
+    if (name === "at" || name === "acceleration") {
+      view[name] = Number(text);
+      if (!Number.isFinite(view[name])) throw new RangeError(`${name} = ${text}: must be a finite number`);
+    } else if (name === "from" && text === "nothing") scene = {};
+    else {
+      let value = text;
+      try { value = JSON.parse(text); } catch { /* a word */ }
+      if (text !== "" && typeof flat[name] === "number" && typeof value !== "number") throw new RangeError(`${name} = '${text}': must be a number`);
+      scene = withLeaf(scene, name, text === "" ? null : value);
+    }
+  }
+  return { scene, view };
+}
+function addressOf({ scene, view }, base, factor) {
+  const query = new URLSearchParams(), [flat, first] = [flatten(scene), flatten(base)];
+  query.set("at", String(Number((view.at * factor).toPrecision(9))));
+  if (view.acceleration) query.set("acceleration", view.acceleration);
+  for (const name of new Set([...Object.keys(flat), ...Object.keys(first)])) {
+    if (JSON.stringify(flat[name]) !== JSON.stringify(first[name])) query.set(name, name in flat ? (WORDS.test(flat[name]) ? flat[name] : JSON.stringify(flat[name])) : "");
+  }
+  return `#${query}`;
+}
+const moduleOf = text => {
+  const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+  return import(url).finally(() => URL.revokeObjectURL(url));
+};
+function later(wait, act) {
+  let timer;
+  return () => (clearTimeout(timer), (timer = setTimeout(act, wait)));
+}
+
+/** Start the page on the data that stand in it. */
+export async function start(data, source) {
+  const find = name => document.getElementById(name), page = { units: data.units, canAsk: data.canAsk, tools: {} };
+  const svg = find("picture");
+  let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null, problem = "";
+  const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
+  page.ask = async (question, body) => {
+    const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
+    const words = await answer.json();
+    return words;
+  };
+  page.numberOf = (text, unit) => numberOf(text, unit, data.units);
+  page.say = words => (find("said").textContent = words);
+  page.refuse = words => (find("alarm").textContent = words);
+
+  let first = { scene: data.scene, view: {} }, notice = "";       // what is wrong with the address
+  try { first = readAddress(location.hash, data.scene); } catch (error) { notice = error.message; }
+  const view = { curves: structure.usual, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", ...first.view };
+  view.at = "at" in first.view ? first.view.at / factorOf() : structure.start;
+  const store = (page.store = new Store(first.scene, view));
+
+  // --- structure and engine ---
+  const valueOf = (scene, name) => leafOf(scene, name) ?? structure.values[name];
+  const valuesOf = scene => Object.fromEntries([...Object.keys(module.parameters), "drive.speed"].map(name => [name, valueOf(scene, name)]));
+  /** What of a scene no parameter of the module covers: another of it is another structure. */
+  const restOf = scene => JSON.stringify(Object.entries(flatten(scene)).filter(([name]) => !(name in module.parameters) && name !== "drive.speed").sort());
+  const isOther = (scene, of) => restOf(scene) !== restOf(of) || Object.keys(module.parameters).some(name => (leafOf(scene, name) === undefined) !== (leafOf(of, name) === undefined) && structure.values[name] !== (leafOf(scene, name) ?? NaN));
+  page.structure = () => structure;
+  page.isAsWritten = () => store.state.scene === data.scene;
+  const take = async (answer, scene) => {
+    problem = answer.problem ?? "";
+    if (!answer.problem) {
+      const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
+      if (scene !== store.state.scene && isOtherNow(scene)) return;      // an answer that is late
+      [structure, module, made] = [answer, known, scene];
+      build(store.state, !page.engine || !pointer);
+      page.onStructure?.(structure);
+    } else page.refuse(answer.problem);
+    svg.classList.toggle("stale", Boolean(problem));
+  };
+  const isOtherNow = scene => JSON.stringify(scene) !== JSON.stringify(store.state.scene);
+  const askStructure = async () => {
+    const { scene } = store.state;
+    await take(await page.ask("structure", { scene, known: structure.key }), scene);
+  };
+  const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
+    const { scene, view: { curves, acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: curves, acceleration });
+    if (!isOtherNow(scene) && !answer.problem) panel.drawExtrema(page.engine, answer.extrema, answer.proof);
+  });
+
+  // --- draw ---
+  const picture = (page.picture = new Picture(svg)), curves = new Curves(find("curves"), at => store.dispatch({ view: { at } }));
+  const panel = (page.panel = new Panel(find("panel"), page));
+  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => store.dispatch({ view: { at } }), structure.input.unit === "rad" ? "deg" : "m");
+  find("at").after(inputField, inputWords);
+  /** Make the engine of a state; the picture keeps its scale while something is dragged. */
+  const build = (state, isFitted) => {
+    try {
+      const engine = new Engine(structure, module, valuesOf(state.scene), state.view.acceleration);
+      engine.start = page.engine?.x;
+      if (!engine.ranges.length) throw new RangeError("with these lengths it closes nowhere near this pose");
+      page.engine = engine;
+    } catch (error) {
+      problem = error.message;
+    }
+    if (!page.engine) return page.refuse(problem);
+    page.refuse(problem || notice);
+    svg.classList.toggle("stale", Boolean(problem));
+    if (isFitted) picture.fit(page.engine);
+    panel.draw(structure, name => valueOf(state.scene, name));
+    find("warnings").textContent = structure.warnings.join("\n");
+    find("about").textContent = structure.description;
+    drawAll(state);
+  };
+  /** Nothing is drawn of an empty scene. */
+  const blank = () => {
+    [page.engine, made, problem] = [null, null, ""];
+    picture.clear();
+    find("curves").replaceChildren();
+    page.refuse("");
+  };
+  const drawAll = state => {
+    const { engine } = page;
+    curves.draw(engine, state.view.curves.filter(name => name in structure.quantities));
+    picture.drawTraces(engine, state.view.layers);
+    panel.drawExtrema(engine, curves.extrema, "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.");
+    if (data.canAsk) askExtremaSoon();
+    choose(state);
+    drawPose(state);
+  };
+  const drawPose = ({ view: { at, layers, panel: open } }) => {
+    const { engine } = page, x = engine.inside(at), span = engine.ranges.reduce((sum, [low, high]) => sum + high - low, 0);
+    const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
+    engine.at(x);
+    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 0.006 * span && one.isGlobal);
+    const note = near.map(({ kind, quantity, value }) => {
+      const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
+      return `${kind} of ${quantity.replaceAll("_", " ")}: ${significant(value * factor)} ${unit}`;
+    }).join(", ");
+    picture.draw(engine, layers, engine.status === 1 ? "" : note);
+    find("pose").textContent = (engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : structure.lacks);
+    curves.follow(engine, here);
+    const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
+    Object.assign(slider, { min: low, max: high, step: (high - low) / 720, value: here * factorOf() });
+    slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${structure.input.unit === "rad" ? "degrees" : "m"}`);
+    inputField.set(Number((here * factorOf()).toPrecision(6)));
+    find("atName").textContent = `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`;
+    panel.drawValues(engine);
+    if (open === "Facts" || layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
+  };
+  const choose = ({ view: { curves: chosen } }) => {
+    const box = find("chooser"), names = Object.keys(structure.quantities);
+    if (box.dataset.names !== names.join(" ")) {
+      box.dataset.names = names.join(" ");
+      box.replaceChildren(...names.map(name => html("label", { title: structure.quantities[name].text }, html("input", { type: "checkbox", value: name,
+        onchange: () => store.dispatch({ view: { curves: [...box.querySelectorAll(":checked")].map(one => one.value) } }) }), name)));
+    }
+    for (const one of box.querySelectorAll("input")) one.checked = chosen.includes(one.value);
+  };
+  const remember = later(200, () => {
+    if (find("play").getAttribute("aria-pressed") === "true") return;
+    const address = addressOf(store.state, data.scene, factorOf());
+    if (address.length <= MOST_ADDRESS) history.replaceState(null, "", address);
+  });
+  store.subscribe((state, before) => {
+    if (state.scene !== before.scene) {
+      notice = "";
+      if (!Object.keys(state.scene).length) blank();
+      else if (!made || isOther(state.scene, made)) {
+        if (data.canAsk) askStructure().catch(error => page.refuse(error.message));
+        else page.refuse("this file has no server: another structure, or a number that this one lacks, needs fourbar live");
+      } else {
+        problem = "";
+        build(state, false);
+        if (data.canAsk) askSoon();
+      }
+    } else if (page.engine && (state.view.acceleration !== before.view.acceleration)) build(state, false);
+    else if (page.engine && (state.view.curves !== before.view.curves || state.view.layers !== before.view.layers)) drawAll(state);
+    else if (page.engine) drawPose(state);
+    find("undo").disabled = !store.past.length;
+    find("redo").disabled = !store.future.length;
+    remember();
+  });
+
+  // --- tools: what the pointer does in the picture ---
+  const current = () => page.tools[store.state.view.tool] ?? page.tools.pose;
+  const hitOf = event => Object.fromEntries(["joint", "bar", "point", "spring", "load"].map(name => [name, event.target.closest?.(`[data-${name}]`)?.dataset[name]]).filter(([, value]) => value !== undefined));
+  page.addTool = tool => {
+    page.tools[tool.name] = tool;
+    const button = html("button", { type: "button", textContent: tool.label, title: tool.title ?? "", "aria-pressed": store.state.view.tool === tool.name, onclick: () => page.useTool(tool.name) });
+    button.dataset.tool = tool.name;
+    if (tool.name !== "pose" || Object.keys(page.tools).length > 1) find("tools").append(button);
+  };
+  page.useTool = name => {
+    current().end?.();
+    picture.over.replaceChildren();
+    store.dispatch({ view: { tool: name } });
+    svg.dataset.tool = name;
+    current().begin?.();
+    page.say(current().hint ?? "");
+    for (const button of find("tools").children) button.setAttribute("aria-pressed", button.dataset.tool === name);
+  };
+  let pointer = null;
+  svg.addEventListener("pointerdown", event => {
+    if (event.button !== 0 || pointer !== null) return;
+    if (current().down?.(picture.metres(event), event, hitOf(event)) === false) return;
+    pointer = event.pointerId;
+    svg.setPointerCapture(pointer);
+    event.preventDefault();
+  });
+  svg.addEventListener("pointermove", event => (pointer === null || event.pointerId === pointer) && current().move?.(picture.metres(event), event, hitOf(event)));
+  const leave = event => {
+    if (event.pointerId !== pointer) return;
+    pointer = null;
+    current().up?.(picture.metres(event), event, hitOf(event));
+    store.seal();
+  };
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) svg.addEventListener(kind, leave);
+  let held = null;
+  page.addTool({ name: "pose", label: "Move", title: "Drag a joint: the mechanism follows",
+    down(place, event, hit) {
+      if (!hit.joint || !page.engine) return false;
+      held = hit.joint;
+      picture.chosen = structure.sketch.loadsAt?.[held]?.[0];
+      page.play(false);
+      svg.querySelector(`[data-joint="${CSS.escape(held)}"]`)?.focus({ preventScroll: true });
+      return true;
+    },
+    move(place) { if (held) store.dispatch({ view: { at: page.engine.nearest(held, place, page.engine.x) } }); },
+    up(place) { this.move(place); held = null; } });
+  svg.addEventListener("keydown", event => {
+    if (current().key?.(event) || !page.engine) return;
+    const [low, high] = [page.engine.ranges[0][0], page.engine.ranges.at(-1)[1]], step = (high - low) / 180;
+    const at = { ArrowRight: view => view + step, ArrowUp: view => view + step, ArrowLeft: view => view - step, ArrowDown: view => view - step, Home: () => low, End: () => high }[event.key];
+    if (!at || store.state.view.tool !== "pose") return;
+    event.preventDefault();
+    store.dispatch({ view: { at: page.engine.inside(at(page.engine.x)) } });
+  });
+  addEventListener("keydown", event => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && event.target.type !== "text") {
+      event.preventDefault();
+      if (event.shiftKey) store.redo(); else store.undo();
+    } else if (event.ctrlKey && event.key === "y") store.redo();
+    else if (event.key === " " && event.target === document.body) (event.preventDefault(), page.play());
+    else if (event.key === "Escape" && store.state.view.tool !== "pose") page.useTool("pose");
+    else if (event.target === document.body) current().key?.(event);
+  });
+
+  // --- play ---
+  let last = 0, way = 1;
+  page.play = (isPlaying = find("play").getAttribute("aria-pressed") !== "true") => {
+    find("play").setAttribute("aria-pressed", isPlaying);
+    find("play").textContent = isPlaying ? "❚❚" : "▶";
+    last = performance.now();
+    if (isPlaying) requestAnimationFrame(advance);
+    else remember();
+  };
+  const advance = now => {
+    if (find("play").getAttribute("aria-pressed") !== "true" || !page.engine) return;
+    const { engine } = page, seconds = Math.min((now - last) / 1000, 0.2), { pace } = store.state.view;
+    last = now;
+    const [low, high] = engine.ranges.find(([from, to]) => from <= engine.x + 1e-9 && engine.x <= to + 1e-9) ?? engine.ranges[0];
+    let x = engine.x;
+    if (engine.turnsFully) x = (((x + (seconds * (high - low)) / pace) % (high - low)) + high - low) % (high - low);
+    else {
+      x += (way * 2 * seconds * (high - low)) / pace;
+      if (x <= low || x >= high) way = x <= low ? 1 : -1;
+    }
+    store.dispatch({ view: { at: engine.inside(x) } });
+    requestAnimationFrame(advance);
+  };
+  find("play").onclick = () => page.play();
+  find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
+  find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
+  const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
+  find("more").append(html("label", {}, "acceleration of the input ", accelerationField, accelerationWords));
+  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres", polygons: "polygons" })) {
+    find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves"].includes(name),
+      onchange: event => {
+        store.dispatch({ view: { layers: { ...store.state.view.layers, [name]: event.target.checked } } });
+        if (name === "polygons") find("polygons").hidden = !event.target.checked;
+        if (name === "polygons" && event.target.checked) drawPose(store.state);
+      } }), words));
+  }
+  find("undo").onclick = () => store.undo();
+  find("redo").onclick = () => store.redo();
+  find("theme").onclick = () => {
+    const isDark = document.documentElement.dataset.theme ? document.documentElement.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    document.documentElement.dataset.theme = isDark ? "light" : "dark";
+  };
+
+  // --- files ---
+  const send = (content, suffix, type) => {
+    const url = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
+    html("a", { href: url, download: `${data.name}.${suffix}` }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+  };
+  const pictureFile = () => picture.file(find("picture-style").textContent);
+  page.files = {
+    "scene (YAML)": () => send(yamlOf(store.state.scene, data.integers), "yaml", "application/yaml"),
+    "picture (SVG)": () => send(pictureFile(), "svg", "image/svg+xml"),
+    "picture (PNG)": () => {
+      const image = new Image(), canvas = html("canvas", { width: 3 * picture.width, height: 3 * picture.height });
+      image.onload = () => {
+        canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);
+        canvas.toBlob(blob => send(blob, "png"));
+      };
+      image.src = `data:image/svg+xml,${encodeURIComponent(pictureFile())}`;
+    },
+    "curves (CSV, mm and degrees)": () => {
+      const { engine } = page, columns = [structure.input.name, ...Object.keys(structure.quantities).filter(name => name !== structure.input.name)];
+      const shown = unit => (unit === "m" ? ["mm", 1000] : shownUnit(unit)), unitOf = name => shown(name === structure.input.name ? structure.input.unit : structure.quantities[name].unit);
+      const all = columns.map((name, i) => (i ? engine.curve(name).values : engine.sweep.inputs).map(value => value * unitOf(name)[1]));
+      const rows = all[0].map((_, k) => all.map(column => (Number.isFinite(column[k]) ? column[k] : "")).join(","));
+      send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
+    },
+    "page without a server (HTML)": () => {
+      const text = JSON.stringify({ ...data, canAsk: false, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
+      send(source.replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
+    },
+    ...(data.canAsk && { "check": async () => {
+      const { problem: why, warnings } = await page.ask("check", { scene: store.state.scene });
+      page.say(why || warnings.join("; ") || "checked: no problem");
+    } }),
+    ...(data.canSave && { "save in its file": async () => {
+      const answer = await page.ask("save", { scene: store.state.scene });
+      page.say(answer.problem ?? `saved: ${answer.saved}`);
+    } }),
+  };
+  for (const [words, act] of Object.entries(page.files)) find("files").append(html("button", { type: "button", textContent: words, onclick: () => (problem && words !== "scene (YAML)" ? page.say(`nothing to save: ${problem}`) : act()) }));
+
+  addEventListener("resize", later(100, () => page.engine && (picture.fit(page.engine), drawAll(store.state))));
+  addEventListener("hashchange", () => {
+    try {
+      const { scene, view: { at, acceleration = 0 } } = readAddress(location.hash, data.scene);
+      store.dispatch({ scene, view: { acceleration, ...(at !== undefined && { at: at / factorOf() }) } });
+    } catch (error) { page.refuse(error.message); }
+  });
+  addDrawing(page);
+  find("title").textContent = data.name;
+  made = data.scene;
+  if (!Object.keys(store.state.scene).length) blank();
+  else if (module && !isOther(store.state.scene, made)) {
+    build(store.state, true);
+    if (data.canAsk && !page.isAsWritten()) await askStructure();
+  }
+  else if (data.canAsk) await askStructure();
+  else page.refuse("this file has no server: another structure needs fourbar live");
+  document.documentElement.dataset.ready = "yes";
+  return page;
+}

@@ -1,0 +1,303 @@
+// Copyright 2026 fourbar_ros developers
+// SPDX-License-Identifier: Apache-2.0
+// The picture of the mechanism: SVG in pixels of the screen, so that letters keep their size.
+const SVG = "http://www.w3.org/2000/svg";
+const LONGEST = 0.3;      // of the longest force, over the size of the mechanism
+const INCH = 76;          // [px] for the signs of pivots and blocks
+const AROUND = [-0.8, 0.8, -2.3, 2.3, 0, Math.PI, -1.57, 1.57], FARTHER = [12, 24, 40, 62, 90];
+
+/** A new element of SVG with attributes and a text; of a class by its `class`. */
+export function draw(parent, tag, attributes = {}, text = "") {
+  const element = document.createElementNS(SVG, tag);
+  for (const name in attributes) element.setAttribute(name, attributes[name]);
+  if (text) element.textContent = text;
+  parent.append(element);
+  return element;
+}
+/** A text whose indices are lowered: F_{A1}, O_1. */
+export function label(parent, attributes, words) {
+  const text = draw(parent, "text", attributes);
+  for (const [, plain, index] of words.matchAll(/([^_]+)|_\{?([^{}]*)\}?/g)) {
+    if (plain) draw(text, "tspan", {}, plain);
+    else {
+      draw(text, "tspan", { dy: 4, "font-size": "80%" }, index);
+      draw(text, "tspan", { dy: -4 }, "\u200b");
+    }
+  }
+  return text;
+}
+export const plain = words => words.replace(/[_{}]/g, "");
+/** A value with four digits. */
+export function significant(value) {
+  const rounded = Number(value.toPrecision(4)), size = Math.abs(rounded);
+  return size !== 0 && (size < 1e-3 || size >= 1e7) ? rounded.toExponential() : String(rounded);
+}
+function hull(points) {
+  const sorted = [...points].sort((p, q) => p[0] - q[0] || p[1] - q[1]), half = list => {
+    const chain = [];
+    for (const p of list) {
+      while (chain.length > 1) {
+        const [a, b] = chain.slice(-2);
+        if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
+        chain.pop();
+      }
+      chain.push(p);
+    }
+    return chain.slice(0, -1);
+  };
+  return [...half(sorted), ...half(sorted.reverse())];
+}
+/** Whether a segment meets a box [left, top, right, bottom]. */
+export function crosses([x1, y1, x2, y2], [left, top, right, bottom]) {
+  let low = 0, high = 1;
+  for (const [p, d, least, most] of [[x1, x2 - x1, left, right], [y1, y2 - y1, top, bottom]]) {
+    if (d === 0) {
+      if (p < least || p > most) return false;
+    } else {
+      const [a, b] = [(least - p) / d, (most - p) / d].sort((u, v) => u - v);
+      [low, high] = [Math.max(low, a), Math.min(high, b)];
+    }
+  }
+  return low <= high;
+}
+
+/** Where labels have room: inside, on no bar, no arrow, no pin and on no other label. */
+class Room {
+  constructor(width, height, lines, pins) {
+    Object.assign(this, { width, height, lines, boxes: pins.map(([x, y]) => [x - 7, y - 7, x + 7, y + 7]) });
+  }
+  /** The box for a text of this size at an anchor, `away` is the direction that looks best. */
+  take([x, y], away, width, height) {
+    let best = null, least = Infinity;
+    for (const far of FARTHER) {
+      for (const turn of [0, ...AROUND]) {
+        const angle = away + turn, c = Math.cos(angle), s = Math.sin(angle);
+        const u = x + c * (far + width / 2) - width / 2, v = y + s * (far + height / 2) - height / 2;
+        const left = Math.min(Math.max(u, 2), this.width - width - 2), top = Math.min(Math.max(v, 2), this.height - height - 2);
+        const box = [left, top, left + width, top + height];
+        let cost = far * 0.05 + Math.abs(turn) * 0.3 + 20 * (Math.abs(left - u) + Math.abs(top - v) > 1);
+        for (const [l, t, r, b] of this.boxes) {
+          const w = Math.min(r, box[2]) - Math.max(l, left), h = Math.min(b, box[3]) - Math.max(t, top);
+          if (w > 0 && h > 0) cost += 60 + w * h;
+        }
+        for (const line of this.lines) if (crosses(line, box)) cost += 40;
+        if (cost < least) [best, least] = [box, cost];
+      }
+      if (least < 20) break;
+    }
+    this.boxes.push(best);
+    return best;
+  }
+}
+
+export class Picture {
+  constructor(svg) {
+    this.svg = svg;
+    this.view = { x: 0, y: 0, scale: 1, perNewton: 0 };
+    [this.under, this.main, this.grips, this.over] = ["fb under", "fb main", "fb grips", "fb over"].map(name => draw(svg, "g", { class: name }));
+    this.measure();
+  }
+  measure() {
+    const box = this.svg.getBoundingClientRect();
+    [this.width, this.height] = [Math.max(box.width, 100), Math.max(box.height, 100)];
+    this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
+  }
+  get scale() { return this.view.scale; }
+  /** Draw nothing; half a metre is as wide as the picture, its middle is the origin. */
+  clear() {
+    this.measure();
+    for (const group of [this.under, this.main, this.grips]) group.replaceChildren();
+    this.gripped = "";
+    this.view = { scale: 2 * this.width, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
+  }
+  pixels([x, y]) { return [(x - this.view.x) * this.view.scale, (this.view.y - y) * this.view.scale]; }
+  /** The place [m] of an event of a pointer. */
+  metres(event) {
+    const box = this.svg.getBoundingClientRect();
+    const x = ((event.clientX - box.left) * this.width) / box.width, y = ((event.clientY - box.top) * this.height) / box.height;
+    return [this.view.x + x / this.view.scale, this.view.y - y / this.view.scale];
+  }
+  /** Choose the scales, so that all poses, and forces of the usual size, have room. */
+  fit(engine) {
+    this.measure();
+    const [low, high] = engine.box, size = engine.size, margin = this.width < 600 ? 34 : 60;
+    const { rows } = engine.sweep, sizes = Object.keys(engine.structure.sketch.forces).flatMap(name =>
+      rows.map(row => row[engine.index[name]])).filter(Number.isFinite).sort((a, b) => a - b);
+    const longest = sizes[Math.floor(0.98 * (sizes.length - 1))] || 0;
+    const reach = longest > 0 ? 0.15 * size : 0;
+    const width = high[0] - low[0] + reach || size, height = high[1] - low[1] + reach || size;
+    const scale = Math.min((this.width - 2 * margin) / width, (this.height - 2 * margin) / height);
+    this.view = { scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale,
+      perNewton: longest > 0 ? (LONGEST * size) / longest : 0 };
+  }
+  /** Draw an engine's pose; layers: {forces, curves, centres, values, mirror}; note: words at the top. */
+  draw(engine, layers, note = "") {
+    const { sketch, input } = engine.structure, main = document.createDocumentFragment(), at = point => this.pixels(engine.point(point));
+    const joints = Object.fromEntries(Object.entries(sketch.joints).map(([name, refs]) => [name, at(refs[0])]));
+    const lines = [], pins = Object.values(joints), labels = [];
+    const segment = (kind, [x1, y1], [x2, y2], more = {}) => draw(main, "line", { class: kind, x1, y1, x2, y2, ...more });
+    const bar = (p, q, i) => {
+      lines.push([...p, ...q]);
+      segment("bar", p, q, { "data-bar": i });
+      segment("core", p, q, { "data-bar": i });
+    };
+    for (const name of sketch.ground) this.pivot(main, joints[name]);
+    for (const plate of sketch.plates) {
+      const corners = hull(plate.map(at));
+      draw(main, "polygon", { class: "plate", points: corners.join(" "), "data-bar": plate[0][0] });
+      corners.forEach((p, i) => lines.push([...p, ...corners[(i + 1) % corners.length]]));
+    }
+    sketch.bars.forEach(([p, q], i) => bar(at(p), at(q), i));
+    for (const { joint, link, direction: [c, s], isGuided } of sketch.blocks) {
+      const [, , cosine, sine] = engine.frame(link);
+      this.block(main, joints[joint], [c * cosine - s * sine, -(c * sine + s * cosine)], isGuided);
+    }
+    for (const { name, first, second } of sketch.springs) this.spring(main, at(first), at(second), name);
+    for (const name in sketch.points) {
+      const [link, along, across] = sketch.points[name], tip = at([link, along, across]);
+      const start = at([link, 0, 0]), foot = at([link, along, 0]);
+      for (const [p, q] of [[start, foot], [foot, tip]]) segment("arm", p, q);
+      draw(main, "circle", { class: "point", cx: tip[0], cy: tip[1], r: 5, "data-point": name });
+      labels.push({ kind: "point", anchor: tip, away: -0.8, words: name });
+    }
+    for (const [x, y] of pins) draw(main, "circle", { class: "pin", cx: x, cy: y, r: 5.5 });
+    if (layers.forces !== false && engine.status === 0) {
+      for (const { name, words, point, vector } of this.forces(engine)) {
+        const tip = this.arrow(main, name.startsWith("external.") ? "applied" : "force", this.pixels(point), vector, lines, name);
+        if (tip) labels.push({ kind: "force", anchor: tip, away: Math.atan2(-vector[1], vector[0]), words, extra: true, name });
+      }
+      const torque = engine.get(engine.structure.drive);
+      if (engine.isAngle && Math.abs(torque) > 0) {
+        const [x, y] = joints[Object.keys(joints)[0]], sense = torque > 0 ? 1 : -1;
+        this.turn(main, x, y, sense);
+        labels.push({ kind: "drive", anchor: [x - 24, y - 18], away: -2.3, words: `T = ${significant(torque)} N m`, extra: true, name: "drive" });
+      }
+    }
+    if (layers.centres) this.centres(main, engine, labels);
+    const letters = Object.entries(sketch.letters).filter(([name], i, all) => all.findIndex(([, letter]) => letter === all[i][1]) === i && joints[name]);
+    const middle = pins.reduce((sum, p) => [sum[0] + p[0] / pins.length, sum[1] + p[1] / pins.length], [0, 0]);
+    labels.unshift(...letters.map(([name, letter]) => ({ kind: "letter", anchor: joints[name], words: letter,
+      away: Math.atan2(joints[name][1] - middle[1], joints[name][0] - middle[0]) })));
+    const room = new Room(this.width, this.height, lines, pins), isNarrow = this.width < 600;
+    for (const one of labels) {
+      if (one.extra && (layers.values === false || (isNarrow && one.name !== this.chosen))) continue;
+      const width = 8.4 * plain(one.words).length + 4, box = room.take(one.anchor, one.away, width, 18);
+      const [x, y] = one.anchor, [u, v] = [Math.min(Math.max(x, box[0]), box[2]), Math.min(Math.max(y, box[1]), box[3])];
+      if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
+      label(main, { class: one.kind, x: box[0] + 2, y: box[3] - 4, "data-box": box.map(Math.round).join(" ") }, one.words);
+    }
+    if (note) label(main, { class: "note", x: 12, y: 24 }, note);
+    this.main.replaceChildren(main);
+    this.grip(joints, sketch);
+    this.svg.setAttribute("aria-label", `the mechanism at ${input.name} = ${significant(engine.isAngle ? (engine.x * 180) / Math.PI : engine.x)} ${engine.isAngle ? "degrees" : "m"}`);
+  }
+  drawTraces(engine, layers) {
+    const under = document.createDocumentFragment();
+    for (const point of layers.curves === false ? [] : Object.values(engine.structure.sketch.points)) {
+      const places = engine.path(point).map(place => this.pixels(place));
+      let path = "", isDown = false;
+      for (const [x, y] of places) {
+        const isGood = Number.isFinite(x) && Number.isFinite(y);
+        if (isGood) path += `${isDown ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`;
+        isDown = isGood;
+      }
+      if (path) draw(under, "path", { class: "trace", d: path });
+    }
+    this.under.replaceChildren(under);
+  }
+  /** Forces that are drawn: reactions by their letters, external ones, as {name, words, point [m], vector [px]}. */
+  forces(engine) {
+    const { sketch } = engine.structure, long = this.view.perNewton * this.view.scale, list = [];
+    for (const name in sketch.forces) {
+      const [x, y] = [engine.get(`${name}_x`), engine.get(`${name}_y`)];
+      list.push({ name, words: `${sketch.symbols[name]} = ${significant(Math.hypot(x, y))} N`, point: engine.joint(sketch.forces[name]), vector: [x * long, y * long] });
+    }
+    for (const { name, point } of sketch.applied) {
+      const [x, y] = ["force_x", "force_y"].map(field => engine.number(`${name}.${field}`));
+      if (x || y) list.push({ name, words: `${significant(Math.hypot(x, y))} N`, point: engine.point(point), vector: [x * long, y * long] });
+    }
+    return list;
+  }
+  pivot(parent, [x, y]) {
+    const w = 0.12 * INCH, h = 0.19 * INCH, ground = [x - 2 * w, y + h, x + 2 * w, y + h];
+    draw(parent, "polygon", { class: "ground", points: [[x, y], [x - w, y + h], [x + w, y + h]].join(" ") });
+    draw(parent, "line", { class: "ground", x1: ground[0], y1: ground[1], x2: ground[2], y2: ground[3] });
+    for (let i = -2; i < 2; i++) draw(parent, "line", { class: "hatch", x1: x + i * w, y1: y + h + 6, x2: x + i * w + 6, y2: y + h });
+  }
+  block(parent, [x, y], [c, s], isGuided) {
+    const at = (u, v) => [x + u * c - v * s, y + u * s + v * c], a = 0.2 * INCH, b = 0.11 * INCH;
+    if (isGuided) for (const v of [-b, b]) {
+      const [p, q] = [at(-3.5 * a, v), at(3.5 * a, v)];
+      draw(parent, "line", { class: "ground", x1: p[0], y1: p[1], x2: q[0], y2: q[1] });
+    }
+    draw(parent, "polygon", { class: "block", points: [at(a, b), at(a, -b), at(-a, -b), at(-a, b)].join(" ") });
+  }
+  spring(parent, [x1, y1], [x2, y2], name) {
+    const length = Math.hypot(x2 - x1, y2 - y1) || 1, c = (x2 - x1) / length, s = (y2 - y1) / length, coils = 14, w = 7;
+    const at = (part, side) => [x1 + part * (x2 - x1) - side * w * s, y1 + part * (y2 - y1) + side * w * c];
+    const places = [[x1, y1], at(0.15, 0)];
+    for (let i = 0; i < coils; i++) places.push(at(0.15 + (0.7 * (i + 0.5)) / coils, i % 2 ? 1 : -1));
+    draw(parent, "polyline", { class: "spring", points: [...places, at(0.85, 0), [x2, y2]].join(" "), "data-spring": name });
+    for (const [cx, cy] of [[x1, y1], [x2, y2]]) draw(parent, "circle", { class: "end", cx, cy, r: 3.5 });
+  }
+  /** An arrow of a vector [px, y upwards]; its tip, or null of one that is too short or too long to be seen. */
+  arrow(parent, kind, [x, y], [u, v], lines, name = "") {
+    const size = Math.hypot(u, v);
+    if (!(size >= 5 && size < 20 * this.width)) return null;
+    const c = u / size, s = -v / size, tip = [x + u, y - v], back = Math.min(12, size);
+    const foot = [tip[0] - back * c, tip[1] - back * s];
+    draw(parent, "line", { class: kind, x1: x, y1: y, x2: foot[0], y2: foot[1], "data-load": name });
+    draw(parent, "polygon", { class: kind, points: [tip, [foot[0] - 5 * s, foot[1] + 5 * c], [foot[0] + 5 * s, foot[1] - 5 * c]].join(" "), "data-load": name });
+    lines.push([x, y, ...tip]);
+    return tip;
+  }
+  turn(parent, x, y, sense) {
+    const r = 22, [a, b] = sense > 0 ? [2.6, 5.6] : [3.7, 0.7], at = angle => [x + r * Math.cos(angle), y - r * Math.sin(angle)];
+    const [start, end] = [at(a), at(b)], tangent = [-Math.sin(b) * sense, -Math.cos(b) * sense];
+    draw(parent, "path", { class: "drive", d: `M${start} A${r} ${r} 0 0 ${sense > 0 ? 0 : 1} ${end}` });
+    const [c, s] = tangent, tip = [end[0] + 9 * c, end[1] + 9 * s];
+    draw(parent, "polygon", { class: "drive", points: [tip, [end[0] - 5 * s, end[1] + 5 * c], [end[0] + 5 * s, end[1] - 5 * c]].join(" ") });
+  }
+  /** A cross and P_ij at each instant centre of two links that is in view and no joint; link 1 is the ground. */
+  centres(parent, engine, labels) {
+    const links = engine.structure.links.map(link => {
+      const i = engine.index[`frame.${link}.x`], to = engine.to, w = to[i + 8];
+      return [w, to[i + 2] + w * to[i + 1], to[i + 3] - w * to[i]];     // velocity at the origin, if the link were there
+    });
+    const every = [[0, 0, 0], ...links];
+    every.forEach((p, i) => every.slice(i + 1).forEach((q, j) => {
+      const w = q[0] - p[0], [x, y] = this.pixels([-(q[2] - p[2]) / w, (q[1] - p[1]) / w]);
+      if (!(x > 0 && y > 0 && x < this.width && y < this.height)) return;
+      for (const k of [-6, 6]) draw(parent, "line", { class: "centre", x1: x - 6, y1: y - k, x2: x + 6, y2: y + k });
+      labels.push({ kind: "centre", anchor: [x, y], away: 0.8, words: `P_{${i + 1}${i + j + 2}}` });
+    }));
+  }
+  /** Grips stay the same elements while the pose moves, so that they keep the focus. */
+  grip(joints, sketch) {
+    const wanted = Object.keys(joints).filter(name => !sketch.ground.includes(name));
+    if (this.gripped !== wanted.join(" ")) {
+      this.gripped = wanted.join(" ");
+      this.grips.replaceChildren();
+      for (const name of wanted) {
+        draw(this.grips, "circle", { class: "grip", r: 22, tabindex: 0, role: "slider", "aria-label": `joint ${plain(sketch.letters[name] ?? name)}`,
+          "aria-valuenow": 0, "data-joint": name });
+      }
+    }
+    for (const grip of this.grips.children) {
+      [grip.cx.baseVal.value, grip.cy.baseVal.value] = joints[grip.dataset.joint];
+    }
+  }
+  /** The picture as a file, in the colours of print. */
+  file(style) {
+    const copy = this.svg.cloneNode(true);
+    for (const gone of copy.querySelectorAll(".grips, .over")) gone.remove();
+    copy.setAttribute("xmlns", SVG);
+    copy.setAttribute("width", this.width);
+    copy.setAttribute("height", this.height);
+    const rules = document.createElementNS(SVG, "style"), paper = document.createElementNS(SVG, "rect");
+    rules.textContent = style.replace(/var\([\w-]+, ?([^)]*)\)/g, "$1");
+    for (const [name, value] of Object.entries({ width: "100%", height: "100%", fill: "#fff" })) paper.setAttribute(name, value);
+    copy.prepend(rules, paper);
+    return new XMLSerializer().serializeToString(copy);
+  }
+}

@@ -1,0 +1,178 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What a page is told: its sketch, ranges and extrema are those of Python."""
+import json
+from math import radians, tau
+from pathlib import Path
+import re
+
+from fourbar_lab.export.js_code import JsModule
+from fourbar_lab.live import page as pages
+from fourbar_lab.live.answers import answered, extrema_answer, quantities_of, structure_of
+from fourbar_ros import find_extrema, load_scene
+from fourbar_ros.mechanisms.curves import point_of
+from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.scene import from_values
+from fourbar_ros.scene.files import shipped
+import numpy as np
+import pytest
+from support.javascript import needs_node, node
+
+SCENES = sorted(shipped())
+LIVE = Path(pages.__file__).parent
+
+
+def place(scene, motion, point):
+    """Return the place of a point of a sketch in a motion."""
+    link, along, across = point
+    along, across = (scene.values.get(value, getattr(motion, str(value), None))
+                     if isinstance(value, str) else value for value in (along, across))
+    if link == 'ground':
+        return along, across
+    x, y, *_ = point_of(scene.linkage.link_motion(motion, link), along, across)
+    return x, y
+
+
+@pytest.mark.parametrize('name', SCENES)
+def test_the_joints_of_the_sketch_are_those_of_the_diagram(name):
+    scene = load_scene(name)
+    linkage, sketch = scene.linkage, structure_of(scene)['sketch']
+    low, high = linkage.input_ranges[0]
+    for part in (0.2, 0.5, 0.9):
+        motion = linkage.motion(low + part * (high - low), 1.0)
+        diagram = diagram_of(linkage, motion)
+        size = max(1e-3, *np.ptp([*diagram.joints.values()], axis=0))
+        assert list(sketch['joints']) == list(diagram.joints)
+        for joint, expected in diagram.joints.items():
+            for point in sketch['joints'][joint]:       # on every link that meets there
+                away = np.hypot(*(np.array(place(scene, motion, point)) - expected))
+                assert away <= 1e-9 * size, (joint, point)
+        for point in (*sum(sketch['bars'], ()), *sum(sketch['plates'], [])):
+            assert np.isfinite(place(scene, motion, point)).all()
+    assert tuple(sketch['ground']) == diagram.ground
+
+
+def test_every_quantity_of_a_page_is_in_its_module_or_of_the_drive():
+    for name in SCENES:
+        scene = load_scene(name)
+        names = JsModule(scene, name).units
+        others = {quantity for quantity in quantities_of(scene) if quantity not in names}
+        assert others <= {'inertia', 'bias', 'holding_torque', 'holding_force',
+                          'mechanical_advantage'}
+
+
+IN_NODE = """
+import { readFileSync } from 'node:fs';
+const { Engine } = await import(process.argv[2]);
+const { structure, changed, names } = JSON.parse(readFileSync(0));
+const url = 'data:text/javascript,' + encodeURIComponent(structure.module);
+const engine = new Engine(structure, await import(url), { ...structure.values, ...changed });
+engine.start = structure.start;
+const { ranges } = engine;
+console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? ranges[0].turns : 0,
+  extrema: names.flatMap(name => engine.extrema(name)) }));
+"""
+
+
+def by_engine(scene, changed, names=()):
+    """Return ranges and extrema that the page finds for changed parameters of a scene."""
+    return json.loads(node(IN_NODE, str(LIVE / 'js/engine.js'), given=json.dumps(
+        {'structure': structure_of(scene), 'changed': changed, 'names': names})))
+
+
+@needs_node
+@pytest.mark.parametrize(('name', 'changed'), [
+    ('paper', {'linkage.a1': 0.7}), ('paper', {'linkage.a2': 1.3}), ('paper', {}),
+    ('jansen', {'dyads.upper.length_1': 0.52}), ('slider_crank', {'linkage.offset': 0.01}),
+    ('cylinder', {'linkage.a1': 1.25}), ('chebyshev', {}), ('lift_table', {})])
+def test_ranges_follow_the_lengths(name, changed):
+    scene = load_scene(name)
+    other = from_values({**scene.values, **changed}).linkage
+    found = by_engine(scene, changed)
+    if other.turns_fully:
+        assert found['turns'] == other.turns and found['ranges'] == [[0.0, tau * other.turns]]
+        return
+    for low, high in found['ranges']:       # of this branch, in any turn
+        assert min(max(abs(low - a - turn), abs(high - b - turn))
+                   for a, b in other.input_ranges for turn in (-tau, 0.0, tau)) <= 1e-9
+
+
+@needs_node
+@pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank', 'quick_return'])
+def test_extrema_of_the_file_are_those_of_python(name):
+    """Values within 1e-12 of the largest; a sampled search lost none of these."""
+    scene = load_scene(name)
+    names = ['driving_torque', 'shaking_force', scene.linkage.outputs[0].coordinate.rate]
+    found = by_engine(scene, {}, names)['extrema']
+    wanted = list(find_extrema(scene.linkage, names, float(scene.drive.speed)))
+    assert len(found) == len(wanted)
+    for one in wanted:
+        size = max(abs(other.value) for other in wanted if other.quantity == one.quantity)
+        nearest = min((row for row in found if row['quantity'] == one.quantity),
+                      key=lambda row: abs(row['value'] - one.value))
+        assert nearest['kind'] == one.kind
+        assert abs(nearest['value'] - one.value) <= 1e-12 * size
+
+
+@needs_node
+def test_quantities_of_the_drive_are_those_of_python():
+    scene = from_values({**load_scene('paper').values, 'gravity.y': -9.81})
+    linkage, rate = scene.linkage, float(scene.drive.speed)
+    names = ['inertia', 'bias', 'holding_torque']
+    found = {name: [row for row in by_engine(scene, {}, [name])['extrema']
+                    if row['kind'] == 'maximum' and row['isGlobal']][0] for name in names}
+    for name, row in found.items():
+        wanted = max((one for one in find_extrema(linkage, [name], rate)
+                      if one.kind == 'maximum'), key=lambda one: one.value)
+        assert row['value'] == pytest.approx(wanted.value, rel=1e-11), name
+
+
+def test_extrema_and_their_proof_are_those_of_show():
+    scene = load_scene('paper')
+    answer = extrema_answer(scene, ['omega4'], 0.0)
+    wanted = find_extrema(scene.linkage, ['omega4'], 25.0)
+    assert [row['value'] for row in answer['extrema']] == [one.value for one in wanted]
+    assert 'fourbar show' in answer['proof']
+
+
+def test_what_cannot_be_is_said_and_named():
+    scene = pages.nested(load_scene('paper').values)
+    scene['linkage']['a2'] = 9
+    answer = answered('structure', {'scene': json.loads(json.dumps(scene, default=str))})
+    assert 'cannot close' in answer['problem'] or 'a2' in answer['problem']
+    for asked in ({}, {'scene': 3}, {'scene': {'linkage': {'a1': 'x'}}}, {'scene': []},
+                  {'scene': {'linkage': {'kind': ['x']}}}):
+        assert answered('structure', asked)['problem']
+    assert answered('extrema', {'scene': {}})['problem']
+
+
+def test_a_module_that_the_page_has_is_not_sent_again():
+    scene = load_scene('jansen')
+    first = structure_of(scene)
+    other = from_values({**scene.values, 'dyads.upper.length_1': 0.51,
+                         'bodies.rods.radius': 0.012})
+    again = structure_of(other, first['key'])
+    assert 'module' not in again and again['key'] == first['key']
+    assert again['values']['dyads.upper.length_1'] == 0.51
+    assert structure_of(load_scene('paper'), first['key'])['key'] != first['key']
+
+
+def test_the_start_is_in_the_range():
+    scene = load_scene('slides_7_6')
+    low, high = scene.linkage.input_ranges[0]
+    beyond = from_values({**scene.values, 'drive.start': radians(-300.0)})
+    assert low <= structure_of(beyond)['start'] <= high
+
+
+def test_the_page_is_one_file_without_addresses_of_others():
+    text = pages.page('paper', load_scene('paper'))
+    addresses = set(re.findall(r'(?:https?:)?//[\w.]+', re.sub(r'(?m)^\s*//.*$', '', text)))
+    assert {one for one in addresses if 'w3.org' not in one and '.' in one} == set()
+    assert "connect-src 'none'" in text and 'import {' not in text
+    names = re.findall(r'(?m)^(?:async )?(?:function|class|const|let) (\w+)', text)
+    assert len(names) == len(set(names))            # all scripts are one
+
+
+def test_names_of_a_scene_are_no_markup():
+    text = pages.page('</title><script>alert(1)</script>', load_scene('paper'))
+    assert '<script>alert(1)' not in text
