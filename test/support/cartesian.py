@@ -303,7 +303,8 @@ class Cartesian:
         return ZERO if name == GROUND else self.q[order][self.names.index(name), 2]
 
     def driven_pair(self):
-        return getattr(self.machine, 'driven_pair', ('crank', self.machine.layout.links[0]))
+        return (getattr(self.machine, 'driven_pair', None)
+                or ('crank', self.machine.layout.links[0]))
 
     def turned_by_the_drive(self, order):
         i, j = self.driven_pair()
