@@ -88,12 +88,7 @@ class Transmission:
         self._input, self._output = mechanism.input_coordinate, mechanism.outputs[0].coordinate
 
     def to_input(self, wanted: Trajectory) -> Trajectory:
-        """
-        Return the trajectory of the drive that moves the output as wanted, (U1) to (U3).
-
-        Raises CannotFollow if a position of the output lies beyond a toggle, or in it, where rates
-        are unbounded, or if a number overflows.
-        """
+        """Return the drive's trajectory for a wanted output, (U1) to (U3); or CannotFollow."""
         outputs = self._within_branch(wanted.position, self._output)
         inputs = self._solve(outputs)
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
@@ -115,12 +110,7 @@ class Transmission:
                                     at_toggle, outputs)
 
     def to_output(self, driven: Trajectory) -> Trajectory:
-        """
-        Return the trajectory of the output for that of the drive; effort from (U3).
-
-        Raises CannotFollow if the drive leaves the range of the input, if an effort is asked for
-        in a toggle, or if a number overflows.
-        """
+        """Return the output's trajectory for one of the drive, effort by (U3); or CannotFollow."""
         inputs = self._within_branch(driven.position, self._input)
         driven_acceleration = 0.0 if driven.acceleration is None else driven.acceleration
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):

@@ -19,12 +19,7 @@ FRAMES, PER_SECOND = 90, 25
 
 
 def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path) -> Path:
-    """
-    Write a cycle of a mechanism as .gif and return the path.
-
-    The input turns in the sense of ``rate`` until all repeats, or goes back and forth over its
-    first range. CannotDraw of another suffix, or if the file cannot be written.
-    """
+    """Write a cycle as .gif, in the sense of ``rate``, and return the path; or CannotDraw."""
     from matplotlib.animation import FuncAnimation
     path, points = Path(path), usual_points(mechanism, points)
     if path.suffix != '.gif':

@@ -63,12 +63,7 @@ class CollineationAxis(NamedTuple):
 
 
 def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAxis:
-    """
-    Return the collineation axis of a four-bar or a slider-crank that its crank drives.
-
-    ``motion`` is its motion, of floats or arrays. InvalidParameter of another mechanism, or of one
-    that its slide drives.
-    """
+    """Return the collineation axis of a four-bar or slider-crank; InvalidParameter of others."""
     if not has_axis(linkage):
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')

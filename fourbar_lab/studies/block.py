@@ -184,11 +184,7 @@ def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, c
 
 
 class Designs:
-    """
-    n designs of a scene, evaluated together: a mechanism whose lengths are columns, shape (n, 1).
-
-    ``scene`` is any of them, ``drawn`` {parameter that varies: values, shape (n,)}.
-    """
+    """n designs of a scene, evaluated together: its lengths are columns, shape (n, 1)."""
 
     def __init__(self, scene: Scene, drawn: dict[str, Array]):
         self.size = len(next(iter(drawn.values())))

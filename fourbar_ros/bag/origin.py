@@ -98,12 +98,8 @@ def full_name(topic: Topic, node: str) -> str:
 
 
 def bounded(text: str) -> dict[str, Any]:
-    """
-    Return the parameters of a scene as JSON; raises BagError for more than a bag may have.
-
-    Anybody may have made the bag: the scene must not fill the memory. The recorder refuses larger
-    scenes.
-    """
+    """Return the parameters of a scene as JSON; raises BagError for more than a bag may have."""
+    # anybody may have made the bag: the scene must not fill the memory
     if len(text) > MOST_TEXT:
         raise BagError(f'a scene of {len(text)} characters: a bag may have {MOST_TEXT}')
     values: dict[str, Any] = json.loads(text)

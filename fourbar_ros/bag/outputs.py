@@ -58,19 +58,14 @@ class Motions(NamedTuple):
 
 
 class OutputComparison:
-    """
-    Keeps outputs until their motions are computed, then compares both.
-
-    ``largest``: {(name, field): largest difference}; ``counts``: {name: messages compared};
-    ``skipped``: {reason: outputs}; ``unmatched``: count of outputs whose motion is not in the bag.
-    """
+    """Keeps outputs until their motions are computed, then compares both."""
 
     def __init__(self, bag: Bag, origin: Origin) -> None:
         self._bag, self._origin = bag, origin
-        self.largest: dict[tuple[str, str], float] = {}
-        self.counts: Counter[str] = Counter()
-        self.skipped: Counter[str] = Counter()
-        self.unmatched = 0
+        self.largest: dict[tuple[str, str], float] = {}     # difference of (name, field)
+        self.counts: Counter[str] = Counter()               # messages compared, by name
+        self.skipped: Counter[str] = Counter()              # outputs, by reason
+        self.unmatched = 0                      # outputs whose motion is not in the bag
         # of each output, by motion: count of messages in the bag, whether one is due
         self._presence: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
         # not yet compared: outputs (how many motions before it in the bag, log time, data)

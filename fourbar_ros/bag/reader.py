@@ -328,12 +328,7 @@ class Bag:
         self._note(index, f': messages of channel {channel}, which is not described')
 
     def contents(self, index: int) -> Iterator[list[McapRecord]]:
-        """
-        Yield the records of a file, the records of a chunk together; note damage and go on.
-
-        At the end the count of messages read is compared with the statistics of the file, after
-        the last file also with metadata.yaml.
-        """
+        """Yield the records of a file, those of a chunk together; note damage and go on."""
         file, summary = self.files[index], self.summaries[index]
         before = sum(earlier.stat().st_size for earlier in self.files[:index])
         are_packed = str(self._described.get('compression_mode')).lower() == 'message'

@@ -89,15 +89,10 @@ class DifferenceSampler(Sampler):
         return np.asarray(self.same_turn(0.0 * up, up - down, row[:, None]) / (2.0 * step))
 
     def polish(self, x: Array, row: Array, sense: Array) -> Array:
-        """
-        Return x; at a kink of the quantity, the place of the extremum by golden section.
-
-        scipy.optimize.minimize_scalar takes one bracket at a time. This takes all brackets, each
-        of another quantity, with one evaluation of motion and loads per step.
-        """
+        """Return x; at a kink of the quantity, where the extremum is, by golden section."""
         low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
-        for _ in range(56):
+        for _ in range(56):     # for all brackets at once, unlike scipy's minimize_scalar
             left, right = high - part * (high - low), low + part * (high - low)
             keeps_low = sense * self.values(left)[row, i] > sense * self.values(right)[row, i]
             low, high = np.where(keeps_low, low, left), np.where(keeps_low, right, high)

@@ -143,11 +143,7 @@ def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
 
 
 class BodiesOfLinks:
-    """
-    The bodies of the links of a scene: given one by one, or by a model of rods.
-
-    ``values``: all parameters; ``lengths``: {name: length [m]}.
-    """
+    """The bodies of the links of a scene: given one by one, or by a model of rods."""
 
     body = staticmethod(Body)        # a subclass may take arrays
 

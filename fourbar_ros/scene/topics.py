@@ -166,12 +166,7 @@ ANSWERS = {'output_trajectory': ('drive_trajectory', 'to_input'),
 
 def topics_of(outputs: Iterable[str], members: Mapping[str, Mapping[str, str]]
               ) -> dict[str, Topic]:
-    """
-    Return {name: Topic} of the outputs of a scene that hold numbers: not of PICTURES.
-
-    Each member of a family, as points, has its own topic points/NAME; ``members``: {family: {name:
-    text}}.
-    """
+    """Return {name: Topic} of outputs that hold numbers; ``members``: {family: {name: text}}."""
     topics: dict[str, Topic] = {}
     for output in outputs:
         if output in PICTURES:

@@ -40,11 +40,7 @@ class SequenceNumbers:
         return len(heard)
 
     def take(self, sequence: int | None) -> None:
-        """
-        Note the sequence number of a message; None if the middleware gives none.
-
-        The numbers 5, 6, 9 of one publisher count two lost messages.
-        """
+        """Note the number of a message, None if it has none: 5, 6, 9 are two lost messages."""
         if sequence is None:
             self.is_numbered = False
             return

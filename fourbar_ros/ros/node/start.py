@@ -37,14 +37,11 @@ Signals = list[int]
 
 @contextlib.contextmanager
 def caught_signals() -> Iterator[Signals]:
-    """
-    Give the list of the signals that come meanwhile, but for a SIGHUP under ``nohup``.
-
-    A shell starts what a script puts in the background with SIGINT ignored: that is caught too.
-    """
+    """Give the list of the signals that come meanwhile, but for a SIGHUP under ``nohup``."""
     caught: Signals = []
     before = {getattr(signal, name): signal.getsignal(getattr(signal, name))
               for name in SIGNALS if hasattr(signal, name)}      # Windows has no SIGHUP
+    # a shell starts what a script puts in the background with SIGINT ignored: caught too
     for code, handler in before.items():
         if code != getattr(signal, 'SIGHUP', None) or handler is not signal.SIG_IGN:
             signal.signal(code, lambda code, _: caught.append(code))
