@@ -3,7 +3,7 @@
 """``fourbar show``: class, limits, extrema and loads of a scene, as tables."""
 from __future__ import annotations
 
-from argparse import Namespace
+from argparse import ArgumentTypeError, Namespace
 from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
@@ -22,6 +22,7 @@ examples:
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show paper --from -30 --to 40        extrema where a robot moves
   fourbar show jansen --certify
+  fourbar show press --fluctuation 5%%         the flywheel for that
   fourbar show paper --at 60 --json            all of it as one line of JSON, in SI units
 """
 
@@ -36,6 +37,9 @@ def add(verbs: Verbs) -> None:
     show.add_argument('--hold', type=of('rad', 'm'), metavar='INPUT',
                       help='also show between which drives it stays at rest at this input: with '
                            'friction a range')
+    show.add_argument('--fluctuation', type=_share, metavar='F',
+                      help='also show the smallest flywheel with which the speed of the crank '
+                           'fluctuates by no more than F of its mean, as 5%% or 0.05')
     show.add_argument('--from', dest='low', type=of('rad', 'm'), metavar='INPUT',
                       help='with --to: extrema between these inputs alone [degrees or m], whose '
                            'values at both count too')
@@ -50,6 +54,17 @@ def add(verbs: Verbs) -> None:
     show.add_argument('--json', action='store_true',
                       help='print the same as one line of JSON, in SI units, angles in rad')
     show.set_defaults(run=_show)
+
+
+def _share(text: str) -> float:
+    """Return a positive share, as 0.05 or 5%."""
+    try:
+        share = float(text.removesuffix('%')) * (0.01 if text.endswith('%') else 1.0)
+    except ValueError:
+        share = 0.0
+    if not 0.0 < share < 2.0:
+        raise ArgumentTypeError(f'{text} must be a positive share below 2, as 5% or 0.05')
+    return share
 
 
 def _show(arguments: Namespace) -> None:
@@ -80,6 +95,8 @@ def _show(arguments: Namespace) -> None:
             linkage, quantities, speed, acceleration, arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)
     drive = record.drive_of(linkage, speed, acceleration, within, extrema, hold)
+    if arguments.fluctuation is not None:
+        drive['flywheel'] = record.flywheel_of(linkage, speed, arguments.fluctuation)
     if arguments.json:
         print(json_line({
             'scene': str(path), 'speed': speed, 'acceleration': acceleration,

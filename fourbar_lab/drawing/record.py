@@ -213,6 +213,20 @@ def _locks(linkage: Mechanism, speed: float, acceleration: float,
     return records
 
 
+def flywheel_of(linkage: Mechanism, speed: float, most: float) -> LinkageRecord:
+    """
+    Return the smallest flywheel for a speed that fluctuates by ``most`` of its mean.
+
+    With the constant torque of its cycle. Raises InvalidParameter for a crank that does not turn
+    fully or locks, MissingBodies.
+    """
+    from fourbar_ros.dynamics.equation import Equation
+    from fourbar_ros.dynamics.flywheel import flywheel_for
+    wheel = flywheel_for(Equation(linkage), speed, most)
+    return {'most': most, 'inertia': wheel.inertia, 'torque': wheel.torque,
+            'fluctuation': wheel.fluctuation}
+
+
 def _at_rest(linkage: Mechanism, position: float) -> LinkageRecord:
     """Return the drives [N m or N] between which a linkage stays, and the way of its output."""
     lower, upper = linkage.holding(position)

@@ -184,6 +184,10 @@ def drive_in_words(linkage: Mechanism, drive: LinkageRecord, speed: float,
                     f'{shown(driven, record["most_at"])}' if least != most else least)
             free = 'without friction ' if 'locks' in drive else ''
             lines.append(('holding' if record['unit'] == force else 'advantage', free + ends))
+    if wheel := drive.get('flywheel'):
+        lines.append(('flywheel', f'{wheel["inertia"]:.6g} kg m^2 for a fluctuation of at most '
+                      f'{100.0 * wheel["most"]:g} %, with a constant torque of '
+                      f'{wheel["torque"]:.6g} N m'))
     if rest := drive.get('at_rest'):
         lines.append(('at rest', _at_rest(linkage, rest)))
     return lines

@@ -6,9 +6,10 @@ Flywheel for a given coefficient of speed fluctuation.
 A crank driven by the constant torque T that balances a cycle, the turns after which all repeats,
 has the rate w(q), with a flywheel I,
 
-    (J + I) w^2 / 2 = E0 + integral of (T + Q - D w) dq,   T = mean of D w - Q              (W1)
+    (J + I) w^2 / 2 = E0 + integral of (T + Q - D w - R) dq,   T = mean of D w + R - Q      (W1)
 
-and its coefficient of fluctuation is f = (max w - min w) / r with r = (max w + min w) / 2 as the
+R of friction and forces one way is the drive that the loads of this motion need, less that of
+(E1). The coefficient of fluctuation is f = (max w - min w) / r with r = (max w + min w) / 2 as the
 mean. So w stays between r (1 - f/2) and r (1 + f/2), which bounds E0 from both sides at every q:
 
     r^2 (1 - f/2)^2 (J + I) / 2 - G  <=  E0  <=  r^2 (1 + f/2)^2 (J + I) / 2 - G           (W2)
@@ -79,13 +80,18 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
     """
     Return the flywheel from so many samples of a turn, with a fluctuation of at most ``most``.
 
-    Damping depends on the rate: motion and torque are found in turn, until the rates stay.
+    Damping and friction depend on the rate: motion and torque are found in turn, until the rates
+    stay. Raises InvalidParameter where friction locks the mechanism.
     """
     position: Array = np.arange(equation.mechanism.turns * count) * (tau / count)
     terms, rates = equation.terms(position), np.full(position.size, rate)
+    resisting: Array = np.zeros(position.size)
+    change: Array = np.zeros(position.size)
     most = min(most, 2.0)                # at which it comes to rest
     for _ in range(100):
-        force, before = terms.force - terms.damping * rates, rates
+        if equation.has_resistance:
+            resisting = _resisting(equation, position, rates, change)
+        force, before = terms.force - terms.damping * rates - resisting, rates
         torque = -float(np.mean(force))
         gained, inertia = equation.mechanism.turns * _integral(force + torque), 0.0
 
@@ -102,9 +108,22 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
         total = terms.inertia + inertia
         energy = np.max(0.5 * (rate * (1.0 - 0.5 * fluctuation))**2 * total - gained)
         rates = np.copysign(np.sqrt(2.0 * (energy + gained) / total), rate)
+        change = (force + torque - terms.half_slope * rates * rates) / total
         if np.max(np.abs(rates - before)) <= 1e-14 * abs(rate):
             break
     return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)
+
+
+def _resisting(equation: Equation, position: Array, rates: Array, change: Array) -> Array:
+    """Return R of (E9) of a motion, from the drive that its loads need."""
+    mechanism = equation.mechanism
+    drive = getattr(mechanism.loads(position, rates, change), mechanism.drive_load)
+    resisting: Array = drive - (equation.torque(position, rates, change)
+                                - equation.extra_inertia * change)
+    if not np.isfinite(resisting).all():
+        raise InvalidParameter('equation', None, 'must be that of a mechanism that does not lock '
+                               'itself by friction')
+    return resisting
 
 
 def _integral(values: Array) -> Array:
