@@ -7,6 +7,7 @@ from math import degrees, hypot, inf, pi
 import re
 
 from fourbar_ros.cli.main import main
+from fourbar_ros.dynamics import Equation, flywheel_for
 from fourbar_ros.extrema import find_extrema
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.scene import load
@@ -126,3 +127,14 @@ def test_printed_peaks_are_the_extrema(name, tmp_path, capsys):
     _, *rows = csv.reader(file.read_text().splitlines())
     assert [float(cell) for cell in rows[-1]] == pytest.approx(
         [speed, rms, abs(peak), abs(power)], rel=1e-12)
+
+
+def test_a_flywheel_for_a_fluctuation(capsys):
+    asked = 'show', 'paper', '--speed', '25', '--fluctuation'
+    wheel = json.loads(said(capsys, *asked, '5%', '--json'))['drive']['flywheel']
+    exact = flywheel_for(Equation(load('paper').linkage), 25.0, 0.05)
+    assert (wheel['most'], wheel['inertia'], wheel['torque']) == (0.05, *exact[:2])
+    assert f'{exact.inertia:.6g} kg m^2 for' in said(capsys, *asked, '0.05')
+    for share in ('0', '-5%', 'little', '300%'):
+        with pytest.raises(SystemExit):
+            main([*asked, share])

@@ -23,6 +23,7 @@ from fourbar_ros.dynamics import (
     Drive,
     Equation,
     equilibria,
+    flywheel_for,
     PositionForce,
     Shaft,
     simulate,
@@ -201,6 +202,20 @@ def test_steps_of_the_node(drive):
     end = simulate(system, 0.3, 1e-8).at(0.3)
     assert values.position == pytest.approx(end.position, abs=20.0 * count * tolerance)
     assert values.velocity == pytest.approx(end.rate, abs=1e3 * count * tolerance)
+
+
+def test_flywheel():
+    """A run of a turn with it comes back to its rate, and fluctuates as asked."""
+    most, press = 0.05, PRESS.with_external(External()).with_friction(RUBS)
+    wheel = flywheel_for(Equation(press), 9.0, most)
+    system = System(press, 0.0, float(wheel.rate[0]),
+                    Drive(ConstantTorque(wheel.torque), flywheel=wheel.inertia))
+    run = simulate(system, 2.0, 1e-7, stop_when=lambda t, y: y[0] - 2.0 * pi)
+    assert wheel.inertia > 0.0
+    # the convergence of its samples, 1e-6 of the inertia, beside an energy of 1 / most of that
+    assert run.rate[-1] == pytest.approx(wheel.rate[0], rel=1e-5)
+    rates = run.at(np.linspace(0.0, run.time[-1], 2000)).rate
+    assert np.ptp(rates) == pytest.approx(most * 9.0, rel=1e-3)
 
 
 def test_what_is_refused():
