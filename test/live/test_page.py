@@ -321,8 +321,9 @@ def test_pictures_and_numbers_are_files_of_their_kinds(tab, download):
     motion = load_scene('paper').linkage.motion(radians(90.0), 25.0)
     assert float(rows[90]['theta4 [deg]']) == pytest.approx(motion.theta4 * 180.0 / pi, rel=1e-12)
     page = download(tab, 'page without a server (HTML)', 'html')
+    scene = tab.state['scene']
     other = Tab(tab.driver, page.as_uri())
-    assert other.state['scene'] == tab.state['scene'] and "connect-src 'none'" in page.read_text()
+    assert other.state['scene'] == scene and "connect-src 'none'" in page.read_text()
 
 
 def test_a_scene_is_saved_in_its_file_and_a_shipped_one_is_not(driver, tmp_path):

@@ -278,17 +278,25 @@ export async function start(data, source) {
   svg.addEventListener("pointerdown", event => {
     if (event.button !== 0 || pointer !== null) return;
     if (current().down?.(picture.metres(event), event, hitOf(event)) === false) return;
-    pointer = event.pointerId;
+    [pointer, latest] = [event.pointerId, event];
     svg.setPointerCapture(pointer);
     event.preventDefault();
   });
-  svg.addEventListener("pointermove", event => (pointer === null || event.pointerId === pointer) && current().move?.(picture.metres(event), event, hitOf(event)));
+  svg.addEventListener("pointermove", event => {
+    if (pointer !== null && event.pointerId !== pointer) return;
+    latest = event;
+    current().move?.(picture.metres(event), event, hitOf(event));
+  });
+  let latest = null;        // event that tells where the pointer is: one that is taken away tells nothing
   const leave = event => {
     if (event.pointerId !== pointer) return;
     pointer = null;
-    current().up?.(picture.metres(event), event, hitOf(event));
+    const told = event.type === "pointerup" ? event : latest;
+    current().up?.(picture.metres(told), told, hitOf(told));
     store.seal();
   };
+  // a finger on a grip moves it and scrolls nothing
+  svg.addEventListener("touchstart", event => event.target.closest?.(".grip") && event.preventDefault(), { passive: false });
   for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) svg.addEventListener(kind, leave);
   let held = null;
   page.addTool({ name: "pose", label: "Move", title: "Drag a joint: the mechanism follows",
@@ -390,7 +398,7 @@ export async function start(data, source) {
     },
     "page without a server (HTML)": () => {
       const text = JSON.stringify({ ...data, canAsk: false, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
-      send(source.replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
+      send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "check": async () => {
       const { problem: why, warnings } = await page.ask("check", { scene: store.state.scene });
