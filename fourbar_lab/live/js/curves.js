@@ -73,7 +73,7 @@ export class Curves {
         draw(svg, "circle", { class: `mark c${index % 6}`, cx: u, cy: v, r: isGlobal ? 4 : 2.5 });
         if (!isGlobal || taken.some(place => Math.abs(place - u) < 60)) continue;
         taken.push(u);
-        draw(svg, "text", { class: "value", x: Math.min(Math.max(u, LEFT + 26), right - 26), y: kind === "maximum" ? Math.max(v - 6, 12) : Math.min(v + 15, HEIGHT - 4), "text-anchor": "middle" }, significant(value * scale));
+        draw(svg, "text", { class: "value", x: Math.min(Math.max(u, LEFT + 26), right - 26), y: kind === "maximum" ? (v < TOP + 16 && u < LEFT + 170 ? v + 16 : Math.max(v - 6, 12)) : Math.min(v + 15, HEIGHT - 4), "text-anchor": "middle" }, significant(value * scale));
       }
       const cursor = draw(svg, "line", { class: "cursor", y1: TOP, y2: bottom });
       this.charts.push({ svg, cursor, across, back: u => (low + ((u - LEFT) / (right - LEFT)) * (high - low)) / factor });
