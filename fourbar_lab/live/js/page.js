@@ -99,7 +99,7 @@ function addressOf({ scene, view }, base, factor) {
   query.set("at", String(Number((view.at * factor).toPrecision(9))));
   if (view.acceleration) query.set("acceleration", view.acceleration);
   for (const name of new Set([...Object.keys(flat), ...Object.keys(first)])) {
-    if (JSON.stringify(flat[name]) !== JSON.stringify(first[name])) query.set(name, name in flat ? (WORDS.test(flat[name]) ? flat[name] : JSON.stringify(flat[name])) : "");
+    if (JSON.stringify(flat[name]) !== JSON.stringify(first[name])) query.set(name, name in flat ? (typeof flat[name] === "string" && WORDS.test(flat[name]) ? flat[name] : JSON.stringify(flat[name])) : "");
   }
   return `#${query}`;
 }
@@ -263,7 +263,7 @@ export async function start(data, source) {
     page.tools[tool.name] = tool;
     const button = html("button", { type: "button", textContent: tool.label, title: tool.title ?? "", "aria-pressed": store.state.view.tool === tool.name, onclick: () => page.useTool(tool.name) });
     button.dataset.tool = tool.name;
-    if (tool.name !== "pose" || Object.keys(page.tools).length > 1) find("tools").append(button);
+    find("tools").append(button);
   };
   page.useTool = name => {
     current().end?.();

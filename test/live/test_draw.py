@@ -1,0 +1,302 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""
+Linkages drawn in a real browser by real clicks and drags.
+
+What is drawn is a scene: Python reads it, and its pose is the picture's.
+"""
+from math import hypot
+import shutil
+
+from fourbar_lab.live.answers import scene_of
+from fourbar_ros.cli.main import main
+from fourbar_ros.errors import OutOfRange
+from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.scene.files import folder
+from fourbar_ros.scene.scene import load
+import pytest
+from support.browser import browser, live, needs_browser, Tab
+
+pytestmark = needs_browser
+CLICK = 1.5         # [px]: a click is at whole pixels
+
+
+class Paper(Tab):
+    """A page on which one draws; places are in pixels of the window, from the picture's middle."""
+
+    def tool(self, name):
+        self.driver.find_element('css selector', f'[data-tool={name}]').click()
+
+    def begin(self):
+        """Begin with nothing."""
+        self.tool('new')
+        self.until(lambda: self.state['scene'] == {} and self.state['view']['tool'] == 'rods',
+                   'an empty page')
+
+    def at(self, x, y):
+        """Return a place of the window, x and y [px] from the middle of the picture."""
+        left, top, width, height = self.script(
+            'const b = page.picture.svg.getBoundingClientRect(); '
+            'return [b.x, b.y, b.width, b.height]')
+        return left + width / 2 + x, top + height / 2 - y
+
+    def press(self, *places):
+        """Click at each of some places."""
+        for place in places:
+            self.drag(place)
+
+    def joint(self, name):
+        """Return where a joint is in the plane [m]."""
+        return self.script('return page.engine.joint(arguments[0])', name)
+
+    def between(self, one, two, part=0.5):
+        """Return a place on the way from a joint to another."""
+        (x, y), (u, v) = self.place(one), self.place(two)
+        return x + part * (u - x), y + part * (v - y)
+
+    def drawn(self, *dyads):
+        """Wait until scene and picture have these dyads; return the scene in Python."""
+        joints = [f'{name}_first' for name in dyads]
+        self.until(lambda: list(dyads) == self.state['scene'].get('linkage', {}).get('dyads')
+                   and self.script('return Boolean(page.engine) && arguments[0].every(joint => '
+                                   'joint in page.engine.structure.sketch.joints)', joints),
+                   f'the dyads {dyads}')
+        return self.in_python()
+
+    def in_python(self):
+        """Return the scene in Python, once its pose is the picture's to 1e-12 of its size."""
+        scenes = []
+
+        def is_as_shown():
+            scene = scene_of(self.state['scene'])
+            scenes[:] = [scene]
+            x = self.script('return page.engine.x')
+            try:
+                joints = diagram_of(scene.linkage, scene.linkage.motion(x)).joints
+            except OutOfRange:          # the engine is that of the scene before
+                return False
+            size = max(hypot(*place) for place in joints.values())
+            shown = self.script('return arguments[0].map(joint => page.engine.joint(joint))',
+                                [*joints])
+            return not self.alarm() and max(
+                hypot(u - x, v - y) for (u, v), (x, y) in zip(shown, joints.values())
+            ) < 1e-12 * size
+        self.until(is_as_shown, 'the pose of Python')
+        return scenes[0]
+
+    def four_bar(self):
+        """Draw a four-bar by four clicks."""
+        self.begin()
+        self.press(self.at(-100, -80), self.at(-60, 0), self.at(140, 110), self.at(150, -80))
+        return self.drawn('d1')
+
+
+@pytest.fixture(scope='module')
+def file(tmp_path_factory):
+    """Return a scene that a page may save, away from the shipped ones."""
+    path = tmp_path_factory.mktemp('scenes') / 'mine.yaml'
+    shutil.copy(folder() / 'paper.yaml', path)
+    return path
+
+
+@pytest.fixture(scope='module')
+def address(file):
+    with live(file) as address:
+        yield address
+
+
+@pytest.fixture
+def paper(driver, address):
+    return Paper(driver, address)
+
+
+def test_a_four_bar_is_drawn_by_four_clicks_and_saved(paper, file):
+    scene = paper.four_bar()
+    dyad, = scene.linkage.dyads
+    assert dyad.mode == 2 and dyad.first.link == 'crank' and dyad.second.link == 'ground'
+    # three digits, as the clicks were: 200 px are 250 mm of an empty page of 800 px, and so on
+    for length in (dyad.length_1, dyad.length_2, dyad.first.along):
+        assert float(f'{length:.3g}') == length
+    scale = hypot(40, 80) / dyad.first.along
+    assert hypot(200, 110) / scale == pytest.approx(dyad.length_1, abs=2 * CLICK / scale)
+    assert hypot(10, 190) / scale == pytest.approx(dyad.length_2, abs=2 * CLICK / scale)
+    assert scene.linkage.loads(1.0, 10.0).driving_torque       # with masses of steel
+    paper.menu('files', 'save in its file')
+    paper.until(lambda: 'saved' in paper.text_of('said'), 'the file')
+    assert main(['scene', 'check', str(file)]) == 0
+    saved = load(file)
+    assert saved.linkage == scene.linkage and saved.values == scene.values
+
+
+def test_a_slider_crank_gets_a_spring(paper):
+    paper.begin()
+    paper.press(paper.at(-200, 0), paper.at(-150, 50))
+    paper.tool('slide')
+    paper.press(paper.at(100, 20))
+    scene = paper.drawn('d1')
+    dyad, = scene.linkage.dyads
+    assert dyad.kind == 'RRP' and dyad.direction_2 == 0.0 and dyad.mode == 2
+    paper.tool('spring')
+    paper.drag(paper.place('d1_inner'), paper.at(250, 0))
+    paper.until(lambda: 's1' in paper.state['scene'].get('springs', {}), 'a spring')
+    scene = paper.in_python()
+    spring, = scene.linkage.elements
+    assert spring.stiffness == 1000.0 and spring.second.link == 'ground'
+    assert spring.first.link == 'l1' and spring.first.along == dyad.length_1
+    paper.tool('weight')
+    paper.until(lambda: paper.state['scene'].get('gravity', {}).get('y') == -9.80665, 'weight')
+    assert paper.in_python().linkage.gravity == (0.0, -9.80665)
+
+
+def test_a_guide_is_turned_by_a_drag(paper):
+    paper.begin()
+    paper.press(paper.at(-100, -100), paper.at(-70, -50))
+    paper.tool('slide')
+    paper.drag(paper.at(0, 100), paper.at(2, 160))
+    dyad, = paper.drawn('d1').linkage.dyads
+    assert dyad.direction_2 == pytest.approx(1.5707963267948966, abs=1e-11)
+
+
+def test_a_six_bar_of_watt_is_three_clicks_more(paper):
+    """The second dyad hangs on two moving links that a pin joins: its mode is that of a branch."""
+    paper.four_bar()
+    paper.press(paper.between('d1_first', 'd1_inner', 0.4), paper.at(-60, 180),
+                paper.between('d1_inner', 'd1_second', 0.6))
+    scene = paper.drawn('d1', 'd2')
+    one, two = scene.linkage.dyads
+    assert {two.first.link, two.second.link} == {*one.links}
+    assert scene.values['dyads.d2.first'] and scene.values['dyads.d2.second']   # by names
+    # above both ends, as it was drawn
+    assert paper.joint('d2_inner')[1] > max(paper.joint('d2_first')[1],
+                                            paper.joint('d2_second')[1])
+    paper.tool('rods')
+    paper.press(paper.place('d2_inner'), paper.at(260, 200), paper.at(330, -40))
+    scene = paper.drawn('d1', 'd2', 'd3')
+    point = scene.values['dyads.d3.first']
+    assert scene.values[f'linkage.points.{point}.distance_2'] == 0.0    # the pin stands once
+
+
+def test_what_is_dragged_moves_and_undo_takes_it_back(paper):
+    paper.four_bar()
+    (x, y), (u, v) = paper.place('d1_inner'), paper.place('d1_second')
+    paper.press(paper.between('d1_first', 'd1_inner'), (x - 200, y - 30), (u + 120, v - 60))
+    before = paper.drawn('d1', 'd2')
+    assert before.linkage.dyads[1].second.link == 'ground'
+    paper.tool('shape')
+    joints, scale = ('d1_inner', 'd2_inner', 'd2_second', 'd1_first'), paper.script(
+        'return page.picture.scale')
+    stays, (u, v) = [paper.joint(name) for name in joints], paper.joint('d1_second')
+    x, y = paper.place('d1_second')
+    paper.drag((x, y), (x + 10, y - 4), (x + 30, y - 12))
+    after = paper.in_python()
+    assert after.linkage.dyads[0].second != before.linkage.dyads[0].second
+    for name, place in zip(joints, stays):
+        now = paper.joint(name)         # rods have lengths of three digits
+        assert hypot(now[0] - place[0], now[1] - place[1]) < 1e-2 * paper.script(
+            'return page.engine.size'), name
+    x, y = paper.joint('d1_second')
+    assert hypot(x - u - 30 / scale, y - v - 12 / scale) < 2 * CLICK / scale
+    paper.click('undo')                 # a drag is one step
+    assert paper.in_python().values == before.values
+    paper.click('redo')
+    assert paper.in_python().values == after.values
+
+
+def test_shift_keeps_a_length_and_a_typed_one_takes_units(paper):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+    kept = paper.four_bar().linkage.dyads[0].length_1
+    paper.tool('shape')
+    x, y = paper.place('d1_inner')
+    ActionChains(paper.driver).key_down(Keys.SHIFT).perform()
+    paper.drag((x, y), (x + 20, y + 20), (x + 40, y + 30))
+    ActionChains(paper.driver).key_up(Keys.SHIFT).perform()
+    dyad = paper.in_python().linkage.dyads[0]
+    assert dyad.length_1 == pytest.approx(kept, rel=1e-9) and dyad.length_2 != kept
+    paper.press(paper.script(
+        'const b = document.querySelector(\'[data-length="dyads.d1.length_2"]\')'
+        '.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]'))
+    paper.keys('180 mm', Keys.ENTER)
+    paper.until(lambda: paper.state['scene']['dyads']['d1']['length_2'] == 0.18, 'the length')
+    assert paper.in_python().linkage.dyads[0].length_2 == 0.18
+
+
+def test_a_click_at_the_pale_pose_flips_and_an_address_shows_the_same(paper):
+    paper.four_bar()
+    paper.tool('flip')
+    x, y, width = paper.script('const b = document.querySelector("[data-mirror=d1]")'
+                               '.getBoundingClientRect(); return [b.x, b.y, b.width]')
+    paper.press((x + width / 2, y + width / 2))
+    paper.until(lambda: paper.state['scene']['dyads']['d1']['mode'] == 1, 'the other mode')
+    scene = paper.in_python()
+    assert scene.linkage.dyads[0].mode == 1
+    paper.until(lambda: paper.address().get('dyads.d1.mode') == '1', 'the address')
+    state, other = paper.state, Paper(paper.driver, paper.driver.current_url)
+    assert other.drawn('d1').linkage == scene.linkage
+    assert other.state['scene'] == state['scene'] and not other.alarm()
+
+
+def test_points_forces_and_the_drive_are_chosen_and_deleted(paper):
+    paper.four_bar()
+    paper.tool('point')
+    paper.drag(paper.between('d1_first', 'd1_inner'), paper.at(-40, 150))
+    paper.until(lambda: 'P1' in paper.state['scene'].get('points', {}), 'a point')
+    paper.tool('force')
+    x, y = paper.place('d1_inner')
+    paper.drag((x, y), (x + 30, y + 10), (x + 60, y + 60))
+    paper.until(lambda: 'l2' in paper.state['scene'].get('external', {}), 'a force')
+    before = paper.in_python()
+    force = before.linkage.external.l2
+    assert force.force_x > 0.0 > force.force_y and force.along == (
+        before.linkage.dyads[0].length_2)
+    paper.tool('drive')
+    paper.press(paper.between('d1_inner', 'd1_second'))
+    paper.until(lambda: 'crank' in paper.state['scene'].get('external', {}), 'another drive')
+    after = paper.drawn('d1')
+    old, new = before.linkage.dyads[0], after.linkage.dyads[0]
+    assert {new.length_1, new.length_2} == {old.length_1, old.first.along}
+    assert new.second.along == old.length_2 or new.first.along == old.length_2
+    assert after.points['P1'].link == before.points['P1'].link
+    paper.tool('delete')
+    paper.press(paper.between('d1_first', 'd1_inner'))
+    paper.until(lambda: paper.state['scene'] == {}, 'an empty page')
+    paper.click('undo')
+    assert paper.drawn('d1').linkage == after.linkage
+
+
+def test_a_shipped_scene_is_drawn_on(paper):
+    """A four-bar becomes a machine in the same frame; a dyad on its coupler follows."""
+    before = scene_of(paper.state['scene'])
+    paper.tool('rods')
+    paper.until(lambda: paper.state['scene']['linkage'].get('kind') == 'machine', 'a machine')
+    four_bar = paper.drawn('d1')
+    x = paper.script('return page.engine.x')
+    if before.kind == 'four_bar':
+        expected = before.linkage.motion(x)
+        assert four_bar.linkage.motion(x).theta_output == pytest.approx(expected.theta4, abs=1e-12)
+    joints = 'd1_first', 'd1_inner'
+    (u, v), (_, top) = paper.between(*joints), paper.at(0, 240)
+    paper.press((u, v), (u + 20, top), (u + 200, v + 20))
+    assert len(paper.drawn('d1', 'd2').linkage.dyads) == 2
+
+
+@pytest.mark.parametrize(('clicks', 'words'), [
+    ([(-380, 230)], 'Begin on a joint or on a link'),
+    (['d1_inner', 'd1_first'], 'is free: click beside'),
+    ([('d1_first', 'd1_inner', 0.3), (-380, 230), ('d1_first', 'd1_inner', 0.7)],
+     'it would be one rigid body')])
+def test_what_cannot_be_is_said(paper, clicks, words):
+    paper.four_bar()
+    paper.press(*[paper.place(where) if isinstance(where, str) else
+                  paper.between(*where) if isinstance(where[0], str) else paper.at(*where)
+                  for where in clicks])
+    paper.until(lambda: words in paper.text_of('said'), words)
+    assert paper.state['scene']['linkage']['dyads'] == ['d1']
+
+
+def test_the_pictures_of_a_phone_can_be_drawn_on(tmp_path_factory, address):
+    with browser(tmp_path_factory.mktemp('phone'), 400, 800) as driver:
+        paper = Paper(driver, address)
+        paper.begin()
+        paper.press(paper.at(-90, -60), paper.at(-60, -20), paper.at(60, 60), paper.at(80, -60))
+        assert len(paper.drawn('d1').linkage.dyads) == 1
