@@ -228,3 +228,33 @@ def test_what_is_refused():
     run = simulate(System(rocker, 0.5 * (low + high), 3.0), 5.0, 1e-6)
     assert run.status == 'reached a limit of the input'
     assert SliderCrank(0.1, 0.3).with_slip_speed(1e-3).friction == ()
+
+
+@pytest.mark.parametrize('viscous, torque', [(0.01, 0.0), (0.0, 0.15), (0.004, 0.2)])
+def test_beside_mujoco(viscous, torque):
+    """
+    A parallelogram swings as the pendulum that it is for a hinge with the engine's friction.
+
+    Its hinges have viscous damping and a constant torque (``frictionloss``, a soft constraint at
+    rest); dry friction that grows with the force of a pin they do not have.
+    """
+    mujoco = pytest.importorskip('mujoco')
+    model = mujoco.MjModel.from_xml_string(f"""
+      <mujoco><option timestep="1e-4" gravity="0 -9.81 0" integrator="RK4"/><worldbody><body>
+        <joint name="it" type="hinge" axis="0 0 1" damping="{4.0 * viscous}"
+               frictionloss="{torque}" solreffriction="2e-4 1"
+               solimpfriction="0.9999 0.9999 1e-3"/>
+        <inertial pos="0.2 0 0" mass="2" diaginertia="0.03 0.03 0.03"/>
+      </body></worldbody></mujoco>""")
+    data = mujoco.MjData(model)
+    data.qpos[0] = -0.6
+    # its four pins turn at the rate of the crank, as the coupler does not turn
+    swinging = replace(PARALLEL, gravity=(0.0, -9.81)).with_friction({
+        **{name: JointFriction(viscous=viscous) for name in ('O1', 'A', 'B', 'O4')},
+        'drive': DriveFriction(torque)})
+    run = simulate(System(swinging, -0.6, 0.0), 2.0, 1e-8)
+    for time in np.arange(1, 21) * 0.1:
+        while data.time < time - 1e-9:
+            mujoco.mj_step(model, data)
+        # where it turns back the engine's friction is smooth too, by its own impedance
+        assert run.at(time).position == pytest.approx(data.qpos[0], abs=1e-4 if torque else 1e-7)
