@@ -48,7 +48,7 @@ export class Curves {
         const [top, foot] = [140, 40].map(value => Math.min(Math.max(up(value), TOP), bottom));
         draw(svg, "rect", { class: "good", x: LEFT, y: top, width: right - LEFT, height: Math.max(foot - top, 0) });
       }
-      const step = stepOf(most - least, 4);
+      const step = stepOf(most - least, 6);
       for (let tick = Math.ceil(least / step) * step; tick <= most; tick += step) {
         draw(svg, "line", { class: "grid", x1: LEFT, y1: up(tick), x2: right, y2: up(tick) });
         draw(svg, "text", { class: "tick", x: LEFT - 6, y: up(tick) + 4, "text-anchor": "end" }, significant(Math.abs(tick) < step / 1e6 ? 0 : tick));
@@ -73,7 +73,7 @@ export class Curves {
         draw(svg, "circle", { class: `mark c${index % 6}`, cx: u, cy: v, r: isGlobal ? 4 : 2.5 });
         if (!isGlobal || taken.some(place => Math.abs(place - u) < 60)) continue;
         taken.push(u);
-        draw(svg, "text", { class: "value", x: Math.min(Math.max(u, LEFT + 26), right - 26), y: kind === "maximum" ? (v < TOP + 16 && u < LEFT + 170 ? v + 16 : Math.max(v - 6, 12)) : Math.min(v + 15, HEIGHT - 4), "text-anchor": "middle" }, significant(value * scale));
+        draw(svg, "text", { class: "value", x: Math.min(Math.max(u, LEFT + 26), right - 26), y: kind === "maximum" ? (v < TOP + 16 && u < LEFT + 170 ? v + 16 : Math.max(v - 6, 12)) : v + 15 > bottom ? v - 8 : v + 15, "text-anchor": "middle" }, significant(value * scale));
       }
       const cursor = draw(svg, "line", { class: "cursor", y1: TOP, y2: bottom });
       this.charts.push({ svg, cursor, across, back: u => (low + ((u - LEFT) / (right - LEFT)) * (high - low)) / factor });
