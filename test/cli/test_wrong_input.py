@@ -24,7 +24,7 @@ WRONG_FILES = [
     (GOOD + '    frame_id:\n', 'line 7: not YAML that ROS reads: frame_id has no value'),
     (GOOD + '    joint_states.offsets: [0, 0.5, 0, 0]\n',
      'line 7: not YAML that ROS reads: a list must be of one type: write 0.0 for 0'),
-    ('<?xml version="1.0"?>\n<robot name="r"/>', 'a robot description, URDF; reading'),
+    ('<?xml version="1.0"?>\n<robot name="r"/>', 'a robot description, URDF; fourbar import'),
     ('<!-- a -->\n<mujoco/>', 'MJCF'), ('<sdf version="1.7"/>', 'SDF'),
     ('/**:\n  ros__parameters:\n    linkage:\n      a1:0.4\n', 'a blank is missing'),
     ('/**:\n  ros__parameters:\n\tlinkage:\n', 'line 3: not YAML that ROS reads: a tab'),

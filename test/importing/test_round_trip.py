@@ -8,6 +8,7 @@ from fourbar_ros.description.model import NoDescription
 from fourbar_ros.errors import MissingBodies
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.scene.base import rotation_of
 from fourbar_ros.scene.files import shipped
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
@@ -78,8 +79,10 @@ def test_what_describe_writes_import_reads_without_options(format_, name, tmp_pa
         pytest.skip(str(error))
     path = tmp_path / f'robot.{format_}'
     path.write_text(text)
-    # a URDF has no gravity
-    gravity = (*field_of(source.linkage.gravity), 0.0) if format_ == 'urdf' else ()
+    # a URDF has no gravity: the scene's, in the axes of the frame's parent
+    weight = np.array([*field_of(source.linkage.gravity), 0.0])
+    turned = np.array(rotation_of(source.frame.rpy)).T @ weight
+    gravity = tuple(turned) if format_ == 'urdf' else ()
     result = import_file(path, Wishes(gravity=gravity))
     report = '\n'.join(result.report)
     if name in FLAT:
