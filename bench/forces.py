@@ -58,6 +58,7 @@ def studies(folder):
     from fourbar_lab.studies.study import from_document
     from fourbar_ros import load_scene
     from fourbar_ros.scene.files import as_text
+    import numpy as np
     values = {name: value for name, value in load_scene('paper').values.items() if value == value}
     springs = {}
     for name, x, y in (('back', 1.5, 0.7), ('low', 0.0, -0.8)):
@@ -68,12 +69,20 @@ def studies(folder):
            'forces.cut.along': 0.5, 'forces.cut.acts': 'x', 'forces.cut.over': 'tip.x',
            'forces.cut.places': [0.1, 0.3, 0.35, 0.5, 0.8],
            'forces.cut.values': [0.0, -700.0, -900.0, 100.0, 0.0]}
+    places = np.linspace(0.1, 0.8, 100)
+    long = {**cut, 'forces.cut.places': places.tolist(),
+            'forces.cut.values': (200.0 * np.sin(12.0 * places) * np.cos(5.0 * places)).tolist()}
+    pins = {f'friction.{joint}.{name}': value for joint in ('O1', 'A', 'B', 'O4')
+            for name, value in (('coefficient', 0.1), ('radius', 0.01))}
     vary = {'linkage.a1': {'range': [0.2, 0.3]}, 'linkage.a2': {'range': [1.1, 1.3]}}
     found = {}
     stiffness, factor = 'springs.back.stiffness', 'forces.cut.factor'
     for what, acting, more in (
             ('nothing', {}, ()), ('two springs', springs, (stiffness,)),
-            ('two springs, a table over a way', {**springs, **cut}, (stiffness, factor))):
+            ('two springs, a table over a way', {**springs, **cut}, (stiffness, factor)),
+            ('two springs, a table of 100 places', {**springs, **long}, (stiffness, factor)),
+            ('two springs, a table over a way, friction in all pins',
+             {**springs, **cut, **pins}, (stiffness, factor))):
         file = folder / f'{len(found)}.yaml'
         file.write_text(as_text({**values, **acting}))
         found[what] = from_document({

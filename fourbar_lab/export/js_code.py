@@ -21,7 +21,7 @@ from fourbar_lab.export.model import NotGenerated, UNITS_OF_POINTS
 from fourbar_lab.export.statements import filled, JS, JUDGED, lines_of, snippet, Statements, Texts
 from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
-from fourbar_ros.mechanics.bodies import Base, unchecked
+from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
 from fourbar_ros.mechanisms.elements import TableForce
 from fourbar_ros.mechanisms.evaluation import Constants
@@ -74,15 +74,11 @@ class JsModule:
     def _constants(self, n: NumberType, changed: dict[str, Any]) -> Constants:
         """Return the data of the formulas, from parameters that are recorded."""
         scene, mechanism, values = self.scene, self.mechanism, {**self.scene.values, **changed}
-        bare = replace(scene, linkage=mechanism.without_friction)
-        constants = constants_of(bare, values, n)
+        constants = constants_of(replace(scene, linkage=mechanism), values, n)
         if isinstance(mechanism.gravity, Base):
             constants = constants._replace(gravity=Base(*[
                 changed[f'base.{field}'] for field in Base._fields]))
-        friction = [unchecked(type(record), **{
-            field: changed.get(f'friction.{name}.{field}', value)
-            for field, value in vars(record).items()}) for name, record in mechanism.friction]
-        return constants._replace(sign=self._sign(values), friction=tuple(friction))
+        return constants._replace(sign=self._sign(values))
 
     def _sign(self, values: dict[str, Any]) -> Any:
         """Return the sign of the mode, of a machine those of its dyads: 2 mode - 3."""

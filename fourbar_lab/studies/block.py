@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import tau
+import re
 
 from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies.measures import Extent, Measure, Measures
@@ -28,11 +29,13 @@ from fourbar_ros.mechanisms.pieces import ends_of_turns
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.scene import parametric
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
+FRICTION = re.compile(r'friction\.\w+\.(coefficient|radius)')
 TRIED = 100         # designs, for one that can be built
 # Designs that are computed together: their samples stay in the cache of the processor.
 TOGETHER = 128
@@ -48,8 +51,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
     ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
     Not computed so: drives at rest, quantities of the drive at rates of their own, ranges, slides,
-    machines (each is put together at run time), friction, whose loads jump, and designs where
-    lengths, samples or search leave a doubt.
+    machines (each is put together at run time), and designs where lengths, samples or search
+    leave a doubt, or which lock.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
@@ -57,7 +60,11 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     except InvalidParameter:
         return none
     if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.stroke
-            or scene.linkage.friction or scene.kind not in KINDS):
+            or scene.kind not in KINDS):
+        return none
+    # formulas without dry friction are others, and pins have a radius
+    if any(FRICTION.fullmatch(name) and not (column > 0.0).all()
+           for name, column in drawn.items()):
         return none
     if not scene.linkage.turns_fully and any(map(refuses_turns, scene.linkage.elements)):
         return none
@@ -90,11 +97,25 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         return none
     needed = needed or [kinds.ANGLE]        # that alone tells which designs turn fully
 
+    def some(rows: Array) -> Designs:
+        return Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
+    # where the pieces of loads end, (designs, most), NaN beyond the last
+    cuts: Array = np.empty((is_done.size, 0))
+    if any(measures.quantities[name].is_load for name in needed):
+        indices = np.nonzero(wanted)[0]
+        for start in range(0, indices.size, TOGETHER):
+            rows = indices[start:start + TOGETHER]
+            ends = some(rows).ends(study.acceleration)
+            more = max(0, ends.shape[1] - cuts.shape[1])
+            cuts = np.pad(cuts, ((0, 0), (0, more)), constant_values=np.nan)
+            cuts[rows, :ends.shape[1]] = ends
+
     def work(rows: Array, samples: int) -> Array:
-        group = Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
+        group = some(rows)
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
-        cut = group.ends() if any(known[name].is_load for name in needed) else None
+        most = np.isfinite(cuts[rows]).sum(axis=1).max()
+        cut = cuts[rows, :most] if most else None
         is_right, searched = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
         for ends in (None,) if cut is None else (None, cut):
             names = [name for name in needed
@@ -204,19 +225,22 @@ class Designs:
         """Return after how much of the input all repeats, forces over the input too [rad]."""
         return tau * turns_of(self.scene.linkage.elements)
 
-    def ends(self) -> Array | None:
-        """Return where the pieces of loads end, as :func:`.ends_of_turns`; None: nowhere."""
+    def ends(self, acceleration: float) -> Array:
+        """Return where the pieces of loads end, as :func:`.ends_of_turns`."""
         linkage, constants = self.scene.linkage, self._constants
-        if not constants.elements:
-            return None
+        if not (constants.elements or constants.friction):
+            return np.empty((self.size, 0))
         move = step_of_arrays(linkage, False, data=constants)
 
         def links_at(x: Array) -> LinkMotions:
             motion = linkage.MOTION(*move(x, 0.0, 0.0))
             return {**linkage.link_motions(motion, constants.lengths), GROUND: FIXED}
-        ends = ends_of_turns(constants.elements, links_at, self.size,
-                             turns_of(linkage.elements))
-        return ends if ends.size else None
+        edges = list[Function]()
+        if constants.friction:
+            from fourbar_ros.mechanisms.friction import edges_of  # few scenes have any
+            edges = edges_of(linkage, constants, (self.values['drive.speed'], acceleration))
+        return ends_of_turns(constants.elements, links_at, self.size,
+                             turns_of(linkage.elements), edges)
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""

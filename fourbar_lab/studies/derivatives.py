@@ -84,6 +84,7 @@ class Derivatives:
     """
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
+        scene.linkage.require_no_friction('an analysis of tolerances')
         known = usable(scene)
         for name in names:
             if name not in known:

@@ -29,7 +29,7 @@ import fourbar_ros
 
 # Version of the formulas: raise it when results change in their bits, so that a study begun before
 # is not resumed.
-KERNELS = '6'
+KERNELS = '7'
 PART = 'part-{:08d}.parquet'
 KEY = b'fourbar_ros'    # of our metadata in a part
 PATIENCE = 30.0         # [s] until a scheduler must have answered

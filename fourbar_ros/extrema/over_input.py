@@ -25,7 +25,7 @@ from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
-from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes
+from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes, smooth_ranges
 from fourbar_ros.mechanisms.quantities import OfDrive
 from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
@@ -130,13 +130,16 @@ class OverInput:
 
     @cached_property
     def _ranges(self) -> Ranges:
-        """Return the parts of the input that lie ``within``; () for all of it."""
-        if self._within is None:
-            return ()
+        """Return the parts of the input that lie ``within``, cut by friction; () for all of it."""
         unit = self._linkage.input_unit
-        return tuple([(unit * path.low.x, unit * path.high.x)
-                      for path in input_paths(self._linkage, SAMPLES, self._within)
-                      if path.low and path.high])
+        ranges = () if self._within is None else tuple([
+            (unit * path.low.x, unit * path.high.x)
+            for path in input_paths(self._linkage, SAMPLES, self._within)
+            if path.low and path.high])
+        if not self._linkage.friction or not self._quantity.is_load:
+            return ranges
+        from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
+        return smooth_ranges(self._linkage, with_friction(self._linkage, self._rates).ends, ranges)
 
     @property
     def _is_constant(self) -> bool:

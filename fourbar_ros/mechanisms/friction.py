@@ -9,14 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, KW_ONLY, replace
+from functools import lru_cache
 from math import inf, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, Locked, one_of
+from fourbar_ros.mechanisms.batches import order_of, range_of
+from fourbar_ros.mechanisms.evaluation import Formula, formula_of, MOST_STRUCTURES
 from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
+from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import Trace
 import numpy as np
 from numpy.typing import ArrayLike
@@ -228,8 +232,31 @@ def _is_locked(mechanism: Mechanism, position: ArrayLike, rate: float, accelerat
     return is_locked
 
 
-def trace_of_edges(mechanism: Mechanism) -> Trace:
-    """Return the trace position, rate, acceleration -> :attr:`.Told.edges` of all its joints."""
+def edges_of(mechanism: Mechanism, data: Constants, rates: tuple[Any, Any]) -> list[Function]:
+    """
+    Return functions of complex inputs, by what they need: :attr:`.Told.edges` of all joints.
+
+    Loads or their slopes jump where one is zero. ``data``: of the mechanism, or columns for many
+    mechanisms like this; ``rates``: rate and acceleration of the input, or columns.
+    """
+    trace = _trace_of_edges(formula_of(mechanism, True)[0])
+    known = trace.numbers(numbers_of(data))
+    orders = [order_of(trace, (k,)) for k in range_of(trace)]
+    with np.errstate(all='ignore'):
+        run(trace, sorted({i for _, once, *_ in orders for i in once}), ARRAYS, known)
+    of_rates = [np.asarray(rate, complex) for rate in rates]
+
+    def edge(index: int, steps: list[int], done: dict[int, list[int]]) -> Function:
+        return lambda z: run(trace, steps, ARRAYS, [z, *of_rates, *known[trace.count:]],
+                             done)[index]
+    orders.sort(key=lambda order: len(order[2]))
+    return [edge(index, steps, done) for [index], _, steps, done in orders]
+
+
+@lru_cache(maxsize=MOST_STRUCTURES)
+def _trace_of_edges(formula: Formula) -> Trace:
+    mechanism = formula.mechanism
+
     def make(n: NumberType, constants: Constants) -> Function:
         motion_of = mechanism.motion_formula(n, constants)
 

@@ -32,9 +32,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array, as_grid, rank_of
 from fourbar_ros.numerics.newton import newton_roots
-from fourbar_ros.numerics.number_types import ARRAY, numbers_of
-from fourbar_ros.numerics.tables import ARRAYS, run
-from fourbar_ros.numerics.trace import flat
+from fourbar_ros.numerics.number_types import ARRAY, Function
 import numpy as np
 
 SAMPLES = 361           # of a turn, or of a range of the input
@@ -53,6 +51,9 @@ class Coordinate(NamedTuple):
     period: float           # after which it comes round, inf: never
     is_square: bool = False     # of a spring's length: only where it is least matters
     turns_back: bool = False    # where it does, a force begins or ends
+
+
+EDGE = Coordinate(lambda moving, x: x, np.zeros(1), inf)       # what is found otherwise, at zero
 
 
 class Pieces(NamedTuple):
@@ -112,31 +113,23 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
     where what a guide bears does.
     """
-    from fourbar_ros.mechanisms.friction import trace_of_edges  # few mechanisms have any
+    from fourbar_ros.mechanisms.friction import edges_of  # few mechanisms have any
     ends, branch_points = mechanism.pieces or Pieces((), ())
-    trace, found = trace_of_edges(mechanism), list(ends)
-    known = trace.numbers(numbers_of(mechanism.constants))
-    results = flat(trace.results)
+    edges, found = edges_of(mechanism, mechanism.constants, rates), list(ends)
     for low, high in _ranges(mechanism) if rates[0] else ():
         x = _samples(mechanism, low, high)
-        for index in sorted(results, key=lambda i: len(trace.needed([i]))):
-            order = [i for i in trace.needed([index]) if not trace.steps[i].is_given]
-
-            def values(x: Array, _: Array, index: int = index, order: list[int] = order
-                       ) -> tuple[Array, Array]:
+        for edge in edges:
+            def values(x: Array, _: Array, edge: Function = edge) -> tuple[Array, Array]:
                 """Return an edge and its slope at inputs."""
                 with np.errstate(all='ignore'):
-                    inputs = [x + 1j * STEP, *[np.complex128(rate) for rate in rates]]
-                    s = run(trace, order, ARRAYS, [*inputs, *known[3:]])[index]
-                s = np.broadcast_to(s, x.shape)
+                    s = np.broadcast_to(edge(x + 1j * STEP), x.shape)
                 return s.real, s.imag / STEP
             # on both sides of the ends so far, at which it may jump
             sides = np.array([end + side * BESIDE * (high - low)
                               for end in found for side in (-1.0, 1.0)])
             apart = np.union1d(x, sides[(sides > x[0]) & (sides < x[-1])])
             apart = apart[np.isfinite(values(apart, apart)[0])]
-            found += _ends(values, apart, np.zeros(apart.size, int), Coordinate(
-                lambda moving, x: x, np.zeros(1), inf))[0].tolist()
+            found += _ends(values, apart, np.zeros(apart.size, int), EDGE)[0].tolist()
         found = list(_apart(mechanism, found, low, high))
     return Pieces(tuple(found), branch_points)
 
@@ -207,31 +200,41 @@ Curves = Callable[[Array, Array], tuple[Array, Array]]
 
 
 def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkMotions],
-                  count: int, turns: int) -> Array:
+                  count: int, turns: int, edges: Sequence[Function] = ()) -> Array:
     """
     Return the ends of pieces of many mechanisms whose cranks turn fully, (mechanisms, most).
 
     They lie in order from 0 to so many ``turns``, NaN beyond the last. ``elements``: on all of
     them, with columns of numbers, shape (count, 1); ``links_at``: inputs, shape (count, any),
-    complex -> motions of the links.
+    complex -> motions of the links; ``edges``: such inputs -> as :func:`.edges_of`.
     """
     cycle, found, of_found = tau * turns, list[Array](), list[Array]()
     rows = np.repeat(np.arange(count), SAMPLES * turns)
     x = np.tile(0.3 + np.linspace(0.0, cycle, SAMPLES * turns), count)
-    for coordinate in [each for element in elements for each in _coordinates(element)]:
-        def values(x: Array, row: Array, coordinate: Coordinate = coordinate
-                   ) -> tuple[Array, Array]:
+    coordinates = [each for element in elements for each in _coordinates(element)
+                   if not each.is_square]
+    for coordinate, edge in [*((each, None) for each in coordinates),
+                             *((EDGE, edge) for edge in edges)]:
+        def values(x: Array, row: Array, coordinate: Coordinate = coordinate,
+                   edge: Function | None = edge) -> tuple[Array, Array]:
             """Return a coordinate and its slope at inputs of mechanisms."""
             row, column, grid = as_grid(x, row, count)
             with np.errstate(all='ignore'):
                 z = grid + 1j * STEP
-                s = np.broadcast_to(coordinate.of(links_at(z), z), z.shape)[row, column]
+                s = np.broadcast_to(edge(z) if edge else coordinate.of(links_at(z), z),
+                                    z.shape)[row, column]
             return s.real, s.imag / STEP
 
-        if not coordinate.is_square:
-            ends, of_ends = _ends(values, x, rows, coordinate)
-            found.append(np.mod(ends, cycle))
-            of_found.append(of_ends)
+        at, of = [x], [rows]
+        if edge:        # on both sides of the ends so far, at which it may jump
+            at += [0.3 + np.mod(end + side * BESIDE * cycle - 0.3, cycle)
+                   for end in found for side in (-1.0, 1.0)]
+            of += [row for row in of_found for _ in range(2)]
+        x_there, row_there = np.concatenate(at), np.concatenate(of)
+        order = np.lexsort((x_there, row_there))
+        ends, of_ends = _ends(values, x_there[order], row_there[order], coordinate)
+        found.append(np.mod(ends, cycle))
+        of_found.append(of_ends)
     ends, row = (np.concatenate(parts) if parts else rows[:0] for parts in (found, of_found))
     order = np.lexsort((ends, row))
     ends, row = ends[order], row[order]

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
 from functools import partial
+from math import inf
 from typing import Any, TypeVar
 
 from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
@@ -47,10 +48,13 @@ class _UncheckedBodies(BodiesOfLinks):
 def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
     """Return lengths, bodies and all that acts, for formulas, of ``values`` in any arithmetic."""
     linkage = scene.linkage
-    linkage.require_no_friction('an analysis of tolerances')
     external = external_of(values, linkage, partial(unchecked, Applied))
     constants: Constants = linkage.constants._replace(
-        gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external))
+        gravity=(values['gravity.x'], values['gravity.y']), external=linkage.EXTERNAL(**external),
+        friction=tuple([_with(friction, **{
+            field: values[f'friction.{name}.{field}'] for field in vars(friction)
+            if field != 'length' or friction.length < inf})
+            for name, friction in linkage.friction]))
     if scene.kind != MACHINE:
         lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
         bodies = _UncheckedBodies(values, linkage.LINKS, lengths)

@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every door to the loads of a scene with friction gives those of the mechanism, or refuses."""
 import csv
-from dataclasses import replace
 import json
 from math import isnan, radians
 
 from fourbar_lab.balancing.loads import Loads
 from fourbar_lab.live.answers import extrema_answer, structure_of
-from fourbar_lab.studies.chunks import compute
+from fourbar_lab.studies.block import compute_together
 from fourbar_lab.studies.derivatives import Derivatives
+from fourbar_lab.studies.measures import Design
 from fourbar_lab.studies.study import from_document
 from fourbar_ros import DriveFriction, find_extrema, InvalidParameter, JointFriction
 from fourbar_ros.bag.recomputation import recompute
@@ -220,15 +220,28 @@ def test_wrong_scenes(more, words):
 
 
 def test_studies(tmp_path, file):
-    """Designs that vary have their friction: each row is that of its scene."""
+    """Designs that vary have their friction, together: each row is that of its scene, 1e-10."""
     pytest.importorskip('scipy.stats')
-    study = from_document({'scene': file, 'rows': 3, 'quantities': ['f21.max'], 'vary': {
-        'linkage.a1': {'range': [0.05, 0.06]}, 'friction.A.coefficient': {'range': [0.1, 0.2]}}})
-    columns = compute(study, 0).columns
-    for a1, coefficient, most in zip(*(columns[name].tolist() for name in (
-            'linkage.a1', 'friction.A.coefficient', 'f21.max'))):
-        linkage = THERE.with_values({'friction.A.coefficient': coefficient}).linkage
-        assert most == max(one.value for one in find_extrema(
-            replace(linkage, a1=a1), ['f21'], SPEED))
+    vary = {'linkage.a1': [0.05, 0.06], 'friction.A.coefficient': [0.1, 0.2],
+            'friction.guide.length': [0.1, 0.3], 'friction.drive.torque': [0.0, 0.5],
+            'drive.speed': [-SPEED, SPEED]}
+    study = from_document({
+        'scene': file, 'rows': 8, 'keep': 'all', 'vary': {
+            name: {'range': bounds} for name, bounds in vary.items()},
+        'quantities': ['f21.max', 'f21.extrema', 'guide_force.min', 'driving_torque.rms', 'work']})
+    drawn = study.drawn(0, 8)
+    columns = {measure.name: np.full(8, np.nan) for measure in study.measures}
+    is_done = compute_together(study, drawn, columns)
+    assert is_done.sum() >= 6
+    for i in np.flatnonzero(is_done):
+        design = Design(scene.from_values({**study.values, **{
+            name: column[i].item() for name, column in drawn.items()}}))
+        design.search(study.measures)
+        for measure in study.measures:
+            assert columns[measure.name][i] == pytest.approx(design.of(measure), rel=1e-10)
+    # without dry friction, or the radius of a pin, formulas are others
+    for name, low in (('friction.A.coefficient', 0.0), ('friction.A.radius', 0.0)):
+        columns = {measure.name: np.full(2, np.nan) for measure in study.measures}
+        assert not compute_together(study, {name: np.array([0.01, low])}, columns).any()
     with pytest.raises(InvalidParameter, match='an analysis of tolerances takes no friction yet'):
         Derivatives(THERE)
