@@ -300,3 +300,28 @@ def test_the_pictures_of_a_phone_can_be_drawn_on(tmp_path_factory, address):
         paper.begin()
         paper.press(paper.at(-90, -60), paper.at(-60, -20), paper.at(60, 60), paper.at(80, -60))
         assert len(paper.drawn('d1').linkage.dyads) == 1
+
+
+def test_a_pivot_of_jansens_leg_takes_both_of_its_dyads_along(driver):
+    with live('jansen') as address:
+        paper = Paper(driver, address)
+        before = scene_of(paper.state['scene']).linkage
+        paper.tool('shape')
+        x, y = paper.place('upper_second')
+        paper.drag((x, y), (x + 6, y - 4), (x + 12, y - 8))
+        after = paper.in_python().linkage
+    upper, lower, leg = after.dyads
+    assert upper.second == lower.second != before.dyads[0].second
+    assert leg.second == ('c', lower.length_2, 0.0)     # the knee stands once
+    assert upper.length_2 != before.dyads[0].length_2
+    assert upper.length_1 == before.dyads[0].length_1
+
+
+def test_a_telescope_hangs_on_a_pin_and_the_ground(paper):
+    paper.four_bar()
+    paper.tool('cylinder')
+    x, y = paper.place('d1_inner')
+    paper.press((x, y), (x + 60, y + 190))
+    one, two = paper.drawn('d1', 'd2').linkage.dyads
+    assert two.kind == 'RPR' and two.second.link == 'ground'
+    assert two.first == ('l2', one.length_2, 0.0)
