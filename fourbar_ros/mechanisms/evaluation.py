@@ -105,7 +105,7 @@ def taken(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float]]:
     """
     formula, data = formula_of(mechanism, with_loads)
     trace, values = trace_of(formula), numbers_of(data)
-    is_switched = (mechanism.change_point_margin == 0.0 if mechanism.MARGIN_SIGNS
+    is_switched = (0.0 in mechanism.margins if mechanism.MARGIN_SIGNS
                    else trace.is_switched(values))
     return trace if is_switched else trace.unswitched, values
 

@@ -113,11 +113,12 @@ class Kind(Mechanism):
     COUPLER: ClassVar[str] = 'b'
     OUTPUT: ClassVar[str] = 'y'
     FROM_HALF_A_TURN: ClassVar[Coordinate | None] = None        # it counts from there
-    BODIES, EXTERNAL = Bodies, External
+    BODIES, EXTERNAL, INPUTS = Bodies, External, {parts.CRANK: THETA1, parts.SLIDE: TRAVEL}
 
     def __post_init__(self) -> None:
         """Check the parameters, keep them as numbers and records."""
-        self._set(**checked(self))
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
         self._require_closing()
         self._check_fit()
 

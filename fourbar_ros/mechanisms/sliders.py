@@ -55,17 +55,16 @@ def rods_of_slide(height: Scalar, first: Scalar, second: Scalar) -> DyadLengths:
     return DyadLengths(AT_O, AT_O, (first, second), (), (0.0, height, 1.0, 0.0))
 
 
-class OffsetSlide(Kind):
-    """Base of the kinds whose lengths p, r, e make a triangle p e^{ix} + r e^{ib} = s + i e."""
+# How p, r and e, with p e^{ix} + r e^{ib} = s + i e, enter the margins.
+MARGINS_OF_TRIANGLE = ((-1, 1, -1), (1, -1, -1))
 
-    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
-    MARGIN_SIGNS = ((-1, 1, -1), (1, -1, -1))
 
-    def _require_closing(self) -> None:
-        (p, r, e), (p_name, r_name, _) = self.lengths, self.length_names
-        if exact_sum((p, r, -abs(e))) <= 0.0:
-            raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
-                                   f'{p_name} + {r_name} ({p + r:.12g})')
+def require_reach(linkage: Kind) -> None:
+    """Raise InvalidParameter unless p and r together reach over the offset e."""
+    (p, r, e), (p_name, r_name, _) = linkage.lengths, linkage.length_names
+    if exact_sum((p, r, -abs(e))) <= 0.0:
+        raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
+                               f'{p_name} + {r_name} ({p + r:.12g})')
 
 
 class SliderDeadPoint(NamedTuple):
@@ -77,7 +76,7 @@ class SliderDeadPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SliderCrank(OffsetSlide):
+class SliderCrank(Kind):
     """
     Slider-crank O1-A-B whose pin B slides along y = offset.
 
@@ -119,6 +118,7 @@ class SliderCrank(OffsetSlide):
     elements: tuple[Any, ...] = ()
     friction: Any = ()
 
+    _require_closing, MARGIN_SIGNS = require_reach, MARGINS_OF_TRIANGLE
     TITLE = 'slider-crank'
     TEXT = 'a slider on a guide parallel to x'
     LENGTHS = (kind.CRANK_LENGTH, kind.COUPLER_LENGTH, GUIDE)
@@ -181,7 +181,7 @@ class InvertedDeadPoint(NamedTuple):
 
 
 @dataclass(frozen=True)
-class InvertedSlider(OffsetSlide):
+class InvertedSlider(Kind):
     """
     Inverted slider-crank: a block pinned to the crank at A slides on a bar that turns about O4.
 
@@ -225,6 +225,7 @@ class InvertedSlider(OffsetSlide):
     elements: tuple[Any, ...] = ()
     friction: Any = ()
 
+    _require_closing, MARGIN_SIGNS = require_reach, MARGINS_OF_TRIANGLE
     TITLE = 'inverted slider-crank'
     TEXT = 'a block on a bar that turns about O4, e.g. an oscillating cylinder'
     LENGTHS = (kind.CRANK_LENGTH, kind.GROUND_LENGTH, parts.Length(
@@ -380,7 +381,6 @@ class ScotchYoke(Kind):
              parts.Link('output', 'yoke', 'B', turns=False))
     JOINTS = (kind.JOINT_O1, parts.Joint('A', THETA2, 'block'),
               parts.Joint('slot', parts.SLOT, 'slot'), parts.Joint('guide', TRAVEL, 'yoke'))
-    INPUTS = {CRANK: THETA1, SLIDE: TRAVEL}
     OUTPUTS = {CRANK: (OF_SLIDE,), SLIDE: (OF_CRANK,)}
     REACTIONS = (parts.Reaction('O1', 'ground on crank', 'f41'),
                  parts.Reaction('A', 'block on crank', 'f21'),
