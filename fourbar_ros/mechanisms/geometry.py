@@ -282,9 +282,10 @@ class MechanismGeometry(StatedMechanism):
         They may not outside the stroke, nor so near to a limit that is a change point that
         accelerations are noise. Inputs are floats or arrays, real or complex.
         """
-        cut, flats, period = self.cut, set(self.flat_limits), self.period
+        cut, flats = self.cut, set(self.flat_limits)
         if not cut and not flats:
             return None
+        period = self.period
         turn = inf if self.is_driven_by_slide else 2.0 * pi
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
