@@ -373,7 +373,11 @@ class Trace:
                 same_as = simple._index_of.setdefault(_key(step), index)
             same[index] = same_as
             simple.steps[index] = step if same_as == index else NOTHING
-        simple.results = _renamed(self.results, same)
+
+        def renamed(indices: NestedIndices) -> NestedIndices:
+            return (same[indices] if isinstance(indices, int)
+                    else tuple([renamed(inner) for inner in indices]))
+        simple.results = renamed(self.results)
         simple.varies = set(range(self.count))
         for index, step in enumerate(simple.steps):
             if not simple.varies.isdisjoint(step.arguments):
@@ -413,11 +417,6 @@ def _passed(operation: str, arguments: Sequence[int], values: Mapping[int, float
     if known == left and operation not in COMMUTES:         # 0 - x, 1 / x
         return None
     return unknown if values[known] == NEUTRAL[operation] else None
-
-
-def _renamed(indices: NestedIndices, same: Sequence[int]) -> NestedIndices:
-    return same[indices] if isinstance(indices, int) else tuple([_renamed(part, same)
-                                                                 for part in indices])
 
 
 def flat(indices: NestedIndices) -> list[int]:

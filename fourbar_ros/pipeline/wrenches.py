@@ -3,16 +3,21 @@
 """
 What acts from outside, as topics say: wrenches on links, the base; and the force on the drive.
 
-All components are along the ground axes; couples and torques are positive counter-clockwise.
+All components are along the ground axes; couples and torques are positive counter-clockwise. The
+motion of the base is as an inertial measurement unit on it shows it.
 """
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from math import isfinite, nan
+from math import hypot, inf, isfinite, nan
 from typing import Any, cast, NamedTuple, Union
 
 from fourbar_ros.mechanics.bodies import Applied, Base, External
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.pipeline.rate_estimator import Estimate, NANOSECOND
+from fourbar_ros.scene.base import rotation_of
+from fourbar_ros.scene.message_fields import nanoseconds
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
@@ -26,6 +31,8 @@ class Wrench(NamedTuple):
 
 
 UNKNOWN = Wrench(nan, nan, nan)
+UNKNOWN_BASE = Base(nan, nan, nan, nan)
+LONGER = 2.5         # steps between two messages of an IMU: one may be lost
 ActingInput = Union[Wrench, Base]      # on a link, or the motion of the base
 
 
@@ -60,7 +67,7 @@ def constant(scene: Scene, link: str) -> Wrench:
 def in_silence(scene: Scene, link: str, last: ActingInput | None) -> ActingInput:
     """Return what acts on a link, or as base, in a silence, by the scene; ``last``: the newest."""
     if link == BASE.name:
-        return last if scene.base.when_silent == 'hold' and last else Base(nan, nan, nan, nan)
+        return last if scene.base.when_silent == 'hold' and last else UNKNOWN_BASE
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
         return UNKNOWN
@@ -112,3 +119,39 @@ def drive_wrench(linkage: Mechanism, index_of: Mapping[str, int]) -> DriveWrench
             return load, zero, zero
         return load * values[axes[0]], load * values[axes[1]], zero
     return wrench
+
+
+class Imu:
+    """
+    Turns the specific force and the rate of an IMU at O1 into the plane of the linkage.
+
+    The angular acceleration is the slope of the newest ``window`` rates: late by half the window.
+    It is unknown after a step back of the clock, a pause longer than ``gap`` [s], or one longer
+    than LONGER steps before.
+    """
+
+    def __init__(self, rotation: Sequence[float], window: int, gap: float) -> None:
+        self._axes, self._gap = rotation_of(rotation), nanoseconds(gap)
+        self._rates: deque[tuple[int, float]] = deque(maxlen=window)     # stamps [ns], [rad/s]
+        self._step = inf                     # between the last two messages [ns]
+        # specific force [m/s^2] and rate [rad/s] of the last message that are left out
+        self.out_of_plane = 0.0, 0.0
+
+    def update(self, time: int, force: Sequence[float], rate: Sequence[float]) -> Base:
+        """Return the base at a stamp [ns]; its angular acceleration may be NaN."""
+        along_x, along_y, across = [sum(a * b for a, b in zip(axis, force)) for axis in self._axes]
+        *tilting, turning = [sum(a * b for a, b in zip(axis, rate)) for axis in self._axes]
+        self.out_of_plane = abs(across), hypot(*tilting)
+        if self._rates:
+            passed = time - self._rates[-1][0]
+            if not 0 < passed <= min(self._gap, LONGER * self._step):
+                self._rates.clear()
+            self._step = passed if passed > 0 else inf
+        if not isfinite(turning):
+            self._rates.clear()
+            return UNKNOWN_BASE
+        self._rates.append((time, turning))
+        if len(self._rates) < 2:
+            return Base(along_x, along_y, turning, nan)
+        points = [((stamp - time) * NANOSECOND, value - turning) for stamp, value in self._rates]
+        return Base(along_x, along_y, turning, Estimate(points, 1).slope)

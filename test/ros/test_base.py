@@ -7,7 +7,7 @@ from fourbar_msgs.msg import Base as BaseMessage
 from fourbar_msgs.msg import DriveState, LinkageLoads, LinkageState
 from fourbar_ros import Base
 from fourbar_ros.errors import UnknownBaseMotion
-from fourbar_ros.pipeline.base import Imu
+from fourbar_ros.pipeline.wrenches import Imu
 from fourbar_ros.ros.messages import to_stamp
 from fourbar_ros.scene.scene import from_values
 from geometry_msgs.msg import WrenchStamped

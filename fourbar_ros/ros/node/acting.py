@@ -50,7 +50,7 @@ class ActingInputs:
         base = self._stream.scene.base
         settings = base.rotation, base.window, gap_of(base.timeout)
         if base.topic == 'imu' and settings != self._imu_settings:    # else it keeps its rates
-            from fourbar_ros.pipeline.base import Imu  # imported where a scene needs it
+            from fourbar_ros.pipeline.wrenches import Imu  # imported where a scene needs it
             self._imu, self._imu_settings = Imu(*settings), settings
 
     def renew(self) -> None:
