@@ -113,10 +113,11 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
                          ratio=0.3 + 0.7 * p - 0.2 * p * p, ratio_slope=0.7 - 0.4 * p)
 
     formulas._source = SimpleNamespace(piece=lambda *_: piece)
+    resists = formulas._equation.make_resistance(REAL)      # none
     x = np.array([0.4, 1.3, 0.2, -0.8, 0.6])
 
     def rates(x):
-        return np.array(formulas._rates(REAL, terms_at(x[0]), StateVector(*x), 0.0)[0])
+        return np.array(formulas._rates(REAL, terms_at(x[0]), resists, StateVector(*x), 0.0)[0])
 
     step = 1e-5
     jacobian = np.array([(rates(x + step * e) - rates(x - step * e)) / (2.0 * step)
@@ -128,7 +129,7 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     start = StepStart(StateVector(*x), 1.0, 0.0, StateVector(*rates(x)), Coefficients(
         terms.inertia, terms.half_slope, terms.damping, terms.ratio, terms.ratio_slope,
         piece.by_speed, piece.by_state, piece.change_by_speed, piece.change_by_state), ())
-    solve = formulas._solver(REAL, start, 3.0, terms_at)
+    solve = formulas._solver(REAL, start, 3.0, terms_at, resists)
     solution = solve(StateVector(*right))
     assert (3.0 * np.eye(5) - jacobian) @ solution == pytest.approx(right, abs=1e-6)
 
