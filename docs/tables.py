@@ -159,7 +159,7 @@ def _option(action):
     if isinstance(value, tuple):
         value = ' '.join(value)
     typed = [f'{name} {value}' if action.nargs != 0 else name for name in action.option_strings]
-    text = (action.help or '').replace('%(default)s', str(action.default))
+    text = (action.help or '').replace('%(default)s', str(action.default)).replace('%%', '%')
     return f'`{", ".join(typed) or value}`', text
 
 

@@ -215,7 +215,7 @@ ROOMS = {
         Bug('topic_input.py', 'now + nanoseconds(FUTURE)', 'now + nanoseconds(1e3 * FUTURE)',
             'test/ros/test_inputs.py'),
     ]),
-    'lab': ('test/studies test/balancing test/reproduction test/live/test_model.py',
+    'lab': ('test/studies test/balancing test/reproduction',
             'fourbar_lab', [
         Bug('studies/measures.py', 'np.minimum(self.min, pi - self.max)',
             'np.minimum(self.min, self.max)',
@@ -241,9 +241,6 @@ ROOMS = {
         Bug('reproduction/slides.py', 'motion.alpha4 + mirrored.alpha4',
             'motion.alpha4 - mirrored.alpha4',
             'test/reproduction'),
-        Bug('live/model.py', 'counted(self.linkage, remainder(position, tau))',
-            'remainder(position, tau)',
-            'test/live/test_model.py'),
     ]),
 }
 

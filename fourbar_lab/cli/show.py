@@ -22,7 +22,7 @@ examples:
   fourbar show slides_7_6 --at 60 --acceleration 100
   fourbar show paper --from -30 --to 40        extrema where a robot moves
   fourbar show jansen --certify
-  fourbar show press --fluctuation 5%%         the flywheel for that
+  fourbar show press --fluctuation 5%          the flywheel for that
   fourbar show paper --at 60 --json            all of it as one line of JSON, in SI units
 """
 
@@ -38,8 +38,8 @@ def add(verbs: Verbs) -> None:
                       help='also show between which drives it stays at rest at this input: with '
                            'friction a range')
     show.add_argument('--fluctuation', type=_share, metavar='F',
-                      help='also show the smallest flywheel with which the speed of the crank '
-                           'fluctuates by no more than F of its mean, as 5%% or 0.05')
+                      help='also show the smallest flywheel with which largest less least speed '
+                           'of the crank is at most F of its mean, as 5%% or 0.05')
     show.add_argument('--from', dest='low', type=of('rad', 'm'), metavar='INPUT',
                       help='with --to: extrema between these inputs alone [degrees or m], whose '
                            'values at both count too')

@@ -187,7 +187,7 @@ def _effort(linkage: Mechanism, speed: float, acceleration: float,
                    'peak_power': peak.value * speed if speed else 0.0},
         'cycle': {'work': work, 'without_friction': without, 'friction': work - without,
                   'efficiency': efficiency_of(work, without),
-                  'mean_power': work / linkage.cycle * speed},
+                  'mean_power': work / linkage.cycle * abs(speed)},
         'worst_pin': {'joint': pins[pin.quantity], 'load': pin.quantity, 'force': pin.value,
                       'at': counted(linkage, pin.input)}}
 

@@ -202,7 +202,9 @@ def _cycle(linkage: Mechanism, cycle: LinkageRecord) -> str:
             words += ', no force takes work out over a cycle'
         elif isfinite(cycle['efficiency']):
             words += f', efficiency {cycle["efficiency"]:.6g}'
-    return f'{words}, mean {cycle["mean_power"]:.6g} W'
+    if cycle['without_friction'] < 0.0:
+        words += ', the loads drive it (is the sign of a force wrong?)'
+    return f'{words}, mean power {cycle["mean_power"]:.6g} W'
 
 
 def _at_rest(linkage: Mechanism, rest: LinkageRecord) -> str:

@@ -129,8 +129,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
             if measure.part == kinds.INPUT_RANGE:
                 columns[measure.name][rows[is_right]] = tau
             elif measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
+                signed = group.cycle * np.sign(np.ravel(group.values['drive.speed']))
                 values, are_right = _measured(measure, *searched[measures.source(measure)],
-                                              group.cycle)
+                                              signed)
                 is_right &= are_right
                 columns[measure.name][rows[is_right]] = values[is_right]
         return is_right
@@ -139,8 +140,12 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     return is_done
 
 
-def _measured(measure: Measure, turns: Turns, row: int, cycle: float) -> tuple[Array, Array]:
-    """Return a measure of the quantity in a row of turns, and for which designs it is right."""
+def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[Array, Array]:
+    """
+    Return a measure of the quantity in a row of turns, and for which designs it is right.
+
+    ``cycle``: after how much of the input all repeats [rad], negative where it goes backward.
+    """
     inputs, values = turns.inputs[row], turns.values[row]
     if measure.part in kinds.MEANS:
         mean, rms = turns.means[row], np.sqrt(turns.mean_squares[row])

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite, isnan, nan, pi
+from math import copysign, isfinite, isnan, nan, pi
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies import measures as kinds
@@ -234,7 +234,8 @@ class _OfMeasure:
         if self._source and self._source not in self._derivatives.quantities:
             return self._unknown('it is of the drive at a rate of its own')
         if part in kinds.MEANS:
-            return (linkage.cycle if part == kinds.WORK else 1.0) * self._of_mean(part == 'rms')
+            cycle = copysign(linkage.cycle, self._design.rates[0])
+            return (cycle if part == kinds.WORK else 1.0) * self._of_mean(part == 'rms')
         extrema: Sequence[Extremum] = ()
         if part in (kinds.SWING, kinds.STROKE):
             extrema = self._design.output_range.extrema

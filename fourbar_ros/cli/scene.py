@@ -88,7 +88,11 @@ def _check(arguments: Namespace) -> None:
             text = str(value)
             if isinstance(value, list) and len(value) > LONG:
                 text = f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
-            changed.add_row(name, text, unit_in(parameter, scene.values))
+            unit = unit_in(parameter, scene.values)
+            if name.endswith('.places'):        # of the position that the table is over
+                unit = scene.values[name.replace('.places', '.place_unit')]
+            has_units = isinstance(value, list) and any(isinstance(each, str) for each in value)
+            changed.add_row(name, text, '' if has_units else unit)
     for paragraph in (*received, outputs, *not_created, changed, cost_in_words):
         console.print()
         console.print(paragraph)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
+from math import copysign, inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
 from typing import NamedTuple
 
 from fourbar_ros.extrema import find
@@ -97,10 +97,15 @@ class OverInput:
 
     @property
     def of_cycle(self) -> float:
-        """Return the integral over a cycle, the work [J] of a torque; NaN but for full turns."""
+        """
+        Return the integral over a cycle, passed as the rate has it; NaN but for full turns.
+
+        Of a torque it is the work [J] that it does: backward the sign turns.
+        """
         if not self._linkage.turns_fully or self._within is not None:
             return nan
-        return float(self._linkage.cycle * settled(self.mean, self.rms))
+        cycle = copysign(self._linkage.cycle, self._rates[0])
+        return float(cycle * settled(self.mean, self.rms))
 
     @cached_property
     def rms(self) -> float:

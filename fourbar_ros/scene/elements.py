@@ -39,6 +39,7 @@ from fourbar_ros.scene.settings import APART, COUPLE, ParameterValues, POSITION_
 from fourbar_ros.scene.units import quantity, UNITS, ValueInSI
 import numpy as np
 
+ROUNDED = 1e-6      # of a stroke: places typed in six digits reach its ends
 WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, or less [N], is weak
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
@@ -74,8 +75,9 @@ def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str
             continue
         table = element.value.table
         low, high = span_of(mechanism, partial(element.position, ARRAY))
-        if low < table.places[0] and table.values[0] or (
-                high > table.places[-1] and table.values[-1]):
+        slack = ROUNDED * (high - low)
+        if low < table.places[0] - slack and table.values[0] or (
+                high > table.places[-1] + slack and table.values[-1]):
             unit = values[f'{name}.place_unit'] or 'm'      # tables over angles are periodic
             first, last, least, most = (f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (
                 table.places[0], table.places[-1], low, high))

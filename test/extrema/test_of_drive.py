@@ -7,7 +7,9 @@ from math import asin, inf, isnan, nan, pi, tau
 from fourbar_lab.drawing.curves import curves_of
 from fourbar_lab.drawing.record import drive_of, properties_of
 from fourbar_lab.drawing.tables import drive_in_words
+from fourbar_lab.studies.chunks import compute
 from fourbar_lab.studies.measures import Design
+from fourbar_lab.studies.study import from_document
 from fourbar_ros import (
     Applied,
     Bodies,
@@ -285,6 +287,29 @@ def test_efficiency_of_pins_is_that_of_what_they_dissipate(count=20000):
     # midpoints between kinks where rates turn: an error of the square of a step
     assert efficiency(rubbing, rate) == pytest.approx(
         without / (without + lost.mean() * tau / rate), rel=1e-6)
+
+
+def test_a_crank_that_turns_back_does_the_work_of_the_mirrored_one(tmp_path):
+    """Not its negative: one of the press, of one with an offset, of a row of a study."""
+    press = load_scene('press').values
+    for offset in (0.0, 0.008):
+        there, mirrored = (from_values({
+            **press, 'linkage.offset': sign * offset, 'drive.speed': sign * 12.0,
+            'springs.back.first.across': sign * offset}) for sign in (-1.0, 1.0))
+        backward, forward = (drive_of(each.linkage, each.drive.speed)['cycle']
+                             for each in (there, mirrored))
+        assert forward['work'] > 0.0 and 0.5 < forward['efficiency'] < 1.0
+        assert backward == pytest.approx(forward, rel=1e-9)
+        design = Design(there)
+        measure = design.measures.single('quantities', 'work')
+        design.search([measure])
+        assert design.of(measure) == backward['work']
+    (tmp_path / 'press.yaml').write_text(there.as_text)
+    study = from_document({
+        'scene': 'press.yaml', 'method': 'grid', 'keep': 'all', 'quantities': ['work'],
+        'vary': {'drive.speed': {'list': [-12.0, 12.0]}}}, tmp_path)
+    back, forth = compute(study, 0).columns['work'].tolist()
+    assert back == pytest.approx(backward['work'], rel=1e-9) and forth > 0.0
 
 
 @pytest.mark.parametrize(('a1', 'a4'), [(0.1, 0.15), (0.102, 0.3)])
