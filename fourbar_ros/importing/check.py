@@ -35,15 +35,20 @@ class Checked(NamedTuple):
     which: str
     drive: float | None         # None without masses
     peak: float                 # [N m or N]
+    driven: str                 # joint
+    at: float                   # of the driven joint, where the peak is [rad or m]
+    is_slide: bool
 
     @property
     def is_good(self) -> bool:
         return self.joint < SAME_JOINT and (self.drive or 0.0) < SAME_DRIVE
 
     def __str__(self) -> str:
+        unit, of_drive = ('m', 'N') if self.is_slide else ('rad', 'N m')
         loads = ('no masses' if self.drive is None else
-                 f'drive within {self.drive:.1e} of its peak {self.peak:.4g}')
-        return (f'beside MuJoCo from {self.low:.4g} to {self.high:.4g}: joints within '
+                 f'drive within {self.drive * self.peak:.1e} {of_drive}, {self.drive:.1e} of its '
+                 f'peak {self.peak:.4g} {of_drive} at {self.driven} = {self.at:.4g} {unit}')
+        return (f'beside MuJoCo from {self.low:.4g} to {self.high:.4g} {unit}: joints within '
                 f'{self.joint:.1e} ({self.which}), {loads}')
 
 
@@ -122,7 +127,7 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
     def at_joint(position: float) -> float:
         return drive.ratio * position + drive.offset
 
-    worst, which, far, peak = 0.0, '', 0.0, 0.0
+    worst, which, far, peak, at = 0.0, '', 0.0, 0.0, 0.0
     step = STEP * (high - low)
     for position in map(float, np.linspace(low, high, SAMPLES)):
         near = expected(position)
@@ -151,10 +156,12 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
         _, loads = mechanism.step(position, RATE, ACCELERATION)
         ours = (loads.driving_force if drive.joint.kind == SLIDE else loads.driving_torque)
         theirs = drive.ratio * float(rates @ forces)
-        peak, far = max(peak, abs(theirs)), max(far, abs(theirs - ours))
+        far = max(far, abs(theirs - ours))
+        if abs(theirs) > peak:
+            peak, at = abs(theirs), at_joint(position)
     drive_off = None if mechanism.bodies is None else far / peak if peak else 0.0
     return Checked(min(at_joint(low), at_joint(high)), max(at_joint(low), at_joint(high)), worst,
-                   which, drive_off, peak)
+                   which, drive_off, peak, drive.joint.name, at, drive.joint.kind == SLIDE)
 
 
 def mujoco_of(path: Path, robot: Robot, closing: Sequence[RobotJoint]) -> tuple[Any, Array]:

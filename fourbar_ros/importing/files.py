@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.errors import nearest
 from fourbar_ros.importing.loops import Loop, loops_of
 from fourbar_ros.importing.machine import Choices, Imported, imported
-from fourbar_ros.importing.robot import Refused, Robot
+from fourbar_ros.importing.robot import Refused, Robot, word
 from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT
 import numpy as np
 
@@ -53,15 +53,9 @@ class Result:
         for loop in self.loops:
             text = as_text(loop.values)
             if len(self.loops) > 1:
-                text = text.replace('/**:', f'{_word(loop.drive.joint.name)}:', 1)
+                text = text.replace('/**:', f'{word(loop.drive.joint.name, "loop")}:', 1)
             texts.append(''.join(f'# {line}\n' for line in loop.report) + text)
         return '\n'.join(texts)
-
-
-def _word(name: str) -> str:
-    """Return a name as ROS takes it for a node."""
-    word = re.sub(r'\W+', '_', name, flags=re.ASCII).strip('_')
-    return word if word[:1].isalpha() else f'loop_{word}'
 
 
 def read(path: Path, wishes: Wishes = Wishes()) -> Robot:
@@ -147,4 +141,5 @@ def _imported(loop: Loop, wishes: Wishes) -> Imported:
         raise Refused(f'--base {wishes.base}: the file has no such link'
                       f'{nearest(wishes.base, loop.part_of)}')
     choices = Choices(drives[0] if drives else '', base, wishes.modes)
-    return imported(loop, choices, f'{_word(drives[0] if drives else loop.joints[0].name)}_plane')
+    plane = word(drives[0] if drives else loop.joints[0].name, 'loop')
+    return imported(loop, choices, f'{plane}_plane')

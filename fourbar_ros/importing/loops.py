@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from math import asin, degrees
 
 from fourbar_ros.errors import nearest
@@ -140,9 +141,24 @@ def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) ->
         raise Refused('no closed loop in the file' + (
             f'; it has {len(coupled)} mimic or gear joints ({", ".join(coupled[:4])}), which are '
             'none' if coupled else '') + (
-            '; name the frames that coincide by --close A,B' if robot.format == 'URDF' else ''))
+            f'; name the frames that coincide by --close A,B{_might_close(robot, part_of)}'
+            if robot.format == 'URDF' else ''))
     return [Loop(robot, part_of, [moving[index] for index in sorted(circle)])
             for circle in sorted(circles, key=min)]
+
+
+def _might_close(robot: Robot, part_of: dict[str, str]) -> str:
+    """Return in words which fixed frames without mass may be for a cut, and which two are near."""
+    frames = [name for name in robot.frames if name not in robot.inertials]
+    frames = [name for name in frames if 'clos' in name.lower()] or frames
+    pairs = [(float(np.linalg.norm(robot.frames[first].point - robot.frames[second].point)), pair)
+             for pair in combinations(frames, 2) for first, second in [pair]
+             if part_of[first] != part_of[second]]
+    if not pairs:
+        return ''
+    gap, nearest_two = min(pairs)
+    return (f', of {", ".join(frames[:8])}: --close {",".join(nearest_two)} are {gap:.3g} m apart '
+            "in the file's pose")
 
 
 def _pins_of_two_points(joints: list[RobotJoint], part_of: dict[str, str]) -> list[RobotJoint]:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from fourbar_ros.importing.loops import base_of, check_freedom, Loop, normal_of
 from fourbar_ros.importing.plane import CYLINDER, Plane, Scale
-from fourbar_ros.importing.robot import Coupling, Refused, RobotJoint, SLIDE
+from fourbar_ros.importing.robot import Coupling, Refused, RobotJoint, SLIDE, word
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
@@ -188,7 +189,9 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
                       'close')
     if any(joint.limits and joint is not drive for joint in loop.joints):
         report.append('note: limits of passive joints are left out')
+    report += plane.report
     has_masses = _add_masses(plane, base, frame, report)
+    has_points = _add_points(plane, base, report)
 
     # the robot's joints, each in the turn in which the file's pose has it
     scene = from_values(plane.values)
@@ -217,6 +220,8 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
     turned = loop.robot.poses[frame][:3, :3].T
     cosine, sine = ground.direction.real, ground.direction.imag
     axes = turned @ plane.axes.T @ [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]
+    report.append(f'x of the scene is {_direction(axes[:, 0])} of {frame}, '
+                  f'y is {_direction(axes[:, 1])}')
     # O1 on the ground, in the height of the driven joint
     moved = ground.origin - plane.flat(origin)
     origin = origin + plane.axes.T @ [moved.real, moved.imag, 0.0]
@@ -236,8 +241,41 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
         'joint_states.only_passive': gear is None,
         'joint_states.leave_out': [each.joint.name for each in scales.values()
                                    if each.joint.closes],
-        'outputs': ['joint_states', 'state', *(['loads'] if has_masses else [])]}
+        'outputs': ['joint_states', 'state', *(['loads'] if has_masses else []),
+                    *(['points'] if has_points else [])]}
     return Imported(loop, values, from_values(values), scales, driving, report)
+
+
+def _direction(axis: Array) -> str:
+    """Return a unit vector in words: -x, or (0.6, 0, 0.8)."""
+    index = int(np.argmax(np.abs(axis)))
+    if abs(axis[index]) > 1.0 - 1e-9:
+        return ('+' if axis[index] > 0.0 else '-') + 'xyz'[index]
+    return f'({", ".join(f"{number:.3g}" for number in axis)})'
+
+
+def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
+    """Add frames on moving links as points, what links are called; return if there are any."""
+    loop, robot = plane.loop, plane.loop.robot
+    points: list[str] = []
+    for part, link in plane.links.items():
+        if part == base:
+            continue
+        called = loop.name_of(part)
+        merged = [body for body in robot.poses if loop.part_of[body] == part and body != called
+                  and (body in robot.frames or body in robot.inertials)]
+        report += [f'{called} is called {link.name}'] * (called != link.name)
+        report += [f'{body} is part of {link.name}' for body in merged]
+        for name, frame in robot.frames.items():
+            if loop.part_of[frame.body] == part:
+                point = word(name, 'point')
+                while point in points:
+                    point += '_'
+                points.append(point)
+                plane.set_point(f'points.{point}', part, plane.flat(frame.point))
+                report.append(f'point {point} on {link.name}'
+                              + f', the frame {name} of the file' * (point != name))
+    return bool(points)
 
 
 def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:

@@ -14,6 +14,7 @@ from fourbar_ros.importing.robot import (
     BALL,
     Coupling,
     FIXED,
+    Frame,
     FREE,
     PIN,
     POINT,
@@ -151,6 +152,15 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
         robot.notes.append(f'left out of the scenes: {"; ".join(left_out)} of joints')
     for index in range(model.neq):
         _equality(robot, model, data, index, name_of, bodies, joints)
+    robot.add_fixed_bodies()
+    closing = {site for index in range(model.neq)
+               if int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
+               for site in (model.eq_obj1id[index], model.eq_obj2id[index])}
+    for index in range(model.nsite):
+        name = model.site(index).name
+        if name and index not in closing:
+            robot.frames[name] = Frame(bodies[model.site_bodyid[index]],
+                                       data.site_xpos[index].copy())
     transmissions = mujoco.mjtTrn
     for index in range(model.nu):
         by, target = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])

@@ -12,12 +12,11 @@ from __future__ import annotations
 from cmath import phase
 from collections.abc import Mapping, Sequence
 from math import degrees, pi, tau
-import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.importing.loops import Loop
-from fourbar_ros.importing.robot import Refused, RobotJoint, SLIDE
+from fourbar_ros.importing.robot import Refused, RobotJoint, SLIDE, word
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
@@ -60,6 +59,7 @@ class Plane:
         self.links = {carrier: PlaneLink(GROUND, self.flat(origin), 1.0)}
         self.scales: dict[str, Scale] = {}
         self.modes: dict[str, str] = {}                 # {dyad: its parameter}
+        self.report: list[str] = []
         self.values: dict[str, Any] = {'linkage.kind': 'machine', 'linkage.dyads': []}
 
     def flat(self, vector: Array) -> complex:
@@ -76,8 +76,7 @@ class Plane:
 
     def add_link(self, part: str, origin: complex, direction: complex, name: str = '') -> str:
         """Add a link, called like its part; return its name."""
-        name = name or re.sub(r'\W', '_', self.loop.name_of(part)).strip('_')
-        name = f'link_{name}' if not name[:1].isalpha() else name
+        name = name or word(self.loop.name_of(part), 'link')
         while name in {link.name for link in self.links.values()} or (
                 name in TAKEN and len(self.links) > 1):
             name += '_link'
@@ -228,7 +227,12 @@ class Plane:
         mode = self.values[key] = 2 if has_one else wanted.get(name) or min(
             turns, key=turns.__getitem__, default=2)
         if name in wanted:
-            return turns.get(mode, 0.0)
+            if turns.get(mode, 0.0) <= OPEN:
+                return turns.get(mode, 0.0)
+            instead = f'by {turns[3 - mode]:.3g}' if 3 - mode in turns else 'does not close'
+            self.report.append(f'warning: --mode {name}={mode} turns links by {turns[mode]:.3g} '
+                               f"degrees from the file's pose, mode {3 - mode} {instead}")
+            return 0.0
         ask = 'give a pose by --at or --key' + (
             '' if has_one else f', or the mode by --mode {name}=1 or {name}=2')
         whose = ', '.join(link.name for link in links)

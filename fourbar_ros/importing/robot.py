@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import radians
+import re
 from typing import NamedTuple
 
 from fourbar_ros.errors import FourBarError
@@ -70,9 +71,20 @@ class Coupling(NamedTuple):
     ratio: float
 
 
+class Frame(NamedTuple):
+    """A frame that is fixed to a body: a body without joints, or a site; its point [m]."""
+
+    body: str
+    point: Array
+
+
 @dataclass
 class Robot:
-    """``poses``: 4 x 4 of each body; ``notes``: a line for each thing that was left out."""
+    """
+    ``poses``: 4 x 4 of each body; ``notes``: a line for each thing that was left out.
+
+    ``frames``: what is fixed to bodies, without the frames at which loops are closed.
+    """
 
     format: str
     root: str
@@ -80,6 +92,7 @@ class Robot:
     poses: dict[str, Array] = field(default_factory=dict)
     inertials: dict[str, Inertial] = field(default_factory=dict)
     joints: list[RobotJoint] = field(default_factory=list)
+    frames: dict[str, Frame] = field(default_factory=dict)
     drives: list[str] = field(default_factory=list)
     couplings: list[Coupling] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -89,6 +102,19 @@ class Robot:
         axes = pose[:3, :3]
         if mass > LEAST_MASS or np.max(np.abs(inertia)) > LEAST_INERTIA:
             self.inertials[body] = Inertial(mass, pose[:3, 3], axes @ inertia @ axes.T)
+
+    def add_fixed_bodies(self) -> None:
+        """Add the frames that are bodies fixed to others, when all joints are there."""
+        closing = {body for joint in self.joints if joint.closes
+                   for body in (joint.parent, joint.child)}
+        self.frames |= {joint.child: Frame(joint.child, joint.on_child) for joint in self.joints
+                        if joint.kind == FIXED and joint.child not in closing}
+
+
+def word(name: str, kind: str) -> str:
+    """Return a name as ROS takes it for nodes, topics and parameters: KIND_1 of 1."""
+    text = re.sub(r'\W+', '_', name, flags=re.ASCII).strip('_')
+    return text if text[:1].isalpha() else f'{kind}_{text}'
 
 
 def pose_of(rotation: Array, position: Sequence[float] | Array) -> Array:

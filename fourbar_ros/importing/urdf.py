@@ -165,6 +165,7 @@ def read_urdf(path: Path, close: Sequence[str], key: str, at: Mapping[str, str])
                 robot.joints.append(_closing('~'.join(ends), PIN, ends, (here, there),
                                              here[:3, :3] @ np.array(closure['axis'], float)))
     robot.joints += _frames(close, poses, {joint.name for joint in robot.joints})
+    robot.add_fixed_bodies()
     return robot
 
 

@@ -116,6 +116,20 @@ def test_two_connects_on_one_axis_are_a_pin(second, tmp_path):
     assert 'loop 1: shoulder, elbow, pivot, tip\n' in report
 
 
+def test_a_site_and_a_fixed_body_are_points_but_not_the_sites_of_a_connect(tmp_path):
+    loop, report = good(tmp_path, robot(
+        on_link='<site name="one" pos="0.9 0.3 0"/><site name="2nd tool" pos="0.7 0.5 0.1"/>'
+                '<body name="pad" pos="0.5 0.4 0"/><site pos="1 1 0"/>',
+        on_lever='<site name="other" pos="-0.1 0.7 0"/>',
+        equality='<connect name="tip" site1="one" site2="other"/>'))
+    assert loop.scene.points.keys() == {'pad', 'point_2nd_tool'}
+    assert 'point point_2nd_tool on link, the frame 2nd tool of the file' in report
+    # from the elbow, along the link to (0.9, 0.3)
+    point = loop.scene.points['point_2nd_tool']
+    turned = complex(0.7, 0.5) / complex(0.9, 0.3) * abs(complex(0.9, 0.3))
+    assert complex(point.along, point.across) == pytest.approx(turned, abs=1e-15)
+
+
 def test_sites_and_welds_close_loops_too(tmp_path):
     sites = {'on_link': '<site name="one" pos="0.9 0.3 0"/>',
              'on_lever': '<site name="two" pos="-0.1 0.7 0"/>'}

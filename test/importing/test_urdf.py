@@ -5,6 +5,8 @@ import re
 
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.importing.robot import Refused
+from fourbar_ros.mechanisms.curves import point_of
+from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
 
@@ -152,3 +154,66 @@ def test_a_refusal_is_a_line_that_says_what_would_help(text, wishes, words, tmp_
         line = str(error)
     assert re.search(words, line), line
     assert '\n' not in line
+
+
+TIP = (LINK.format(name='tip-1', cg='0 0 0', mass=0.25) + JOINT.format(
+    name='mount', kind='fixed', parent='link', child='tip-1', xyz='0.5 0.1 0.6', rpy='0 0 0',
+    axis='0 0 0'))
+
+
+@pytest.mark.parametrize('turn', (0.0, 0.1))
+def test_a_fixed_frame_is_a_point_and_a_payload_there_is_its_weight(turn, tmp_path):
+    loop, report = good(tmp_path, robot(FRAMES.format('closing_a_1', 'closing_a_2'), more=TIP),
+                        at={'shoulder': f'{turn}rad', 'elbow': f'{-turn}rad',
+                            'pivot': f'{turn * 0.4}rad'})
+    scene, robot_ = loop.scene, loop.loop.robot
+    assert [*scene.points] == ['tip_1'] and 'points' in scene.outputs
+    assert 'tip-1 is part of link' in report and 'arm is called crank' in report
+    assert 'point tip_1 on link, the frame tip-1 of the file' in report
+    assert 'x of the scene is -x of frame, y is +z' in report
+    # the link's frame, from the scene's joints and by trigonometry: the tip is where both say
+    point = scene.points['tip_1']
+    motion = scene.linkage.motion(scene.drive.start, 0.0, 0.0)
+    x, y = point_of(scene.linkage.link_motion(motion, 'link'), point.along, point.across)[:2]
+    angles = {name: ratio * getattr(motion, joint.coordinate.position) + offset
+              for name, joint, ratio, offset in zip(
+                  scene.joint_names, scene.linkage.JOINTS, scene.joint_states.ratios,
+                  scene.joint_states.offsets)}
+    arm, link = angles['shoulder'], angles['shoulder'] + angles['elbow']
+    there = (0.4 * np.sin(arm) + 0.5 * np.cos(link) + 0.6 * np.sin(link),
+             0.4 * np.cos(arm) - 0.5 * np.sin(link) + 0.6 * np.cos(link))
+    assert (-x, y) == pytest.approx(there, abs=1e-14)
+    assert robot_.frames.keys() == {'tip-1'}
+    # 0.25 kg at the tip more: as a force there, and as a mass in the file; both at rest
+    weight = from_values({**loop.values, 'external.link.along': point.along,
+                          'external.link.across': point.across,
+                          'external.link.force_y': -0.25 * 9.80665})
+    (heavier,) = read(tmp_path, robot(FRAMES.format('closing_a_1', 'closing_a_2'),
+                                      more=TIP.replace('"0.25"', '"0.5"')),
+                      at={'shoulder': f'{turn}rad', 'elbow': f'{-turn}rad',
+                          'pivot': f'{turn * 0.4}rad'}).loops
+    position = scene.drive.start - 0.5          # where the tip is far from its highest
+    held = weight.linkage.step(position, 0.0, 0.0)[1].driving_torque
+    assert held == pytest.approx(
+        heavier.scene.linkage.step(position, 0.0, 0.0)[1].driving_torque, rel=1e-12)
+    assert abs(held - scene.linkage.step(position, 0.0, 0.0)[1].driving_torque) > 0.1
+
+
+def test_without_a_loop_the_frames_that_coincide_are_proposed(tmp_path):
+    with pytest.raises(Refused, match='of is_closed_by, closes: --close is_closed_by,closes are '
+                                      r"\S+ m apart in the file's pose$"):
+        read(tmp_path, robot(FRAMES.format('is_closed_by', 'closes'), more=TIP))
+
+
+def test_a_mode_against_the_pose_is_a_warning_with_both_openings(tmp_path):
+    result = read(tmp_path, robot(), modes={'d1': 2})
+    line = next(line for line in result.report if 'warning' in line)
+    assert re.search('--mode d1=2 turns links by 1[0-9][0-9] degrees from the file.s pose, '
+                     'mode 1 by [0-9.e-]+$', line), line
+    assert not any('warning' in line for line in read(tmp_path, robot(), modes={'d1': 1}).report)
+
+
+def test_a_check_says_the_drive_with_its_unit_and_where_its_peak_is(tmp_path):
+    _, report = good(tmp_path, robot())
+    assert re.search(r'drive within \S+ N m, \S+ of its peak \S+ N m at shoulder = \S+ rad$',
+                     report), report
