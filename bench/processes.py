@@ -47,17 +47,17 @@ class Child:
         self.process.wait(20)
 
 
-def node_of(values):
+def node_of(values, name='fourbar'):
     """Start fourbar_node with these parameters."""
-    return Child('fourbar', '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
-                 str(file_of(values, Path(tempfile.mkdtemp()))), '-r',
-                 'joint_states:=/fourbar/joint_states')
+    return Child(name, '-m', 'fourbar_ros.ros.node.start', '--ros-args', '--params-file',
+                 str(file_of(values, Path(tempfile.mkdtemp()))), '-r', f'__node:={name}', '-r',
+                 f'joint_states:=/{name}/joint_states')
 
 
-def ours(outputs=KINEMATICS, **parameters):
+def ours(outputs=KINEMATICS, name='fourbar', **parameters):
     """Start fourbar_node with these outputs and parameters (dots written as two underscores)."""
     return node_of({**PAPER, **RODS, 'drive.speed': 25.0, 'outputs': outputs, **{
-        name.replace('__', '.'): value for name, value in parameters.items()}})
+        key.replace('__', '.'): value for key, value in parameters.items()}}, name)
 
 
 def bare(kind, outputs=KINEMATICS, rate=1.0):
