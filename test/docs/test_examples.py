@@ -114,7 +114,7 @@ def test_an_example_without_its_package_says_what_to_install(name, package, tmp_
 
 def test_the_press_of_the_manual_is_sized_as_it_says(capsys):
     """Work without friction is that of the cut, 2 kN over 8 mm, exactly."""
-    main(['show', str(EXAMPLES / 'press.yaml'), '--json'])
+    main(['show', 'press', '--json'])
     drive = json.loads(capsys.readouterr().out)['drive']
     assert drive['cycle']['without_friction'] == pytest.approx(16.0, rel=1e-12)
     text = (ROOT / 'docs/dynamics.md').read_text(encoding='utf-8')
