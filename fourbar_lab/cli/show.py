@@ -84,8 +84,11 @@ def _show(arguments: Namespace) -> None:
                   poses.position_of(linkage, arguments.high))
     elif arguments.low is not arguments.high:
         raise InvalidParameter('--from, --to', None, 'one needs the other')
+    by, driven = scene.drive, linkage.input_coordinate
+    counted = (f'; joint {by.joint} = {by.joint_ratio:g} * {driven.position} + '
+               f'({poses.shown(driven, by.joint_offset)})' if by.joint else '')
     pose = (None if arguments.at is None else poses.evaluate_at(
-        linkage, arguments.at, speed, acceleration))
+        linkage, arguments.at, speed, acceleration, counted))
     hold = None if arguments.hold is None else poses.position_of(linkage, arguments.hold)
     quantities = select((), linkage, scene.point_quantities)
     if linkage.locked_ranges(speed, acceleration, within):      # there are no loads in them

@@ -43,14 +43,18 @@ def require_units(linkage: Mechanism, user_input: float | None, speed: float | N
             require(name, value, unit)
 
 
-def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
-                ) -> DrawnPose:
-    """Return the pose at an input [degrees or m] with its rates [rad or m]; or FourBarError."""
+def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float,
+                counted: str = '') -> DrawnPose:
+    """
+    Return the pose at an input [degrees or m] with its rates [rad or m]; or FourBarError.
+
+    ``counted``: how the input is counted, in words, for the error.
+    """
     sample = position_of(linkage, user_input), speed, acceleration
     status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
     if status == stepper.OUT_OF_RANGE:
         ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
-        raise no_pose(linkage, user_input, f'is outside the input range {ranges}')
+        raise no_pose(linkage, user_input, f'is outside the input range {ranges}{counted}')
     if status == stepper.INVALID_INPUT:
         linkage.motion(*sample)       # raises where the input is not finite
     return DrawnPose(status, motion, loads if linkage.has_loads else None)

@@ -3,6 +3,7 @@
 """Loops of URDF: one small file for each way of saying where it is cut, beside MuJoCo."""
 import re
 
+from fourbar_ros.cli.main import main
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.importing.robot import Refused
 from fourbar_ros.mechanisms.curves import point_of
@@ -217,3 +218,15 @@ def test_a_check_says_the_drive_with_its_unit_and_where_its_peak_is(tmp_path):
     _, report = good(tmp_path, robot())
     assert re.search(r'drive within \S+ N m, \S+ of its peak \S+ N m at shoulder = \S+ rad$',
                      report), report
+
+
+def test_a_pose_outside_the_range_says_how_the_joint_counts(tmp_path, capsys):
+    result = read(tmp_path, robot().replace(
+        'name="shoulder" type="continuous">', 'name="shoulder" type="revolute">'
+        '<limit lower="-0.1" upper="0.1"/>', 1))
+    path = tmp_path / 'scene.yaml'
+    path.write_text(result.text)
+    assert main(['show', str(path), '--at', '-60']) == 1
+    said = ' '.join(capsys.readouterr().err.split())
+    offset = np.degrees(result.loops[0].scene.drive.joint_offset)
+    assert f'; joint shoulder = 1 * theta_crank + ({offset:.4f} deg)' in said, said

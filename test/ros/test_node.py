@@ -127,6 +127,20 @@ def test_find_extrema_where_a_robot_moves(run_node, client):
             and answer.message.startswith('range = (0.3, 0.4): the links close at none'))
 
 
+def test_find_extrema_of_what_is_at_rest_needs_no_velocity(run_node, client):
+    run_node({**read_values(find('jansen')), 'drive.source': 'motion', 'outputs': ['state']})
+    linkage = load_scene('jansen').linkage
+    for name in ('holding_torque', 'mechanical_advantage'):
+        answer = client.call('find_extrema', quantities=[name])
+        assert answer.result == answer.RESULT_OK, answer.message
+        expected = find_extrema(linkage, (name,), 2.0)          # at any rate
+        assert [e.value for e in answer.extrema] == [e.value for e in expected]
+    for name in ('bias', 'driving_torque'):
+        answer = client.call('find_extrema', quantities=['holding_torque', name])
+        assert answer.result == answer.RESULT_INVALID_REQUEST
+        assert answer.message.startswith('velocity = 0.0: must not be zero')
+
+
 def test_find_extrema_refuses_with_a_reason(run_node, client):
     run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state']})
     for request, said in (({'velocity': 0.0}, 'velocity'), ({'velocity': math.nan}, 'velocity'),

@@ -149,7 +149,7 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
 
 def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ...], float]:
     """Return (quantities, modes, velocity [rad/s or m/s]) of the request, or raise."""
-    from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.mechanisms.quantities import is_position, OfDrive, select
     linkage = scene.linkage
     timer_speed = scene.drive.speed if scene.drive.source == 'timer' else 0.0
     velocity = request.velocity if request.velocity != 0.0 else timer_speed
@@ -161,12 +161,14 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
     if unknown := [mode for mode in modes[request.mode] if mode not in linkage.modes]:
         raise InvalidParameter('mode', unknown[0], 'must be 0 (of the scene)'
                                + ''.join(f' or {mode}' for mode in linkage.modes))
-    if rate_of_input('velocity', velocity) == 0.0:
-        raise InvalidParameter('velocity', velocity, 'must not be zero (zero stands for the speed '
-                               'of the timer drive, if there is one)')
-    rate_of_input('acceleration', request.acceleration)
     names = list(dict.fromkeys(request.quantities))
     quantities = select(names, linkage, scene.point_quantities)
+    needs_rate = any(quantity.rate is None if isinstance(quantity, OfDrive)
+                     else not is_position(quantity) for quantity in quantities)
+    if rate_of_input('velocity', velocity) == 0.0 and needs_rate:
+        raise InvalidParameter('velocity', velocity, 'must not be zero but for holding torque and '
+                               'positions (zero is the speed of a timer drive, if there is one)')
+    rate_of_input('acceleration', request.acceleration)
     missing = [quantity.name for quantity in quantities if quantity.is_load]
     if missing and not linkage.has_loads:
         raise InvalidParameter(missing[0], None, linkage.why_no_loads)
