@@ -263,7 +263,7 @@ def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
             continue
         called = loop.name_of(part)
         merged = [body for body in robot.poses if loop.part_of[body] == part and body != called
-                  and (body in robot.frames or body in robot.inertials)]
+                  and body in robot.inertials]
         report += [f'{called} is called {link.name}'] * (called != link.name)
         report += [f'{body} is part of {link.name}' for body in merged]
         for name, frame in robot.frames.items():

@@ -20,6 +20,7 @@ import numpy as np
 
 PIN, SLIDE, POINT, BALL, FIXED, FREE = 'pin', 'slide', 'point', 'ball', 'fixed', 'free'
 LEAST_MASS, LEAST_INERTIA = 2e-9, 1e-6       # [kg], and of what weighs nothing [kg m^2]
+CUT = re.compile('closing_|closedloop')         # frames where loops are cut: ours, Gepetto's
 START = 'start'         # the pose that is read if a file has it, as those of fourbar describe do
 
 
@@ -108,7 +109,8 @@ class Robot:
         closing = {body for joint in self.joints if joint.closes
                    for body in (joint.parent, joint.child)}
         self.frames |= {joint.child: Frame(joint.child, joint.on_child) for joint in self.joints
-                        if joint.kind == FIXED and joint.child not in closing}
+                        if joint.kind == FIXED and joint.child not in closing
+                        and not CUT.match(joint.child)}
 
 
 def word(name: str, kind: str) -> str:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-import re
 from typing import NamedTuple
 from xml.etree import ElementTree
 
@@ -19,6 +18,7 @@ from fourbar_ros.importing.robot import (
     angle_between,
     BALL,
     Coupling,
+    CUT,
     FIXED,
     PIN,
     POINT,
@@ -37,7 +37,6 @@ import yaml
 
 KINDS = {'revolute': PIN, 'continuous': PIN, 'prismatic': SLIDE, 'fixed': FIXED, 'ball': POINT}
 GRAVITY = 0.0, 0.0, -9.80665                                # [m/s^2], as no URDF says
-CUT = re.compile('closing_|closedloop')                     # frames of ours, of Gepetto's robots
 Element = ElementTree.Element
 Poses = Mapping[str, Array]
 

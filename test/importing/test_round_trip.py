@@ -89,5 +89,8 @@ def test_what_describe_writes_import_reads_without_options(format_, name, tmp_pa
         assert not result.loops and "flat in the file's pose" in report
         return
     assert result.is_good and len(result.loops) == 1, report
-    joints, drive = worst_of(source, result.loops[0].scene)
+    read = result.loops[0].scene
+    assert {*read.points} == {name for name, point in source.points.items()
+                              if point.link != 'ground'}
+    joints, drive = worst_of(source, read)
     assert joints < 1e-12 and drive < 1e-9, (joints, drive, report)
