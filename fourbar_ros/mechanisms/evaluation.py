@@ -97,22 +97,25 @@ class Recorded(NamedTuple):
     zeros: frozenset[int]
 
 
-def taken(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float]]:
+def trace_for(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float]]:
     """
-    Return the trace that a mechanism's formula takes, and its data.
+    Return the trace of a mechanism's motion, or motion and loads, and its data.
 
-    Most mechanisms are no change points: theirs is without the formulas of these.
+    A switch of a trace chooses between two formulas by lengths alone and is on at change points
+    only. Other mechanisms take the trace without: it is shorter, and refuses no pose for a step
+    that only the other formula needs. Kinds know the sums of lengths that are 0 at change points
+    (``margins``, with ``MARGIN_SIGNS``); of a machine the switches themselves are computed.
     """
     formula, data = formula_of(mechanism, with_loads)
     trace, values = trace_of(formula), numbers_of(data)
-    is_switched = (0.0 in mechanism.margins if mechanism.MARGIN_SIGNS
-                   else trace.is_switched(values))
-    return trace if is_switched else trace.unswitched, values
+    is_change_point = (0.0 in mechanism.margins if mechanism.MARGIN_SIGNS
+                       else trace.is_switched(values))
+    return trace if is_change_point else trace.unswitched, values
 
 
 def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
     """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
-    trace, values = taken(mechanism, with_loads)
+    trace, values = trace_for(mechanism, with_loads)
     constants = trace.constants(values)
     return Recorded(trace, constants, frozenset([
         i for i in trace.used_constants if constants[i] == 0.0]))
@@ -129,7 +132,7 @@ def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
     with their bits, but without the calls between them. It is compiled once for a structure.
     Out of reach it raises ValueError; no other checks.
     """
-    trace, values = taken(mechanism, with_loads)
+    trace, values = trace_for(mechanism, with_loads)
     zeros = frozenset[int]() if not mechanism.LEAVES_OUT_ZEROS else (
         recorded(mechanism, with_loads).zeros
         | {trace.count + i for i, value in enumerate(values) if value == 0.0})

@@ -46,6 +46,7 @@ STEP = 2.0**-200                 # of derivatives by a complex step
 # [rad] a full turn is sampled from this beyond -pi, where symmetric machines lie flat
 SEAM = 0.01234
 MISFIT = 1e-4                    # of a cubic, over the size of a margin: finer pieces are halved
+SAFETY = 4.0                     # a cubic may be off by more than in the middle of a piece
 ROUNDING = 2.0**-47              # margins below this are noise
 NARROWEST = 1e-11                # pieces are not halved on: their samples would differ by rounding
 NEWTON_STEPS = 12
@@ -414,7 +415,7 @@ def _resolved(values: Function, path: _Path, dyad: str) -> tuple[Array, Array, A
     """
     Return phi, values and slopes of a function of the input, so close that cubics hold between.
 
-    Pieces that :func:`_doubtful` names are halved, MOST_HALVINGS times at most; what is doubtful
+    Pieces that :func:`_to_halve` names are halved, MOST_HALVINGS times at most; what is doubtful
     then stays so. InvalidParameter for ``dyad`` if there are too many samples.
     """
     def sample(phi: Array) -> tuple[Array, Array]:
@@ -435,7 +436,7 @@ def _resolved(values: Function, path: _Path, dyad: str) -> tuple[Array, Array, A
         width = phi[i + 1] - phi[i]
         middle = phi[i] + 0.5 * width
         middle_value, middle_slope = sample(middle)
-        doubtful = _doubtful((value, slope), (middle_value, middle_slope), i, width)
+        doubtful = _to_halve((value, slope), (middle_value, middle_slope), i, width)
         phi, value, slope = (np.insert(old, i + 1, new) for old, new in (
             (phi, middle), (value, middle_value), (slope, middle_slope)))
         pending = np.zeros(phi.size - 1, bool)
@@ -444,28 +445,29 @@ def _resolved(values: Function, path: _Path, dyad: str) -> tuple[Array, Array, A
     return phi, value, slope
 
 
-def _doubtful(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
+def _to_halve(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
               width: Array) -> Array:
     """
     Return which pieces a cubic does not describe, or that may hide two roots.
 
-    ``ends``: values and slopes at all samples; ``inner``: those in the middle of the pieces, which
-    begin at samples ``i`` and are ``width`` wide.
+    Of any function that is sampled: margins, flatness, squared distances. ``ends``: values and
+    slopes at all samples; ``inner``: those in the middle of the pieces, which begin at samples
+    ``i`` and are ``width`` wide. Too narrow pieces and values that are noise are not halved.
     """
     (value, slope), (middle_value, middle_slope) = ends, inner
     cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
     misfit = np.abs(middle_value - cubic)
     size = np.maximum(np.abs(value[i]), np.abs(value[i + 1]))
-    halves = [_least(value[i], slope[i], middle_value, middle_slope, 0.5 * width),
-              _least(middle_value, middle_slope, value[i + 1], slope[i + 1], 0.5 * width)]
+    halves = [_least_size(value[i], slope[i], middle_value, middle_slope, 0.5 * width),
+              _least_size(middle_value, middle_slope, value[i + 1], slope[i + 1], 0.5 * width)]
     crosses = (value[i] > 0.0) != (value[i + 1] > 0.0)
     doubtful: Array = ((misfit > MISFIT * size) | ~np.isfinite(misfit)
-                       | (~crosses & (np.minimum(*halves) < 4.0 * misfit)))
+                       | (~crosses & (np.minimum(*halves) < SAFETY * misfit)))
     doubtful &= (width > NARROWEST) & (size > ROUNDING)
     return doubtful
 
 
-def _least(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
+def _least_size(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
     """
     Return about the least |cubic| over pieces, zero if it changes its sign.
 

@@ -67,7 +67,7 @@ def subscription(node: Node, topic: Topic, take: Callable[..., None], troubles: 
             qos_overriding_options=_overrides(node, 'subscription', topic))
 
 
-def check_overrides(node: Node, scene: Scene) -> None:
+def check_qos_overrides(node: Node, scene: Scene) -> None:
     """Refuse overrides of topics that the node has not, and of policies that ROS does not know."""
     later = [topic for name, topic in {**OUTPUTS, **PICTURES}.items() if name not in FAMILIES]
     topics = {'publisher': [*scene.published, *later], 'subscription': scene.received}

@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING, Union
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node.clock_input import ClockInput
 from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import check_overrides, OVERRIDES, Troubles, Worker
+from fourbar_ros.ros.node.entities import check_qos_overrides, OVERRIDES, Troubles, Worker
 from fourbar_ros.ros.node.rclpy_guard import CHANGES, GuardedNode
 from fourbar_ros.ros.node.recording import Recording
 from fourbar_ros.ros.node.stream import RunningScene, Stream
@@ -50,14 +50,16 @@ class FourBarNode(GuardedNode):
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:=/{full}']
         super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
         scene = scene_of(self, arguments)
+        # nothing is created before all is checked: a node that hears its own answers is refused
         self._check(scene)
-        check_overrides(self, scene)
+        check_qos_overrides(self, scene)
         for warning in warnings_of(scene):
             self.get_logger().warning(warning)
-        wanted = {name for service in scene.node.services
-                  for name in SERVICES[service].workers}
-        self.workers = {name: Worker(name, self.get_logger().error)
-                        for name in {*wanted, CHANGES}}
+        # long answers have threads of their own; changes of parameters always, of any node
+        wanted = {worker for service in scene.node.services
+                  for worker in SERVICES[service].workers}
+        self.workers = {worker: Worker(worker, self.get_logger().error)
+                        for worker in {*wanted, CHANGES}}
         self.troubles, recording = Troubles(self), Recording(self)
         self.stream = Stream(self, RunningScene(scene), recording, self.troubles)
         self.input: Union[ClockInput, TopicInput]
