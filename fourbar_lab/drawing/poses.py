@@ -45,11 +45,7 @@ def require_units(linkage: Mechanism, user_input: float | None, speed: float | N
 
 def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float,
                 counted: str = '') -> DrawnPose:
-    """
-    Return the pose at an input [degrees or m] with its rates [rad or m]; or FourBarError.
-
-    ``counted``: how the input is counted, in words, for the error.
-    """
+    """Return the pose at an input [degrees or m], ``counted`` so in words; or FourBarError."""
     sample = position_of(linkage, user_input), speed, acceleration
     status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
     if status == stepper.OUT_OF_RANGE:

@@ -151,7 +151,7 @@ def _might_close(robot: Robot, part_of: dict[str, str]) -> str:
     """Return in words which fixed frames without mass may be for a cut, and which two are near."""
     frames = [name for name in robot.frames if name not in robot.inertials]
     frames = [name for name in frames if 'clos' in name.lower()] or frames
-    pairs = [(float(np.linalg.norm(robot.frames[first].point - robot.frames[second].point)), pair)
+    pairs = [(float(np.linalg.norm(robot.frames[first][1] - robot.frames[second][1])), pair)
              for pair in combinations(frames, 2) for first, second in [pair]
              if part_of[first] != part_of[second]]
     if not pairs:

@@ -262,17 +262,16 @@ def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
         if part == base:
             continue
         called = loop.name_of(part)
-        merged = [body for body in robot.poses if loop.part_of[body] == part and body != called
-                  and body in robot.inertials]
         report += [f'{called} is called {link.name}'] * (called != link.name)
-        report += [f'{body} is part of {link.name}' for body in merged]
-        for name, frame in robot.frames.items():
-            if loop.part_of[frame.body] == part:
+        report += [f'{body} is part of {link.name}' for body in robot.inertials
+                   if loop.part_of[body] == part and body != called]
+        for name, (body, centre) in robot.frames.items():
+            if loop.part_of[body] == part:
                 point = word(name, 'point')
                 while point in points:
                     point += '_'
                 points.append(point)
-                plane.set_point(f'points.{point}', part, plane.flat(frame.point))
+                plane.set_point(f'points.{point}', part, plane.flat(centre))
                 report.append(f'point {point} on {link.name}'
                               + f', the frame {name} of the file' * (point != name))
     return bool(points)

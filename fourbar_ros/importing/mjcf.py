@@ -14,7 +14,6 @@ from fourbar_ros.importing.robot import (
     BALL,
     Coupling,
     FIXED,
-    Frame,
     FREE,
     PIN,
     POINT,
@@ -159,8 +158,7 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
     for index in range(model.nsite):
         name = model.site(index).name
         if name and index not in closing:
-            robot.frames[name] = Frame(bodies[model.site_bodyid[index]],
-                                       data.site_xpos[index].copy())
+            robot.frames[name] = bodies[model.site_bodyid[index]], data.site_xpos[index].copy()
     transmissions = mujoco.mjtTrn
     for index in range(model.nu):
         by, target = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])

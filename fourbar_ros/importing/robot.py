@@ -72,19 +72,12 @@ class Coupling(NamedTuple):
     ratio: float
 
 
-class Frame(NamedTuple):
-    """A frame that is fixed to a body: a body without joints, or a site; its point [m]."""
-
-    body: str
-    point: Array
-
-
 @dataclass
 class Robot:
     """
     ``poses``: 4 x 4 of each body; ``notes``: a line for each thing that was left out.
 
-    ``frames``: what is fixed to bodies, without the frames at which loops are closed.
+    ``frames``: (body, point [m]) of what is fixed to bodies, but where loops are closed.
     """
 
     format: str
@@ -93,7 +86,7 @@ class Robot:
     poses: dict[str, Array] = field(default_factory=dict)
     inertials: dict[str, Inertial] = field(default_factory=dict)
     joints: list[RobotJoint] = field(default_factory=list)
-    frames: dict[str, Frame] = field(default_factory=dict)
+    frames: dict[str, tuple[str, Array]] = field(default_factory=dict)
     drives: list[str] = field(default_factory=list)
     couplings: list[Coupling] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -108,7 +101,7 @@ class Robot:
         """Add the frames that are bodies fixed to others, when all joints are there."""
         closing = {body for joint in self.joints if joint.closes
                    for body in (joint.parent, joint.child)}
-        self.frames |= {joint.child: Frame(joint.child, joint.on_child) for joint in self.joints
+        self.frames |= {joint.child: (joint.child, joint.on_child) for joint in self.joints
                         if joint.kind == FIXED and joint.child not in closing
                         and not CUT.match(joint.child)}
 
