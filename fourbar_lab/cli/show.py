@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.scene.units import of, require
+from fourbar_ros.scene.units import of, quantity, require, WrongQuantity
 
 if TYPE_CHECKING:      # verbs import when they run
     from rich.table import Table
@@ -59,9 +59,9 @@ def add(verbs: Verbs) -> None:
 def _share(text: str) -> float:
     """Return a positive share, as 0.05 or 5%."""
     try:
-        share = float(text.removesuffix('%')) * (0.01 if text.endswith('%') else 1.0)
-    except ValueError:
-        share = 0.0
+        share = quantity(text.removesuffix('%')) * (0.01 if text.endswith('%') else 1.0)
+    except WrongQuantity as error:
+        raise ArgumentTypeError(f'{text!r} {error}') from None
     if not 0.0 < share < 2.0:
         raise ArgumentTypeError(f'{text} must be a positive share below 2, as 5% or 0.05')
     return share

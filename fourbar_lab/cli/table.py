@@ -71,10 +71,16 @@ def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) ->
 
 def _table(arguments: Namespace) -> None:
     """Write all quantities, or those asked for, or what the drive must give at some speeds."""
-    from fourbar_lab.drawing.curves import curves_of, envelope_of, UNITS, write_table
+    from fourbar_lab.drawing.curves import (
+        curves_of,
+        envelope_of,
+        missed_peaks,
+        UNITS,
+        write_table,
+    )
     from fourbar_ros.spreadsheet import STDOUT
     scene, linkage, speed = asked(arguments)
-    units = UNITS | arguments.units
+    units, missed = UNITS | arguments.units, ''
     if arguments.speeds:
         if arguments.names:
             raise InvalidParameter('--speeds', None, 'cannot be combined with QUANTITY '
@@ -83,11 +89,16 @@ def _table(arguments: Namespace) -> None:
             require('--speeds', each, f'{linkage.input_coordinate.unit}/s')
         curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration, units)
     else:
-        curves = curves_of(scene, linkage, arguments.names, speed, arguments.acceleration,
-                           arguments.samples, units)
+        asked_for = (scene, linkage, arguments.names, speed, arguments.acceleration,
+                     arguments.samples, units)
+        curves = curves_of(*asked_for)
+        if linkage.elements or linkage.friction:
+            missed = missed_peaks(curves, curves_of(*asked_for, with_jumps=True))
     write_table(curves, arguments.out, common.csv_style(arguments))
     if arguments.out != STDOUT:
         print(arguments.out)
+    if missed:
+        print(missed, file=sys.stderr)
     _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
 
 
@@ -96,12 +107,14 @@ def _plot(arguments: Namespace) -> None:
     from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of, UNITS
     from fourbar_lab.drawing.figure import save
     from fourbar_ros.mechanisms.quantities import select
+    from fourbar_ros.scene.files import find
     scene, linkage, speed = asked(arguments)
     names = arguments.names or [quantity.name for quantity in select(
         (), linkage, scene.point_quantities)]
     acceleration = arguments.acceleration
     units = UNITS | arguments.units
-    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples, units)
+    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples, units, True)
+    curves = curves._replace(title=f'{find(arguments.scene).stem}: {curves.title}')
     extrema = extrema_of(scene, linkage, names, speed, acceleration)
     print(save(make_figure(curves, marks_of(linkage, extrema, units)), arguments.out))
     _tell_weight(scene, curves.names)

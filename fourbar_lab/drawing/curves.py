@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from math import inf, isfinite
+from math import inf, isfinite, tau
 from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
@@ -18,6 +18,7 @@ from fourbar_ros import InvalidParameter, Mechanism
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms import parts, quantities
+from fourbar_ros.mechanisms.pieces import BESIDE, with_friction
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import in_unit, units_of
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
@@ -34,6 +35,7 @@ AXES = {unit: name for si, name in (
     ('N m', 'torque, moment'), ('W', 'power'), ('kg m^2', 'inertia'), ('kg', 'inertia'),
     ('', 'ratio'), ('N/(N m)', 'ratio'), ('N m/N', 'ratio')) for unit in units_of(si)}
 SPEEDS = 25         # in a table over the speed
+MISSED = 1e-6       # of the largest value: a peak between rows that is higher by less is none
 UNITS = {'rad': 'deg'}              # {SI unit: unit shown}
 NEAR, FAR = 10.0, 30.0      # a curve beyond FAR times its median size is cut off at NEAR times
 
@@ -51,15 +53,16 @@ class Curves(NamedTuple):
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
               acceleration: float = 0.0, samples: int = 361,
-              shown_units: Mapping[str, str] = UNITS) -> Curves:
+              shown_units: Mapping[str, str] = UNITS, with_jumps: bool = False) -> Curves:
     """
     Return quantities of a scene over all ranges of its input, at one speed and acceleration.
 
     ``names``: fields of motion or loads, NAME.speed and NAME.acceleration of the scene's points,
     or those of :func:`.of_drive`; empty: all but these, loads only with masses. ``linkage`` is the
     scene's in the assembly mode wanted; ``samples`` are the inputs in each range;
-    ``shown_units``: {SI unit: unit of the columns that measure the same}. UnknownQuantity, with
-    the nearest name; InvalidParameter for a load without masses, or if a quantity overflows.
+    ``shown_units``: {SI unit: unit of the columns that measure the same}; ``with_jumps``: besides
+    two inputs, just below and above, wherever loads may jump. UnknownQuantity, with the nearest
+    name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_drive = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
@@ -83,8 +86,17 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
             return of_drive[name].values(linkage, inputs, speed)
         return np.asarray(getattr(loads if name in of_loads else motion, name))
 
+    ends = (() if not (with_jumps and loads_wanted) else
+            with_friction(linkage, (speed, acceleration)).ends if linkage.friction else
+            linkage.pieces.ends if linkage.pieces else ())
     blocks: list[Array] = []
     for inputs in cycles(linkage, samples, True, linkage.turns if loads_wanted else 1):
+        if ends:
+            low, width = inputs[0], inputs[-1] - inputs[0]
+            turns = np.arange(-1.0, width / linkage.cycle + 1.0) if linkage.turns_fully else [0.0]
+            sides = np.add.outer(np.add.outer(ends, np.multiply(turns, tau * linkage.turns)),
+                                 [-BESIDE * width, BESIDE * width])
+            inputs = np.union1d(inputs, sides[(sides > low) & (sides < inputs[-1])])
         motion = linkage.motion(inputs, speed, acceleration)
         loads = linkage.loads(inputs, speed, acceleration) if loads_wanted else None
         rows = [inputs, *(values_of(name, inputs, motion, loads) for name in wanted)]
@@ -164,6 +176,19 @@ def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     return units
 
 
+def missed_peaks(curves: Curves, with_jumps: Curves) -> str:
+    """Return a line on columns that are larger at a jump than in any row of a table, or ''."""
+    missed = list[str]()
+    for name, unit, column, closer in zip(*curves[1:4], with_jumps.values):
+        peak = closer[at := np.nanargmax(np.abs(closer))]
+        if abs(peak) > (1.0 + MISSED) * np.nanmax(np.abs(column)):
+            missed.append(f'{name} {peak:.6g} {unit}'.rstrip()
+                          + f' at {with_jumps.values[0, at]:.6g} {curves.units[0]}')
+    more = f' and {len(missed) - 3} more' if len(missed) > 3 else ''
+    return ('larger than in any row, beside a jump of the loads (see fourbar show): '
+            f'{", ".join(missed[:3])}{more}' if missed else '')
+
+
 def write_table(curves: Curves, path: Path, style: CsvStyle) -> None:
     """Write a table as CSV to a file, or ``-`` for standard output; CannotDraw if it cannot be."""
     if path != STDOUT and path.suffix != '.csv':
@@ -200,8 +225,9 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     is_angle = isfinite(curves.period)
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
-            for x in (np.arange(low + (first - low) % curves.period, high + 1e-9, curves.period)
-                      if is_angle else [first])]
+            # on its side of a jump, so that one where a turn begins is not at both its ends
+            for x in (np.arange(low + (first + 1e-9 * extremum.side - low) % curves.period,
+                                high + 0.5e-9, curves.period) if is_angle else [first])]
     marked = {name: [value for quantity, _, value in dots if quantity == name]
               for name in curves.names}
     rows = [(name, symbol, unit, readable(values, marked[name]) if marked[name] else values)

@@ -96,13 +96,15 @@ def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     """Return what a legend calls fields and quantities: symbols as in pictures, or words."""
     low, high = mechanism.input_ranges[0]        # any pose will do: the names are the same
     labels = labels_of(picture.diagram_of(mechanism, mechanism.motion(0.5 * (low + high), 1.0)))
-    known = {'driving_torque': f'${mechanism.TORQUE}$', 'driving_force': '$P$'}
+    known = {'driving_torque': f'driving torque ${mechanism.TORQUE}$',
+             'driving_force': 'driving force $P$'}
     for name, symbol in labels.forces.items():
         words = f' {labels.words[name]}' if labels.words else ''
         known |= {name: f'${symbol}${words}',
                   **{f'{name}_{axis}': f'${symbol[:-1]},{axis}}}${words}' for axis in 'xy'}}
     for coordinate in mechanism.PARTS:
-        known |= {name: f'${symbol}$' for name, symbol in zip(coordinate, _symbols(coordinate))}
+        known |= {name: f'{name.replace("_", " ") if coordinate.unit == "m" else ""} ${symbol}$'
+                  .lstrip() for name, symbol in zip(coordinate, _symbols(coordinate))}
     return tuple([known.get(name, name.replace('_', ' ')) for name in names])
 
 

@@ -370,6 +370,10 @@ class RosYaml(PlainYaml):
             if type(item) is not type(items[0]) or isinstance(item, list):
                 hint = ('' if {*map(type, items)} - {int, float, str} else
                         '; give all its numbers a unit, or none')
+                for a, b in zip(node.value, node.value[1:]):       # [-1,8kN] is -1 and 8kN
+                    if (a.end_mark.column + 1 == b.start_mark.column and b.value[:1].isdecimal()
+                            and a.value.lstrip('+-').isdecimal()):
+                        hint = f'; did you mean {a.value}.{b.value}? A comma is no decimal point'
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type, and {item!r} is not of that of '
                             f'{items[0]!r}{hint}', problem_mark=item_node.start_mark)

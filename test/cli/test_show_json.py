@@ -113,7 +113,7 @@ def test_printed_peaks_are_the_extrema(name, tmp_path, capsys):
     assert (peak, effort['peak_at']) in [
         (float(one['value']), float(one['slide'] if linkage.is_driven_by_slide else one['theta1']))
         for one in found['extrema'] if one['quantity'] == linkage.drive_load]
-    assert power == peak * speed
+    assert (power, effort['peak_power_at']) == (peak * speed, effort['peak_at'])
     unit, pin = effort['unit'], found['drive']['worst_pin']
     text = said(capsys, 'show', name)
     assert f'drive      peak {peak:.6g} {unit} at ' in text

@@ -208,6 +208,45 @@ def test_dots_of_a_four_stroke_lie_on_its_curves():
             assert abs(np.interp(x, line.get_xdata(), line.get_ydata()) - y) <= 0.02 * height
 
 
+def test_a_table_names_peaks_between_its_rows(tmp_path, capsys):
+    """Of the press: its cut begins between two rows, which stay a degree apart."""
+    file = tmp_path / 'press.csv'
+    given = ['--force', '-o', str(file)]
+    effort = drive_of(load_scene('press').linkage, 3.0 * np.pi)['effort']
+    peak, at = f'{effort["peak"]:.6g}', f'{np.degrees(effort["peak_at"]):.6g}'
+    assert not main(['table', 'press', 'driving_torque', 'slide', *given])
+    assert capsys.readouterr().err.splitlines() == [
+        'larger than in any row, beside a jump of the loads (see fourbar show): '
+        f'driving_torque {peak} N m at {at} deg']
+    _, *rows = csv.reader(file.read_text().splitlines())
+    assert [float(row[0]) for row in rows] == list(range(361))
+    assert max(float(row[1]) for row in rows) < 0.999 * effort['peak']
+    assert not main(['table', 'press', *given])
+    assert capsys.readouterr().err.endswith(' more\n')
+    for quiet in (['slide'], ['--speeds', '1', '2']):
+        assert not main(['table', 'press', *quiet, *given])
+        assert capsys.readouterr().err == ''
+
+
+def test_a_picture_draws_jumps_upright_and_names_scene_and_torque(tmp_path, capsys, monkeypatch):
+    """Each mark lies on the curve, those on both sides of a jump too; the slope is vertical."""
+    drawn = []
+    monkeypatch.setattr('fourbar_lab.drawing.figure.save',
+                        lambda figure, path: drawn.append(figure) or path)
+    assert not main(['plot', 'press', 'driving_torque', '-o', str(tmp_path / 'press.png')])
+    axis, = drawn[0].axes
+    line, dots = axis.lines
+    assert line.get_label() == 'driving torque $T_{41}$'
+    assert any('press: slider-crank' in text.get_text()
+               for text in (axis.title, *drawn[0].texts, *filter(None, [drawn[0]._suptitle])))
+    x, y = line.get_data()
+    steps = np.abs(np.diff(y))
+    assert np.diff(x)[steps.argmax()] < 1e-6 and steps.max() > 50.0
+    for at, value in zip(*dots.get_data()):
+        near = np.abs(x - at) <= 1.0        # a row, and both values beside a jump
+        assert np.abs(y[near] - value).min() <= 1e-3 * np.ptp(y)
+
+
 def test_a_machine_names_the_dyad_that_stops_it():
     rocker = Dyad('second', 'RRR', Point('crank', 1.2), Point('ground', 1.0), ('rod', 'rocker'),
                   length_1=0.4, length_2=0.8)
