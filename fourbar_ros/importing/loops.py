@@ -149,15 +149,15 @@ def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) ->
 
 def _might_close(robot: Robot, part_of: dict[str, str]) -> str:
     """Return in words which fixed frames without mass may be for a cut, and which two are near."""
-    frames = [name for name in robot.frames if name not in robot.inertials]
-    frames = [name for name in frames if 'clos' in name.lower()] or frames
-    pairs = [(float(np.linalg.norm(robot.frames[first][1] - robot.frames[second][1])), pair)
-             for pair in combinations(frames, 2) for first, second in [pair]
-             if part_of[first] != part_of[second]]
+    points = {joint.child: joint.on_child for joint in robot.joints
+              if joint.kind == FIXED and joint.child not in robot.inertials}
+    frames = [name for name in points if 'clos' in name.lower()] or [*points]
+    pairs = [(float(np.linalg.norm(points[first] - points[second])), first, second)
+             for first, second in combinations(frames, 2) if part_of[first] != part_of[second]]
     if not pairs:
         return ''
-    gap, nearest_two = min(pairs)
-    return (f', of {", ".join(frames[:8])}: --close {",".join(nearest_two)} are {gap:.3g} m apart '
+    gap, first, second = min(pairs)
+    return (f', of {", ".join(frames[:8])}: --close {first},{second} are {gap:.3g} m apart '
             "in the file's pose")
 
 

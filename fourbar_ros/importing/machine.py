@@ -241,8 +241,7 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
         'joint_states.only_passive': gear is None,
         'joint_states.leave_out': [each.joint.name for each in scales.values()
                                    if each.joint.closes],
-        'outputs': ['joint_states', 'state', *(['loads'] if has_masses else []),
-                    *(['points'] if has_points else [])]}
+        'outputs': ['joint_states', 'state', *['loads'] * has_masses, *['points'] * has_points]}
     return Imported(loop, values, from_values(values), scales, driving, report)
 
 

@@ -200,10 +200,12 @@ def test_a_fixed_frame_is_a_point_and_a_payload_there_is_its_weight(turn, tmp_pa
     assert abs(held - scene.linkage.step(position, 0.0, 0.0)[1].driving_torque) > 0.1
 
 
-def test_without_a_loop_the_frames_that_coincide_are_proposed(tmp_path):
-    with pytest.raises(Refused, match='of is_closed_by, closes: --close is_closed_by,closes are '
+@pytest.mark.parametrize('ends', (('is_closed_by', 'closes'), ('closing_finger', 'closing_arm'),
+                                  ('pin', 'hole')))
+def test_without_a_loop_the_frames_that_coincide_are_proposed(ends, tmp_path):
+    with pytest.raises(Refused, match=f'of {ends[0]}, {ends[1]}: --close {",".join(ends)} are '
                                       r"\S+ m apart in the file's pose$"):
-        read(tmp_path, robot(FRAMES.format('is_closed_by', 'closes'), more=TIP))
+        read(tmp_path, robot(FRAMES.format(*ends), more=TIP))
 
 
 def test_a_mode_against_the_pose_is_a_warning_with_both_openings(tmp_path):
