@@ -11,6 +11,7 @@ from fourbar_ros.cli.common import add_scene, add_verb, refuse_overwriting, Verb
 EPILOG = """\
 examples:
   fourbar live paper                        drag a joint, type a length, see at once
+  fourbar live                              draw a machine on an empty page
   fourbar live my.yaml --port 8100 --no-browser
   fourbar live jansen -o jansen.html        one file that needs no server
 
@@ -26,7 +27,7 @@ def add(verbs: Verbs) -> None:
                     'and a field\nfor every length, mass, spring and force.\n'
                     'Requires starlette and uvicorn: pip install starlette uvicorn; with -o '
                     'nothing.', EPILOG)
-    add_scene(live)
+    add_scene(live, nargs='?')
     live.add_argument('-o', '--out', metavar='FILE.html', type=Path,
                       help='write the page as one file, and serve nothing')
     live.add_argument('--force', action='store_true', help='overwrite a file that exists')
@@ -39,12 +40,13 @@ def add(verbs: Verbs) -> None:
 def _live(arguments: Namespace) -> None:
     """Serve the page of a scene, or write it as a file."""
     from fourbar_ros.scene.scene import load
-    scene = load(arguments.scene)
+    scene = arguments.scene and load(arguments.scene)
     if arguments.out is None:
         from fourbar_lab.live.server import free_port, serve
         serve(arguments.scene, scene, free_port(arguments.port), not arguments.no_browser)
         return
     from fourbar_lab.live.page import page
     refuse_overwriting([arguments.out], arguments.force)
-    arguments.out.write_text(page(Path(arguments.scene).stem, scene), encoding='utf-8')
+    name = arguments.scene and Path(arguments.scene).stem
+    arguments.out.write_text(page(name, scene), encoding='utf-8')
     print(arguments.out)

@@ -10,14 +10,12 @@ from typing import Any
 
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
-from fourbar_lab.drawing.labels import labels_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import facts, proofs_in_words, SIDES
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
 from fourbar_ros.scene.files import flatten, YamlTree
 from fourbar_ros.scene.linkage import warnings_of
@@ -87,8 +85,12 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     key = sha256(module.body.encode()).hexdigest()[:16]
     quantities = quantities_of(scene)
     output = linkage.outputs[0].coordinate
-    labels = labels_of(diagram_of(linkage, linkage.motion(_start(scene), 1.0)))
-    points = dict(usual_points(linkage, scene.points))
+    # a machine that is drawn has the points that were drawn
+    points = dict(scene.points if hasattr(linkage, 'stages') else
+                  usual_points(linkage, scene.points))
+    sketch = sketch_of(scene, module.parameters, points)
+    symbols = {name: symbol for load, symbol in sketch['symbols'].items() for name, symbol in (
+        (load, symbol), *((f'{load}_{axis}', f'{symbol},{axis}') for axis in 'xy'))}
     shown = [*(name for part in linkage.PARTS for name in part), 'transmission_angle',
              *(name for name, quantity in quantities.items()
                if quantity.is_load and not isinstance(quantity, OfDrive))]
@@ -107,18 +109,19 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'links': [link.name for link in linkage.LINKS],
         'size': max(map(abs, linkage.lengths)),
         'quantities': {name: {'unit': quantity.unit, 'text': quantity.text,
-                              'isLoad': quantity.is_load}
+                              'isLoad': quantity.is_load, 'symbol': symbols.get(name)}
                        for name, quantity in quantities.items()},
         'usual': [name for name in (output.rate, output.acceleration, linkage.drive_load,
                                     'shaking_force') if name in quantities],
         'shown': [name for name in dict.fromkeys(shown) if name in module.units],
-        'words': {name: f'{name} = {symbol.translate(PLAIN)}'
-                  for name, symbol in labels.forces.items() if labels.words},
-        'facts': [*facts(linkage), *_joints(labels.letters)],
+        'words': {name: f'{name} = {symbol.translate(PLAIN)}' for name, symbol in
+                  sketch['symbols'].items() if name[1:] != symbol.translate(PLAIN)[1:]},
+        'facts': [*facts(linkage), *_joints({joint: letter for joint, letter in
+                                             sketch['letters'].items() if joint != letter})],
         'fields': _fields(scene, module), 'positive': [
             name for name in module.parameters if name.startswith('bodies.') or (
                 not name.startswith('base.') and of_name(name).positive)],
-        'sketch': sketch_of(scene, module.parameters, points)}
+        'sketch': sketch}
 
 
 PLAIN = str.maketrans('', '', '_{}')

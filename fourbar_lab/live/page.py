@@ -10,7 +10,7 @@ from typing import Any
 
 from fourbar_lab.export.statements import filled
 from fourbar_lab.live.answers import INTEGERS, structure_of
-from fourbar_ros.scene.scene import Scene
+from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.units import UNITS
 
 HERE = Path(__file__).parent
@@ -18,18 +18,20 @@ SCRIPTS = 'engine', 'picture', 'curves', 'panel', 'draw', 'page'
 NOT_IN_FILE = re.compile(r'^import .*\n|^export (?=class|const|function|async)|^//.*\n', re.M)
 
 
-def page(name: str, scene: Scene, can_ask: bool = False, can_save: bool = False) -> str:
+def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save: bool = False
+         ) -> str:
     """
-    Return the page of a scene as HTML; ``can_ask``: a server answers it, else it needs none.
+    Return the page of a scene as HTML, None: of nothing; ``can_ask``: a server answers it.
 
     Browsers load no modules from files, so that all scripts are one.
     """
+    name, values = name or 'drawing', scene.values if scene else {}
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
             'units': {unit: {name: float(size) if isinstance(size, float) else f'1e{_power(size)}'
                              if _power(size) is not None else float(size)
                              for name, size in sizes.items()} for unit, sizes in UNITS.items()},
-            'scene': nested({name: value for name, value in scene.values.items() if _is_given(
-                name, value)}), 'structure': structure_of(scene)}
+            'scene': nested({name: value for name, value in values.items() if _is_given(
+                name, value)}), 'structure': structure_of(scene or load('paper'))}
     return filled(_text('page.html'), {
         'TITLE': name.replace('&', '&amp;').replace('<', '&lt;'),
         'CONNECT': "'self'" if can_ask else "'none'",

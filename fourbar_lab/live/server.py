@@ -64,11 +64,11 @@ class OnlyHere:
         await served(scope, receive, send_with_headers)
 
 
-def app_of(path: str | Path, scene: Scene, port: int) -> Starlette:
-    """Return the application that serves the page of a scene and answers its questions."""
+def app_of(path: str | Path | None, scene: Scene | None, port: int) -> Starlette:
+    """Return the application that serves the page of a scene, None: an empty one."""
     # a shipped scene is not written over
-    file = files.find(path)
-    can_save = file not in files.shipped().values()
+    file = files.find(path) if path else Path()
+    can_save = bool(path) and file not in files.shipped().values()
 
     def page_of(name: str) -> Response:
         is_other = name not in ('', str(path), _title(path))
@@ -117,8 +117,8 @@ def app_of(path: str | Path, scene: Scene, port: int) -> Starlette:
                          TrustedHostMiddleware, allowed_hosts=list(NAMES), www_redirect=False)])
 
 
-def _title(path: str | Path) -> str:
-    return Path(path).stem
+def _title(path: str | Path | None) -> str:
+    return Path(path or 'drawing').stem
 
 
 def free_port(wanted: int | None) -> int:
@@ -144,7 +144,7 @@ def free_port(wanted: int | None) -> int:
         return int(trial.getsockname()[1])
 
 
-def serve(path: str | Path, scene: Scene, port: int, is_opened: bool) -> None:
+def serve(path: str | Path | None, scene: Scene | None, port: int, is_opened: bool) -> None:
     """Serve the page of a scene until the process is interrupted."""
     print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True)
     if is_opened:

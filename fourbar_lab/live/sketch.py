@@ -48,7 +48,10 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
     sketch = (_of_machine(cast('Machine', mechanism), scene, named, motion)
               if hasattr(mechanism, 'stages') else _of_kind(mechanism, named, motion))
     diagram = diagram_of(mechanism, motion)
-    labels = labels_of(diagram)
+    labels = labels_of(diagram, {
+        joint: scene.values[parameter] for joint in diagram.joints
+        for dyad, _, end in [joint.rpartition('_')]
+        if scene.values.get(parameter := f'dyads.{dyad}.{end}')})
     loads_at: dict[str, list[str]] = {}
     for load, joint in diagram.forces.items():
         loads_at.setdefault(joint, []).append(load)

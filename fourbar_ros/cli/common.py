@@ -51,9 +51,9 @@ def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str =
                             formatter_class=HelpFormatter)
 
 
-def add_scene(parser: argparse.ArgumentParser) -> None:
+def add_scene(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
     """Add the argument SCENE; a shell completes names of scenes and files."""
-    scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP)
+    scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP, nargs=nargs)
     scene.completer = _scenes           # an attribute that argcomplete looks for
 
 

@@ -15,7 +15,7 @@ const found = { labels: 0, crossed: 0, covered: 0, outside: 0 };
 for (let i = 0; i < 24; i++) {
   page.store.dispatch({ view: { at: page.engine.inside(low + (high - low) * i / 24) } });
   const bars = [...svg.querySelectorAll('.bar, line.force')].map(e => ['x1', 'y1', 'x2', 'y2'].map(n => Number(e.getAttribute(n))));
-  const boxes = [...svg.querySelectorAll('.main text:not(.note)')].map(e => { const b = e.getBBox(); return [b.x + 1, b.y + 3, b.x + b.width - 1, b.y + b.height - 3]; });
+  const boxes = [...svg.querySelectorAll('.main text')].map(e => { const b = e.getBBox(); return [b.x + 1, b.y + 3, b.x + b.width - 1, b.y + b.height - 3]; });
   boxes.forEach((box, k) => {
     found.labels++;
     if (bars.some(bar => crosses(bar, box))) found.crossed++;

@@ -290,7 +290,7 @@ def test_what_cannot_be_is_said(paper, clicks, words):
     paper.press(*[paper.place(where) if isinstance(where, str) else
                   paper.between(*where) if isinstance(where[0], str) else paper.at(*where)
                   for where in clicks])
-    paper.until(lambda: words in paper.text_of('said'), words)
+    paper.until(lambda: words in paper.alarm(), words)
     assert paper.state['scene']['linkage']['dyads'] == ['d1']
 
 
@@ -325,3 +325,53 @@ def test_a_telescope_hangs_on_a_pin_and_the_ground(paper):
     one, two = paper.drawn('d1', 'd2').linkage.dyads
     assert two.kind == 'RPR' and two.second.link == 'ground'
     assert two.first == ('l2', one.length_2, 0.0)
+
+
+def test_an_empty_page_is_drawn_on_and_keeps_nothing_of_another_scene(driver):
+    with live() as address:
+        paper = Paper(driver, address)
+        assert paper.state['scene'] == {} and paper.text_of('title') == 'drawing'
+        paper.press(paper.at(-100, -80), paper.at(-60, 0), paper.at(140, 110), paper.at(150, -80))
+        paper.drawn('d1')
+        assert paper.script('return page.structure().sketch.points') == {}
+        letters = paper.script('return page.structure().sketch.letters')
+        points = paper.state['scene']['dyads']['d1']
+        assert (letters['d1_first'], letters['d1_second']) == (points['first'], points['second'])
+        paper.until(lambda: paper.address().get('from') == 'nothing', 'the address')
+
+
+def test_after_new_nothing_of_the_scene_before_is_shown(paper, file):
+    assert paper.text_of('title') == file.stem
+    paper.begin()
+    assert paper.text_of('title') == 'drawing' and 'drawing' in paper.driver.title
+    assert not paper.script("return document.querySelector('.field, .curve, #panel td')")
+    paper.click('undo')
+    paper.until(lambda: paper.text_of('title') == file.stem, 'the scene before')
+
+
+def test_what_a_tool_shows_follows_a_picture_that_is_fitted_again(paper):
+    """The pale pin is where a click hits it, after each flip, which fits the picture again."""
+    paper.four_bar()
+    paper.tool('flip')
+    pale = ('const b = document.querySelector("[data-mirror=d1]").getBoundingClientRect();'
+            'return [b.x + b.width / 2, b.y + b.height / 2]')
+    for mode in (1, 2, 1):
+        paper.press(paper.script(pale))
+        paper.until(lambda: paper.state['scene']['dyads']['d1']['mode'] == mode, 'the mode')
+        paper.in_python()
+    paper.tool('shape')
+    (x, y), (u, v) = (paper.place(name) for name in ('d1_inner', 'd1_second'))
+    x_text, y_text = paper.script(
+        'const t = document.querySelector(\'[data-length="dyads.d1.length_2"]\'), b = '
+        'page.picture.svg.getBoundingClientRect(); return [b.x + t.x.baseVal[0].value, '
+        'b.y + t.y.baseVal[0].value]')
+    assert hypot(x_text - (x + u) / 2, y_text - (y + v) / 2) < CLICK
+
+
+def test_a_dyad_that_ends_a_full_turn_is_named(paper):
+    paper.four_bar()
+    (x, y), (u, v) = paper.place('d1_inner'), paper.place('d1_second')
+    assert paper.text_of('warnings') == ''
+    paper.press(paper.between('d1_first', 'd1_inner'), (x - 150, y - 30), (u + 120, v - 40))
+    paper.drawn('d1', 'd2')
+    paper.until(lambda: 'd2 cannot close beyond' in paper.text_of('warnings'), 'the range')

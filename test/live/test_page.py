@@ -143,19 +143,94 @@ def test_what_is_allowed_but_hardly_meant_is_warned_of(tab):
     tab.until(lambda: 'did you mean 0.05?' in tab.text_of('warnings'), 'the warning')
 
 
+def digits(tab, quantity):
+    """Return the values of the extrema of a quantity with all digits, as shown from above."""
+    return tab.script("""
+return [...document.querySelectorAll('#view-Extrema tbody tr')].filter(row =>
+  row.children[0].title === arguments[0]).map(row => Number(row.children[2].title))""", quantity)
+
+
 def test_extrema_are_those_of_show_and_a_click_goes_there(tab):
     tab.open('Extrema')
     tab.until(lambda: 'fourbar show' in tab.script(
         "return document.querySelector('#view-Extrema .proof').textContent"), 'the proof')
     wanted = find_extrema(load_scene('paper').linkage, ['omega4'], 25.0)
-    rows = [row for row in tab.rows('Extrema') if row[0] == 'omega4']
-    assert [float(row[2]) for row in rows] == [pytest.approx(one.value, rel=1e-9)
-                                               for one in wanted]
+    wanted.sort(key=lambda one: -abs(one.value))
+    assert digits(tab, 'omega4') == [pytest.approx(one.value, rel=1e-9) for one in wanted]
+    assert [row[2] for row in tab.rows('Extrema') if row[0] == 'omega4'] == [
+        f'{one.value:.5g} rad/s' for one in wanted]
     tab.script('document.querySelector("#view-Extrema button").click()')
     x = wanted[0].input
     assert tab.state['view']['at'] == pytest.approx(x, abs=1e-9) or tab.state['view'][
         'at'] == pytest.approx(x + 2.0 * pi, abs=1e-9)
-    tab.until(lambda: 'imum of' in tab.picture(), 'the extremum said in the picture')
+    tab.until(lambda: 'imum of omega4' in tab.text_of('pose'), 'the extremum in words')
+    assert 'imum of' not in tab.picture()
+    tab.script('page.store.dispatch({ view: { at: page.engine.x + 0.03 } })')
+    assert 'imum of' not in tab.text_of('pose')     # two degrees away it is none
+
+
+@pytest.mark.parametrize('size', [(390, 844), (1280, 800)])
+def test_the_table_of_extrema_is_read_without_scrolling_aside(window, driver, file, size):
+    window(*size)
+    tab = Tab(driver, file('jansen'))
+    tab.script("page.store.dispatch({ view: { curves: ['leg_first', 'driving_torque', "
+               "'transmission_angle', 'holding_torque', 'alpha_foot'] } })")
+    tab.open('Extrema')
+    wide, has, tallest = tab.script("""
+const panel = document.getElementById('panel'), rows = [...panel.querySelectorAll('.extrema tr')];
+return [panel.scrollWidth, panel.clientWidth,
+        Math.max(...rows.map(row => row.getBoundingClientRect().height))]""")
+    assert wide <= has and tallest < 80
+    assert tab.script('return document.documentElement.scrollWidth') <= size[0]
+    assert any(row[0] == 'F_hip' and row[2].endswith(' N') for row in tab.rows('Extrema'))
+    titles = tab.script("return [...document.querySelectorAll('.curve .name')].map(e => "
+                        "[e.firstChild.data, e.querySelector('title').textContent])")
+    assert titles[0] == ['F_hip [N]', 'leg_first']
+    assert 'hip' in tab.script("return [...document.querySelectorAll('#picture .letter')].map(e "
+                               '=> e.textContent)')
+
+
+def test_a_short_arrow_keeps_its_value(driver, file):
+    tab = Tab(driver, file('jansen'))
+    shown, named = tab.script("""
+page.picture.view.perNewton *= 1e-3; page.store.dispatch({ view: { at: 1.0 } });
+return [document.querySelectorAll('#picture text.force').length,
+        Object.keys(page.structure().sketch.forces).length]""")
+    assert shown == named
+
+
+def test_escape_and_a_click_outside_close_what_is_open(tab):
+    from selenium.webdriver.common.keys import Keys
+    tab.script("page.useTool('flip')")
+    menu = tab.driver.find_element('css selector', '#views details')
+    menu.find_element('tag name', 'summary').click()
+    top, bottom, height = tab.script(
+        "const b = document.getElementById('chooser').getBoundingClientRect();"
+        'return [b.top, b.bottom, innerHeight]')
+    assert 0.0 <= top < bottom <= height
+    tab.keys(Keys.ESCAPE)
+    assert not menu.get_attribute('open') and tab.state['view']['tool'] == 'flip'
+    tab.keys(Keys.ESCAPE)
+    assert tab.state['view']['tool'] == 'pose'
+    menu.find_element('tag name', 'summary').click()
+    tab.driver.find_element('id', 'title').click()
+    assert not menu.get_attribute('open')
+
+
+def test_an_address_holds_the_curves_that_are_shown(tab):
+    tab.script("page.store.dispatch({ view: { curves: ['f41', 'omega4'] } })")
+    tab.until(lambda: tab.address().get('curves') == 'f41,omega4', 'the address')
+    other = Tab(tab.driver, tab.driver.current_url)
+    assert other.state['view']['curves'] == ['f41', 'omega4']
+
+
+def test_fields_show_six_digits_and_all_of_them_where_one_types(tab):
+    tab.write('linkage.a2', '1.23456789012')
+    tab.select('linkage.a3')
+    assert tab.text('linkage.a2') == '1.23457'
+    tab.select('linkage.a2')
+    assert tab.text('linkage.a2') == '1.23456789012'
+    assert tab.state['scene']['linkage']['a2'] == 1.23456789012
 
 
 def test_the_other_assembly_mode(tab):
@@ -246,8 +321,7 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
     other = from_values({**load_scene('paper').values, 'linkage.a1': 0.35}).linkage
     tab.open('Extrema')
     largest = max(one.value for one in find_extrema(other, ['driving_torque'], 25.0))
-    assert any(row[0] == 'driving_torque' and float(row[2]) == pytest.approx(largest, rel=1e-9)
-               for row in tab.rows('Extrema'))
+    assert pytest.approx(largest, rel=1e-9) in digits(tab, 'driving_torque')
     assert 'can be missed' in tab.script(
         "return document.querySelector('#view-Extrema .proof').textContent")
     sent = [json.loads(entry['message'])['message'] for entry in driver.get_log('performance')]

@@ -16,6 +16,9 @@ export function shownUnit(unit) {
   return unit === "rad" ? ["deg", 360 / TURN] : [unit.replace("^2", "²"), 1];
 }
 
+/** What people call a quantity: the symbol of a force as in the picture, else its words. */
+export const shownName = (structure, name) => structure.quantities[name]?.symbol?.replace(/[{}]/g, "") ?? name.replaceAll("_", " ");
+
 export class Curves {
   /** holder: a <div>; go(input) is called where somebody clicks or drags in a curve. */
   constructor(holder, go) {
@@ -34,8 +37,8 @@ export class Curves {
       const [unit, scale] = shownUnit(quantities[name].unit), { inputs, values } = engine.curve(name), extrema = engine.extrema(name);
       this.extrema.push(...extrema);
       const shown = values.map(value => value * scale), finite = shown.filter(Number.isFinite).sort((a, b) => a - b);
-      const svg = draw(this.holder, "svg", { class: "curve", viewBox: `0 0 ${width} ${HEIGHT}`, height: HEIGHT, role: "img", "aria-label": `${name} over ${input.name}, ${extrema.map(one => `${one.kind} ${significant(one.value * scale)}`).join(", ")} ${unit}` });
-      draw(svg, "text", { class: "name", x: 8, y: 16 }, `${name.replaceAll("_", " ")} [${unit || "-"}]`);
+      const svg = draw(this.holder, "svg", { class: "curve", viewBox: `0 0 ${width} ${HEIGHT}`, height: HEIGHT, role: "img", "aria-label": `${shownName(engine.structure, name)} over ${input.name}, ${extrema.map(one => `${one.kind} ${significant(one.value * scale)}`).join(", ")} ${unit}` });
+      draw(draw(svg, "text", { class: "name", x: 8, y: 16 }, `${shownName(engine.structure, name)} [${unit || "-"}]`), "title", {}, name);
       if (!finite.length) return;
       // what runs away at a toggle leaves the rest its room
       let [least, most] = [finite[0], finite.at(-1)];

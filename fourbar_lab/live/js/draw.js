@@ -265,7 +265,7 @@ export function drivenAt(sketch, link) {
 
 /** Give the page its tools to draw: what `page` has is said in page.js. */
 export function addDrawing(page) {
-  const { store } = page, { say, refuse } = page;
+  const { store, say, refuse } = page;
   let draft = {};             // clicks that are no scene yet: origin, crank, ends [{name, pin, link, at}], guide
   let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
   const scene = () => inNumbers(store.state.scene, page.numberOf);
@@ -275,7 +275,8 @@ export function addDrawing(page) {
     must(page.engine.at(x), 'There is no pose here: undo, or begin with New');
     return sketchOf(scene(), page.engine, x);
   };
-  const canSketch = () => !isEmpty() && page.engine && scene().linkage?.kind === 'machine';
+  const isAnswered = () => scene().linkage.dyads.every(name => page.structure().sketch.dyads.some(dyad => dyad.name === name));
+  const canSketch = () => !isEmpty() && page.engine && scene().linkage?.kind === 'machine' && isAnswered();
 
   const must = (isSo, words) => { if (!isSo) throw new RangeError(words); };
   /** A handler that says what is wrong where it was drawn. */
@@ -285,7 +286,6 @@ export function addDrawing(page) {
     } catch (error) {
       if (!(error instanceof RangeError)) throw error;
       if (Array.isArray(given[0])) label(given[0], error.message).classList.add('wrong');      // where it was drawn
-      say(error.message);
       return refuse(error.message);
     }
   };
@@ -485,6 +485,7 @@ export function addDrawing(page) {
     addTool({
       name, label: label_, title, hintNow: () => hintOf(kind),
       begin: () => showDraft(kind),
+      redraw: () => draft.ends && showDraft(kind),
       down(place) {
         click(kind, place);
         showDraft(kind);
@@ -532,7 +533,7 @@ export function addDrawing(page) {
   }
   addTool({
     name: 'shape', label: 'Shape', title: 'Drag a pivot, a pin, a guide or a point: lengths follow. Shift keeps a length; click a length to type it',
-    begin: showLengths,
+    begin: showLengths, redraw: showLengths,
     down(place) {
       if (!canSketch()) return;
       const before = sketchNow(), handle = below(before, place);
@@ -630,7 +631,7 @@ export function addDrawing(page) {
   }
   addTool({
     name: 'flip', label: 'Flip', title: 'Click the pale mirror pose of a pair of links: their other mode',
-    begin: showMirrors,
+    begin: showMirrors, redraw: showMirrors,
     down(place) {
       const of = canSketch() && mirrors(sketchNow()).find(([, at]) => isNear(at, place));
       if (of) flip(of[0].name);
@@ -675,7 +676,7 @@ export function addDrawing(page) {
   });
   function startAgain() {
     [draft, expected] = [{}, {}];
-    store.dispatch({ scene: {} });
+    store.dispatch({ scene: {}, view: { curves: null } });
     queueMicrotask(() => page.useTool('rods'));          // after the tool that began again
   }
   // not drawn with: they act at once
@@ -689,9 +690,5 @@ export function addDrawing(page) {
       queueMicrotask(() => page.useTool('pose'));
       say(has ? 'Weight is left out' : 'Weight: 9.81 m/s^2 down');
     },
-  });
-  store.subscribe(({ view }) => {
-    if (view.tool === 'flip') showMirrors();
-    if (view.tool === 'shape') showLengths();
   });
 }

@@ -3,7 +3,7 @@
 // The page: one state with undo and an address, the questions to the server, play, tools, files.
 import { Engine, TURN } from "./engine.js";
 import { draw, Picture, plain, significant } from "./picture.js";
-import { Curves, drawPolygon, shownUnit } from "./curves.js";
+import { Curves, drawPolygon, shownName, shownUnit } from "./curves.js";
 import { html, numberField, numberOf, Panel, shownNumber } from "./panel.js";
 import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
@@ -84,7 +84,8 @@ function readAddress(hash, base) {
     if (name === "at" || name === "acceleration") {
       view[name] = Number(text);
       if (!Number.isFinite(view[name])) throw new RangeError(`${name} = ${text}: must be a finite number`);
-    } else if (name === "from" && text === "nothing") scene = {};
+    } else if (name === "curves") view.curves = text.split(",").filter(Boolean);
+    else if (name === "from" && text === "nothing") scene = {};
     else {
       let value = text;
       try { value = JSON.parse(text); } catch { /* a word */ }
@@ -94,10 +95,12 @@ function readAddress(hash, base) {
   }
   return { scene, view };
 }
+/** The address of a state; without a base the scene was drawn from nothing. */
 function addressOf({ scene, view }, base, factor) {
-  const query = new URLSearchParams(), [flat, first] = [flatten(scene), flatten(base)];
+  const query = new URLSearchParams(base ? {} : { from: "nothing" }), [flat, first] = [flatten(scene), flatten(base ?? {})];
   query.set("at", String(Number((view.at * factor).toPrecision(9))));
   if (view.acceleration) query.set("acceleration", view.acceleration);
+  if (view.curves) query.set("curves", view.curves.join(","));
   for (const name of new Set([...Object.keys(flat), ...Object.keys(first)])) {
     if (JSON.stringify(flat[name]) !== JSON.stringify(first[name])) query.set(name, name in flat ? (typeof flat[name] === "string" && WORDS.test(flat[name]) ? flat[name] : JSON.stringify(flat[name])) : "");
   }
@@ -125,15 +128,25 @@ export async function start(data, source) {
   };
   page.numberOf = (text, unit) => numberOf(text, unit, data.units);
   page.say = words => (find("said").textContent = words);
-  page.refuse = words => (find("alarm").textContent = words);
+  page.refuse = words => {
+    find("alarm").textContent = words;
+    if (words) page.say("");
+  };
 
   let first = { scene: data.scene, view: {} }, notice = "";       // what is wrong with the address
   try { first = readAddress(location.hash, data.scene); } catch (error) { notice = error.message; }
-  const view = { curves: structure.usual, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", ...first.view };
+  const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", ...first.view };
   view.at = "at" in first.view ? first.view.at / factorOf() : structure.start;
   const store = (page.store = new Store(first.scene, view));
 
+  const isNothing = scene => !Object.keys(scene).length, isBegun = isNothing(data.scene) || /[#&]from=nothing/.test(location.hash);
+  /** Whether the scene was drawn from nothing, so that it is not the one the page came with. */
+  const isDrawing = () => isBegun || [store.state, ...store.past].some(entry => isNothing(entry.scene));
+  const nameNow = () => (isDrawing() ? "drawing" : data.name);
+  const showName = () => (find("title").textContent = nameNow(), document.title = `${nameNow()} - fourbar live`);
+
   // --- structure and engine ---
+  const chosenCurves = view => (view.curves ?? structure.usual).filter(name => name in structure.quantities);
   const valueOf = (scene, name) => leafOf(scene, name) ?? structure.values[name];
   const valuesOf = scene => Object.fromEntries([...Object.keys(module.parameters), "drive.speed"].map(name => [name, valueOf(scene, name)]));
   /** What of a scene no parameter of the module covers: another of it is another structure. */
@@ -158,7 +171,7 @@ export async function start(data, source) {
     await take(await page.ask("structure", { scene, known: structure.key }), scene);
   };
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
-    const { scene, view: { curves, acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: curves, acceleration });
+    const { scene, view } = store.state, answer = await page.ask("extrema", { scene, quantities: chosenCurves(view), acceleration: view.acceleration });
     if (!isOtherNow(scene) && !answer.problem) panel.drawExtrema(page.engine, answer.extrema, answer.proof);
   });
 
@@ -167,6 +180,17 @@ export async function start(data, source) {
   const panel = (page.panel = new Panel(find("panel"), page));
   const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => store.dispatch({ view: { at } }), structure.input.unit === "rad" ? "deg" : "m");
   find("at").after(inputField, inputWords);
+  let hasTurned = false;
+  /** Where a crank turns that turned fully before, and the dyad that is stretched there. */
+  const whereItTurns = engine => {
+    hasTurned ||= engine.turnsFully;
+    if (!hasTurned || engine.turnsFully || !engine.isAngle) return [];
+    const [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]], flat = structure.sketch.dyads.flatMap(({ name, kind, links }) => {
+      const bends = [low, high].map(end => (engine.at(engine.inside(end)), links.map(link => engine.frame(link)))).map(([[, , a, b], [, , c, s]]) => Math.abs(kind === "RRR" ? a * s - b * c : a * c + b * s));
+      return ["RRR", "RRP"].includes(kind) && Math.min(...bends) < 0.02 ? [name] : [];
+    });
+    return [`the crank turns only from ${significant(low * factorOf())} to ${significant(high * factorOf())} deg${flat.length ? `: ${flat.join(", ")} cannot close beyond` : ""}`];
+  };
   /** Make the engine of a state; the picture keeps its scale while something is dragged. */
   const build = (state, isFitted) => {
     try {
@@ -182,20 +206,22 @@ export async function start(data, source) {
     svg.classList.toggle("stale", Boolean(problem));
     if (isFitted) picture.fit(page.engine);
     panel.draw(structure, name => valueOf(state.scene, name));
-    find("warnings").textContent = structure.warnings.join("\n");
+    find("warnings").textContent = [...whereItTurns(page.engine), ...structure.warnings].join("\n");
     find("about").textContent = structure.description;
     drawAll(state);
   };
   /** Nothing is drawn of an empty scene. */
   const blank = () => {
-    [page.engine, made, problem] = [null, null, ""];
+    [page.engine, made, problem, hasTurned] = [null, null, "", false];
     picture.clear();
-    find("curves").replaceChildren();
+    panel.clear();
+    for (const name of ["curves", "about", "warnings", "pose", "chooser"]) find(name).replaceChildren();
+    delete find("chooser").dataset.names;
     page.refuse("");
   };
   const drawAll = state => {
     const { engine } = page;
-    curves.draw(engine, state.view.curves.filter(name => name in structure.quantities));
+    curves.draw(engine, chosenCurves(state.view));
     picture.drawTraces(engine, state.view.layers);
     panel.drawExtrema(engine, curves.extrema, "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.");
     if (data.canAsk) askExtremaSoon();
@@ -206,13 +232,13 @@ export async function start(data, source) {
     const { engine } = page, x = engine.inside(at), span = engine.ranges.reduce((sum, [low, high]) => sum + high - low, 0);
     const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
     engine.at(x);
-    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 0.006 * span && one.isGlobal);
-    const note = near.map(({ kind, quantity, value }) => {
+    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 1e-5 * span && one.isGlobal);
+    const note = near.slice(0, 2).map(({ kind, quantity, value }) => {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
-      return `${kind} of ${quantity.replaceAll("_", " ")}: ${significant(value * factor)} ${unit}`;
+      return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
     }).join(", ");
-    picture.draw(engine, layers, engine.status === 1 ? "" : note);
-    find("pose").textContent = (engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : structure.lacks);
+    picture.draw(engine, layers);
+    find("pose").textContent = (engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [note, structure.lacks].filter(Boolean).join("; "));
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
     Object.assign(slider, { min: low, max: high, step: (high - low) / 720, value: here * factorOf() });
@@ -221,28 +247,31 @@ export async function start(data, source) {
     find("atName").textContent = `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`;
     panel.drawValues(engine);
     if (open === "Facts" || layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
+    current().redraw?.();
   };
-  const choose = ({ view: { curves: chosen } }) => {
-    const box = find("chooser"), names = Object.keys(structure.quantities);
+  const choose = ({ view }) => {
+    const chosen = chosenCurves(view), box = find("chooser"), names = Object.keys(structure.quantities);
     if (box.dataset.names !== names.join(" ")) {
       box.dataset.names = names.join(" ");
       box.replaceChildren(...names.map(name => html("label", { title: structure.quantities[name].text }, html("input", { type: "checkbox", value: name,
-        onchange: () => store.dispatch({ view: { curves: [...box.querySelectorAll(":checked")].map(one => one.value) } }) }), name)));
+        onchange: () => store.dispatch({ view: { curves: [...box.querySelectorAll(":checked")].map(one => one.value) } }) }), shownName(structure, name))));
     }
     for (const one of box.querySelectorAll("input")) one.checked = chosen.includes(one.value);
   };
   const remember = later(200, () => {
     if (find("play").getAttribute("aria-pressed") === "true") return;
-    const address = addressOf(store.state, data.scene, factorOf());
+    const address = addressOf(store.state, isDrawing() ? null : data.scene, factorOf());
     if (address.length <= MOST_ADDRESS) history.replaceState(null, "", address);
   });
   store.subscribe((state, before) => {
     if (state.scene !== before.scene) {
       notice = "";
-      if (!Object.keys(state.scene).length) blank();
+      page.say(current().hint ?? "");
+      showName();
+      if (isNothing(state.scene)) blank();
       else if (!made || isOther(state.scene, made)) {
         if (data.canAsk) askStructure().catch(error => page.refuse(error.message));
-        else page.refuse("this file has no server: another structure, or a number that this one lacks, needs fourbar live");
+        else page.refuse(problem = "this file has no server: another structure, or a number that this one lacks, needs fourbar live");
       } else {
         problem = "";
         build(state, false);
@@ -318,6 +347,13 @@ export async function start(data, source) {
     event.preventDefault();
     store.dispatch({ view: { at: page.engine.inside(at(page.engine.x)) } });
   });
+  // what is open, and what was said of the click before, ends at a click elsewhere and at Escape
+  const closeMenus = target => [...document.querySelectorAll("details.menu[open]")].filter(menu => !menu.contains(target)).map(menu => (menu.open = false));
+  addEventListener("pointerdown", event => {
+    closeMenus(event.target);
+    if (!problem && !notice) page.refuse("");
+  }, true);
+  addEventListener("keydown", event => { if (event.key === "Escape" && closeMenus(null).length) event.stopPropagation(); }, true);
   addEventListener("keydown", event => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && event.target.type !== "text") {
       event.preventDefault();
@@ -355,7 +391,7 @@ export async function start(data, source) {
   find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
-  find("more").append(html("label", {}, "acceleration of the input ", accelerationField, accelerationWords));
+  find("more").append(html("label", {}, `acceleration of the input [${shownUnit(structure.input.unit)[0] === "deg" ? "rad" : "m"}/s²] `, accelerationField, accelerationWords));
   for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres", polygons: "polygons" })) {
     find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves"].includes(name),
       onchange: event => {
@@ -374,7 +410,7 @@ export async function start(data, source) {
   // --- files ---
   const send = (content, suffix, type) => {
     const url = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
-    html("a", { href: url, download: `${data.name}.${suffix}` }).click();
+    html("a", { href: url, download: `${nameNow()}.${suffix}` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10000);
   };
   const pictureFile = () => picture.file(find("picture-style").textContent);
@@ -397,7 +433,7 @@ export async function start(data, source) {
       send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
     },
     "page without a server (HTML)": () => {
-      const text = JSON.stringify({ ...data, canAsk: false, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
+      const text = JSON.stringify({ ...data, name: nameNow(), canAsk: false, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "check": async () => {
@@ -414,15 +450,17 @@ export async function start(data, source) {
   addEventListener("resize", later(100, () => page.engine && (picture.fit(page.engine), drawAll(store.state))));
   addEventListener("hashchange", () => {
     try {
-      const { scene, view: { at, acceleration = 0 } } = readAddress(location.hash, data.scene);
-      store.dispatch({ scene, view: { acceleration, ...(at !== undefined && { at: at / factorOf() }) } });
+      const { scene, view: { at, acceleration = 0, curves = null } } = readAddress(location.hash, data.scene);
+      store.dispatch({ scene, view: { acceleration, curves, ...(at !== undefined && { at: at / factorOf() }) } });
     } catch (error) { page.refuse(error.message); }
   });
   addDrawing(page);
-  find("title").textContent = data.name;
+  showName();
   made = data.scene;
-  if (!Object.keys(store.state.scene).length) blank();
-  else if (module && !isOther(store.state.scene, made)) {
+  if (isNothing(store.state.scene)) {
+    blank();
+    page.useTool("rods");
+  } else if (module && !isOther(store.state.scene, made)) {
     build(store.state, true);
     if (data.canAsk && !page.isAsWritten()) await askStructure();
   }

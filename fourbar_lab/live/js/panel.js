@@ -3,7 +3,7 @@
 // What stands beside the picture: a field for each number of the scene, the values of the pose, extrema, facts.
 import { TURN } from "./engine.js";
 import { significant } from "./picture.js";
-import { shownUnit } from "./curves.js";
+import { shownName, shownUnit } from "./curves.js";
 const SPAN = 2.5;      // sliders reach so many times the first value
 const GROUP_NAMES = { linkage: "Linkage", dyads: "Dyads", cylinder: "Cylinder", drive: "Input", gravity: "Gravity", bodies: "Masses", springs: "Springs", torsion_springs: "Torsion springs", forces: "Forces over a position", external: "Loads from outside", friction: "Friction", points: "Points" };
 const OPEN_GROUPS = ["linkage", "dyads", "drive"];
@@ -34,15 +34,19 @@ export function numberOf(text, unit, units, plainUnit = unit) {
 }
 export const shownNumber = value => String(Number(Number(value).toPrecision(12)));
 
-/** A text field for a number; it takes effect on Enter or on leaving it, Escape takes back what it had. */
+const sixDigits = text => String(Number(Number(text).toPrecision(6)));
+
+/** A text field for a number, all digits of which it shows while one is in it; it takes effect on Enter or on leaving it, Escape takes back what it had. */
 export function numberField(name, unit, value, page, change, plainUnit = unit) {
   const words = html("span", { className: "wrong", role: "alert" });
-  const field = html("input", { type: "text", value: shownNumber(value), autocomplete: "off", spellcheck: false, "aria-label": name });
+  const field = html("input", { type: "text", value: sixDigits(value), autocomplete: "off", spellcheck: false, "aria-label": name });
   field.set = shown => {
-    if (document.activeElement !== field) field.value = shownNumber(shown);
+    if (document.activeElement !== field) field.value = sixDigits(shown);
     field.known = shownNumber(shown);
   };
-  field.known = field.value;
+  field.known = shownNumber(value);
+  field.onfocus = () => { if (field.value === sixDigits(field.known)) field.value = field.known; };
+  field.onblur = () => { if (!field.hasAttribute("aria-invalid")) field.value = sixDigits(field.known); };
   const take = () => {
     words.textContent = "";
     field.removeAttribute("aria-invalid");
@@ -110,6 +114,12 @@ export class Panel {
     this.facts.replaceChildren(html("p", { className: "proof", textContent: caption }), html("table", {}, html("tbody", {}, ...structure.facts.map(([name, text]) =>
       html("tr", {}, html("th", { scope: "row", textContent: name }), html("td", { textContent: text }))))));
   }
+  /** Show nothing of the scene before. */
+  clear() {
+    this.shape = "";
+    this.fields.clear();
+    for (const view of [this.parameters, this.values, this.extrema, this.facts]) view.replaceChildren();
+  }
   build(structure) {
     const { page } = this, groups = Map.groupBy ? Map.groupBy(structure.fields, field => field.name.split(".")[0]) : new Map();
     if (!Map.groupBy) for (const field of structure.fields) groups.set(field.name.split(".")[0], [...(groups.get(field.name.split(".")[0]) ?? []), field]);
@@ -149,14 +159,17 @@ export class Panel {
     });
     this.values.replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...["now", "value", "unit"].map(textContent => html("th", { scope: "col", textContent })))), html("tbody", {}, ...rows)));
   }
-  /** Extrema with a button to their input; `proof` says how they were found. */
+  /** Extrema of five digits, those of a quantity from the largest, with a button to their input; `proof` says how they were found. */
   drawExtrema(engine, extrema, proof) {
-    const { input, quantities } = engine.structure, inputUnit = input.unit === "rad" ? "deg" : "m", turns = input.unit === "rad" ? 360 / TURN : 1;
-    const rows = extrema.map(({ quantity, kind, value, input: x, isGlobal, note }) => {
-      const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${(x * turns).toFixed(4)} ${inputUnit}`;
+    const { input, quantities } = engine.structure, inputUnit = input.unit === "rad" ? "°" : " m", turns = input.unit === "rad" ? 360 / TURN : 1;
+    const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
+    const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
+    const rows = sorted.map(({ quantity, kind, value, input: x, isGlobal, note }) => {
+      const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(x * turns)}${inputUnit}`, isBounded = Number.isFinite(value);
       const go = html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: x } }) });
-      return html("tr", {}, html("th", { scope: "row", textContent: quantity }), html("td", { textContent: kind }), html("td", { className: "number", textContent: String(Number((value * factor).toPrecision(10))) }), html("td", { textContent: unit }), html("td", {}, go), html("td", { textContent: note ?? (isGlobal ? "global" : "") }));
+      return html("tr", {}, html("th", { scope: "row", title: quantity, textContent: shownName(engine.structure, quantity) }), html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note ?? (isGlobal ? "global" : "") })),
+        html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }), html("td", {}, go));
     });
-    this.extrema.replaceChildren(html("p", { className: "proof", textContent: proof }), html("table", {}, html("thead", {}, html("tr", {}, ...["quantity", "kind", "value", "unit", "input", "note"].map(textContent => html("th", { scope: "col", textContent })))), html("tbody", {}, ...rows)));
+    this.extrema.replaceChildren(html("p", { className: "proof", textContent: proof }), html("table", {}, html("thead", {}, html("tr", {}, ...["quantity", "kind", "value", "input"].map(textContent => html("th", { scope: "col", textContent })))), html("tbody", {}, ...rows)));
   }
 }

@@ -106,7 +106,7 @@ export class Picture {
   /** Draw nothing; half a metre is as wide as the picture, its middle is the origin. */
   clear() {
     this.measure();
-    for (const group of [this.under, this.main, this.grips]) group.replaceChildren();
+    for (const group of [this.under, this.main, this.grips, this.over]) group.replaceChildren();
     this.gripped = "";
     this.view = { scale: 2 * this.width, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
   }
@@ -130,8 +130,8 @@ export class Picture {
     this.view = { scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale,
       perNewton: longest > 0 ? (LONGEST * size) / longest : 0 };
   }
-  /** Draw an engine's pose; layers: {forces, curves, centres, values, mirror}; note: words at the top. */
-  draw(engine, layers, note = "") {
+  /** Draw an engine's pose; layers: {forces, curves, centres, values}. */
+  draw(engine, layers) {
     const { sketch, input } = engine.structure, main = document.createDocumentFragment(), at = point => this.pixels(engine.point(point));
     const joints = Object.fromEntries(Object.entries(sketch.joints).map(([name, refs]) => [name, at(refs[0])]));
     const lines = [], pins = Object.values(joints), labels = [];
@@ -186,7 +186,6 @@ export class Picture {
       if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
       label(main, { class: one.kind, x: box[0] + 2, y: box[3] - 4, "data-box": box.map(Math.round).join(" ") }, one.words);
     }
-    if (note) label(main, { class: "note", x: 12, y: 24 }, note);
     this.main.replaceChildren(main);
     this.grip(joints, sketch);
     this.svg.setAttribute("aria-label", `the mechanism at ${input.name} = ${significant(engine.isAngle ? (engine.x * 180) / Math.PI : engine.x)} ${engine.isAngle ? "degrees" : "m"}`);
@@ -240,10 +239,11 @@ export class Picture {
     draw(parent, "polyline", { class: "spring", points: [...places, at(0.85, 0), [x2, y2]].join(" "), "data-spring": name });
     for (const [cx, cy] of [[x1, y1], [x2, y2]]) draw(parent, "circle", { class: "end", cx, cy, r: 3.5 });
   }
-  /** An arrow of a vector [px, y upwards]; its tip, or null of one that is too short or too long to be seen. */
+  /** An arrow of a vector [px, y upwards]; its tip, the point of one that is too short to be seen, null of none and of one too long. */
   arrow(parent, kind, [x, y], [u, v], lines, name = "") {
     const size = Math.hypot(u, v);
-    if (!(size >= 5 && size < 20 * this.width)) return null;
+    if (!(size > 1e-6 && size < 20 * this.width)) return null;
+    if (size < 5) return [x, y];
     const c = u / size, s = -v / size, tip = [x + u, y - v], back = Math.min(12, size);
     const foot = [tip[0] - back * c, tip[1] - back * s];
     draw(parent, "line", { class: kind, x1: x, y1: y, x2: foot[0], y2: foot[1], "data-load": name });
