@@ -359,6 +359,10 @@ def test_what_a_tool_shows_follows_a_picture_that_is_fitted_again(paper):
         paper.press(paper.script(pale))
         paper.until(lambda: paper.state['scene']['dyads']['d1']['mode'] == mode, 'the mode')
         paper.in_python()
+    paper.script('page.picture.view.scale *= 1.6; page.store.dispatch({ view: { layers: {} } })')
+    paper.press(paper.script(pale))         # where the pale pose had no room it gets it
+    paper.until(lambda: paper.state['scene']['dyads']['d1']['mode'] == 2, 'the mode')
+    paper.in_python()
     paper.tool('shape')
     (x, y), (u, v) = (paper.place(name) for name in ('d1_inner', 'd1_second'))
     x_text, y_text = paper.script(

@@ -622,6 +622,7 @@ export function addDrawing(page) {
     clear();
     if (!canSketch()) return;
     const sketch = sketchNow();
+    if (page.picture.include(mirrors(sketch).map(([, place]) => place))) return store.dispatch({ view: { layers: { ...store.state.view.layers } } });   // draws all again
     for (const [dyad, place] of mirrors(sketch)) {
       line(placeOfEnd(sketch, dyad.first), place, 'mirror');
       if (dyad.kind === 'RRR') line(placeOfEnd(sketch, dyad.second), place, 'mirror');

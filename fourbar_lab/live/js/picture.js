@@ -130,6 +130,15 @@ export class Picture {
     this.view = { scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale,
       perNewton: longest > 0 ? (LONGEST * size) / longest : 0 };
   }
+  /** Choose a smaller scale where places [m] are outside; whether it did. */
+  include(places) {
+    const [xs, ys] = [0, 1].map(i => places.map(place => this.pixels(place)[i])), { view, width, height } = this;
+    const [left, right] = [Math.min(0, ...xs.map(x => x - 40)), Math.max(width, ...xs.map(x => x + 40))], [top, low] = [Math.min(0, ...ys.map(y => y - 40)), Math.max(height, ...ys.map(y => y + 40))];
+    if (!xs.some(x => x < 9 || x > width - 9) && !ys.some(y => y < 9 || y > height - 9)) return false;
+    const scale = view.scale * Math.min(width / (right - left), height / (low - top));
+    this.view = { ...view, scale, x: view.x + (left + right) / 2 / view.scale - width / 2 / scale, y: view.y - (top + low) / 2 / view.scale + height / 2 / scale };
+    return true;
+  }
   /** Draw an engine's pose; layers: {forces, curves, centres, values}. */
   draw(engine, layers) {
     const { sketch, input } = engine.structure, main = document.createDocumentFragment(), at = point => this.pixels(engine.point(point));
