@@ -33,7 +33,6 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   return value;
 }
 export const shownNumber = value => String(Number(Number(value).toPrecision(12)));
-
 const sixDigits = text => String(Number(Number(text).toPrecision(6)));
 
 /** A text field for a number, all digits of which it shows while one is in it; it takes effect on Enter or on leaving it, Escape takes back what it had. */
