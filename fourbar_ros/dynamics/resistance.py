@@ -28,6 +28,7 @@ from fourbar_ros.mechanics.bodies import Applied, unchecked
 from fourbar_ros.mechanisms.friction import direction_of
 from fourbar_ros.mechanisms.machine.solve.friction import (
     Felt,
+    locked,
     NEAR_SHARES,
     OpenForces,
     SHARES,
@@ -86,6 +87,12 @@ def make_resistance(equation: Any, n: NumberType, outside: Any = None) -> Functi
             sizes, locks, felt = solved(n, [joint.law for joint in told], at_none, columns,
                                         NEAR_SHARES if near else SHARES[
                                             :None if told.tilts else -1], False, near)
+            # at this acceleration the joints must be free as in a motion that is given: else the
+            # loads that are published beside it are none, or of another torque
+            given = [[form_of(each) for each in joint.felt] for joint in told]
+            locks = locks + locked(n, [joint.law for joint in told], felt, [
+                [(x.coefficient(joint.name), y.coefficient(joint.name)) for x, y in given]
+                for joint in told])
             largest = 0.0
             for joint, size, (x, y) in zip(told, sizes, felt):
                 friction = friction + paid.coefficient(joint.name) * size

@@ -63,7 +63,8 @@ def lines_of(block):
 
 def goes_on(line):
     """Return whether a line of a page goes on until it is interrupted."""
-    return line.startswith(('fourbar_node ', 'fourbar live ')) or '--loop' in line
+    return (line.startswith(('fourbar_node ', 'fourbar live ')) and ' -o ' not in line
+            or '--loop' in line)
 
 
 def needs_ros(line):
@@ -205,7 +206,8 @@ def start(folder):
     codes = [process.wait(PATIENCE) for process, _ in running]
     assert not early
     for (process, file), code in zip(running, codes):
-        text, wanted = file.read_text(), 0 if 'fourbar_node' in process.args else 130
+        is_server = any(name in process.args for name in ('fourbar_node', 'fourbar live'))
+        text, wanted = file.read_text(), 0 if is_server else 130
         assert ' -c ' in process.args or (      # Python of a page ends with KeyboardInterrupt
             code == wanted and 'Traceback' not in text), text
 

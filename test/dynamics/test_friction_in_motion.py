@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Motion that follows from torque with friction: beside Cartesian coordinates and closed forms."""
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from math import ceil, cos, pi, sqrt
@@ -31,6 +32,7 @@ from fourbar_ros.dynamics import (
     TorsionSpring,
 )
 from fourbar_ros.dynamics.node_step import Mover, OK
+from fourbar_ros.errors import Locked
 from mechanisms.test_friction import PRESS, random_friction, RUBBING, RUBS
 import numpy as np
 import pytest
@@ -38,7 +40,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from support.contract import every_mechanism, ordinary
 from support.random_machines import random_machines
-from support.rubbing import loads_with
+from support.rubbing import loads_with, Locks
 from support.samples import more
 
 # its links move in parallel: J is constant
@@ -59,13 +61,36 @@ def off(mechanism, given, friction):
     return abs(truth[mechanism.drive_load] - torque) / max(map(abs, truth.values()))
 
 
-@pytest.mark.parametrize('count', [10, pytest.param(300, marks=pytest.mark.slow)])
+def has_an_acceleration(mechanism, given, friction):
+    """Return whether any acceleration of a wide range is that of the reference for the torque."""
+    position, rate, acceleration = map(float, given)
+    rate = rate if abs(rate) > 1e-2 else 1.0
+    torque = getattr(mechanism.loads(position, rate, acceleration), mechanism.drive_load)
+    lacks = []
+    for change in np.sinh(np.linspace(-9.0, 9.0, 61)):
+        with suppress(Locks):
+            lacks.append(loads_with(mechanism, (position, rate, acceleration + change), friction)[
+                mechanism.drive_load].real - torque)
+    return any(low < 0.0 <= high for low, high in pairwise(lacks))
+
+
+@pytest.mark.parametrize('count', [20, pytest.param(300, marks=pytest.mark.slow)])
 def test_random_machines(count):
-    """The acceleration is that of which Cartesian coordinates need the torque given."""
-    rng = np.random.default_rng(41)
+    """
+    The acceleration is that of which Cartesian coordinates need the torque given.
+
+    Where the joints lock, the reference has none either: of all accelerations it needs another.
+    """
+    rng, locked = np.random.default_rng(41), 0
     for strongest in (0.15, 0.4):
         for mechanism, given in random_machines(42, count, dyads=(1, 4), least_sine=0.05):
-            assert off(mechanism, given, random_friction(rng, mechanism, strongest)) <= 1e-12
+            friction = random_friction(rng, mechanism, strongest)
+            try:
+                assert off(mechanism, given, friction) <= 1e-12
+            except Locked:
+                locked += 1
+                assert not has_an_acceleration(mechanism, given, friction)
+    assert locked <= 0.1 * count
 
 
 @every_mechanism

@@ -446,6 +446,17 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
     return sizes, locks, felt
 
 
+def locked(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], felt: Sequence[Felt],
+           columns: Sequence[Sequence[Felt]]) -> Scalar:
+    """Return 0 where joints that feel this are free, all pivots of 1 - G M positive, or NaN."""
+    slopes = [law(pair) for law, pair in zip(laws, felt)]
+    locks, every = 0.0, range(len(laws))
+    matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in every] for i in every]
+    for k, row in enumerate(_reduced(matrix, [0.0] * len(laws))):
+        locks = locks + n.where(row[k].real > 0.0, 0.0, nan)
+    return locks
+
+
 def _dot(one: Felt, two: Felt) -> Scalar:
     return one[0] * two[0] + one[1] * two[1]
 
