@@ -159,7 +159,7 @@ def direction_of(n: NumberType, rate: Scalar, slip_speed: Scalar | None) -> Scal
     """
     Return the direction of the input: the sign of its rate, between -1 and 1 within a slip speed.
 
-    (R4) With x = rate / slip_speed it is x (3 - x^2) / 2, and so is the size of dry friction over
+    (J4) With x = rate / slip_speed it is x (3 - x^2) / 2, and so is the size of dry friction over
     that of Coulomb, the same for all joints: of one degree of freedom they stick together.
     """
     if slip_speed is None:

@@ -6,24 +6,24 @@ Friction in the loads of a machine: dyad by dyad, with the forces of each.
 A joint brakes its links with the *effort* c, a couple of a pin and a force of a guide, whose size
 grows with what it transmits (:class:`.JointFriction`):
 
-    (R1)  c = mu r |F| of a pin,   c = mu max(|N|, 2 |C| / b) of a guide
+    (J1)  c = mu r |F| of a pin,   c = mu max(|N|, 2 |C| / b) of a guide
 
 The sign of the relative rate, known with the motion, gives its direction. Forces at the joints of
 a dyad, v, are affine in the efforts of its three joints,
 
-    (R2)  v = v0 + M c
+    (J2)  v = v0 + M c
 
 as later dyads, which are solved before, have theirs already and earlier ones are not felt. Sizes
-are of degree one in v, so with G the derivatives of (R1) Newton's iteration is, from c = 0 on,
+are of degree one in v, so with G the derivatives of (J1) Newton's iteration is, from c = 0 on,
 
-    (R3)  (1 - G M) c = G v0
+    (J3)  (1 - G M) c = G v0
 
 The first iteration takes half of the friction, which keeps the others out of cycles where a block
 tilts. The solution that it goes to grows out of that without friction. With friction growing
 further it ends, at infinity or with a second one, where 1 - G M has a determinant of zero: an
 eigenvalue of G M is 1, and from there on any drive adds as much friction as force. The joints
 *lock* then. They are free if all sums of principal minors of 1 - G M are positive at the solution:
-so they are where (R1) contracts, with all eigenvalues less than 1 in size, and where they are no
+so they are where (J1) contracts, with all eigenvalues less than 1 in size, and where they are no
 eigenvalue is real and 1 or more (Descartes' rule of signs). A joint that friction relieves, an
 eigenvalue of -1 or less, does not lock.
 
@@ -305,7 +305,7 @@ class MachineFriction:
         return effort
 
     def _edges(self, name: str, is_slide: bool, felt: Felt) -> list[Scalar]:
-        """Return numbers at whose zeros the effort of a guide is not smooth, (R1)."""
+        """Return numbers at whose zeros the effort of a guide is not smooth, (J1)."""
         if not is_slide:
             return []
         normal, fabs = felt[0], self._n.fabs
@@ -318,7 +318,7 @@ class MachineFriction:
                 fabs(tilt) - fabs(normal)]
 
     def _law(self, name: str, is_slide: bool) -> Callable[[Felt], Felt]:
-        """Return what a joint feels -> derivatives by it of the size of its effort, (R1)."""
+        """Return what a joint feels -> derivatives by it of the size of its effort, (J1)."""
         n, unit, friction, tilts = self._n, self._unit, self._by_joint[name], self._dry[name]
         if is_slide:
             mu = friction.coefficient
@@ -410,9 +410,9 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
            columns: Sequence[Sequence[Felt]], shares: Sequence[float], by_minors: bool = True,
            near: Sequence[Felt] | None = None) -> tuple[list[Scalar], Scalar, list[Felt]]:
     """
-    Return the sizes of efforts by (R3), NaN where they lock, else 0, and what is felt then.
+    Return the sizes of efforts by (J3), NaN where they lock, else 0, and what is felt then.
 
-    ``laws``: of each joint what it feels -> slopes of (R1); ``at_none``: what each feels without
+    ``laws``: of each joint what it feels -> slopes of (J1); ``at_none``: what each feels without
     efforts; ``columns``: by effort what each feels of an effort of one; ``shares``: of the
     friction, in each iteration; ``by_minors``: for up to four joints, by cofactors and with all
     principal minors, else by pivots, of which all must be positive; ``near``: what is felt, about,
@@ -425,7 +425,7 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
                   for x, y in [law(pair)]]
         matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in range(len(laws))]
                   for i in range(len(laws))]
-        before, sizes = sizes, solution(matrix, list(map(_dot, slopes, at_none)))  # (R3)
+        before, sizes = sizes, solution(matrix, list(map(_dot, slopes, at_none)))  # (J3)
         felt = [_plus(pair, [(column[i], size) for column, size in zip(columns, sizes)])
                 for i, pair in enumerate(at_none)]
     change = total = locks = 0.0
