@@ -141,5 +141,7 @@ def _imported(loop: Loop, wishes: Wishes) -> Imported:
         raise Refused(f'--base {wishes.base}: the file has no such link'
                       f'{nearest(wishes.base, loop.part_of)}')
     choices = Choices(drives[0] if drives else '', base, wishes.modes)
-    plane = word(drives[0] if drives else loop.joints[0].name, 'loop')
-    return imported(loop, choices, f'{plane}_plane')
+    plane = word(drives[0] if drives else loop.joints[0].name, 'loop') + '_plane'
+    while plane in loop.robot.poses:        # a body of the file, as where describe wrote it
+        plane += '_2'
+    return imported(loop, choices, plane)

@@ -94,3 +94,17 @@ def test_what_describe_writes_import_reads_without_options(format_, name, tmp_pa
                               if point.link != 'ground'}
     joints, drive = worst_of(source, read)
     assert joints < 1e-12 and drive < 1e-9, (joints, drive, report)
+
+
+@pytest.mark.parametrize('format_', ('mjcf', 'urdf'))
+def test_an_imported_scene_is_described_and_imported_again(format_, tmp_path):
+    pytest.importorskip('mujoco', reason='mujoco is not installed')
+    scene, frames = unloaded(load('paper')), []
+    for count in range(3):
+        path = tmp_path / f'robot_{count}.{format_}'
+        path.write_text(describe(scene, format_))
+        result = import_file(path, Wishes())
+        assert result.is_good, result.report
+        scene = result.loops[0].scene
+        frames.append(scene.frame_id)
+    assert len({*frames}) == 3
