@@ -12,8 +12,9 @@ R w is what friction dissipates, never negative, less the power of forces one wa
 forces are linear in dw/dt and in the sizes of all dry efforts; with dw/dt of (E9) they are so in
 the sizes alone, and these are solved together as the loads of a given motion are, (J3) of
 :mod:`fourbar_ros.mechanisms.machine.solve.friction`. Here the joints lock where friction grows
-with the deceleration that it brings faster than the inertia takes it (Painleve's paradox): then
-there is no acceleration, and R is not a number.
+with the deceleration that it brings faster than the inertia takes it (Painleve's paradox), or
+where they would in a motion that is given with this acceleration: then there is none, and R is not
+a number.
 
 Within the slip speed of the input the direction is smooth, (J4): where Coulomb's friction would
 hold the mechanism, it creeps at a part of that speed.

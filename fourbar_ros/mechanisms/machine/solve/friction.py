@@ -27,6 +27,11 @@ so they are where (J1) contracts, with all eigenvalues less than 1 in size, and 
 eigenvalue is real and 1 or more (Descartes' rule of signs). A joint that friction relieves, an
 eigenvalue of -1 or less, does not lock.
 
+Where the motion follows from torque all joints of a machine are solved at once by (J3), with the
+acceleration eliminated (:mod:`fourbar_ros.dynamics.resistance`). There are too many minors then:
+joints are free if all pivots are positive, leading minors that are 1 without friction and cannot
+turn negative with it before the joints so far lock.
+
 The drive pays for all efforts by virtual power. It is felt at the joints of a cylinder, whose
 dyad is so solved together with the pin of the crank; the joint of any other driven link
 is the last, as nothing feels its effort but the drive.
