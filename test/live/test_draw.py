@@ -364,12 +364,15 @@ def test_what_a_tool_shows_follows_a_picture_that_is_fitted_again(paper):
     paper.until(lambda: paper.state['scene']['dyads']['d1']['mode'] == 2, 'the mode')
     paper.in_python()
     paper.tool('shape')
-    (x, y), (u, v) = (paper.place(name) for name in ('d1_inner', 'd1_second'))
-    x_text, y_text = paper.script(
-        'const t = document.querySelector(\'[data-length="dyads.d1.length_2"]\'), b = '
-        'page.picture.svg.getBoundingClientRect(); return [b.x + t.x.baseVal[0].value, '
-        'b.y + t.y.baseVal[0].value]')
-    assert hypot(x_text - (x + u) / 2, y_text - (y + v) / 2) < CLICK
+
+    def is_beside_its_link():
+        (x, y), (u, v) = (paper.place(name) for name in ('d1_inner', 'd1_second'))
+        x_text, y_text = paper.script(
+            'const t = document.querySelector(\'[data-length="dyads.d1.length_2"]\'), b = '
+            'page.picture.svg.getBoundingClientRect(); return [b.x + t.x.baseVal[0].value, '
+            'b.y + t.y.baseVal[0].value]')
+        return hypot(x_text - (x + u) / 2, y_text - (y + v) / 2) < CLICK
+    paper.until(is_beside_its_link, 'the label of a length beside its link')
 
 
 def test_a_dyad_that_ends_a_full_turn_is_named(paper):

@@ -100,7 +100,7 @@ def test_show_sizes_the_drive_in_words(file, capsys):
     work, left = (OverInput(each, 'driving_torque', SPEED).of_cycle for each in (linkage, free))
     assert (f'cycle      {work:.6g} J = {left:.6g} J without friction + {work - left:.6g} J '
             'friction, ') in text
-    assert f'mean {work * SPEED / (2.0 * np.pi):.6g} W' in text
+    assert f'mean power {work * SPEED / (2.0 * np.pi):.6g} W' in text
     assert 'locks      nowhere' in text and text.count('from below, from above: ') == 1
     lower, upper = linkage.holding(GIVEN[0])
     rate = linkage.motion(GIVEN[0], 1.0).slide_velocity
