@@ -74,7 +74,7 @@ def has_an_acceleration(mechanism, given, friction):
     return any(low < 0.0 <= high for low, high in pairwise(lacks))
 
 
-@pytest.mark.parametrize('count', [20, pytest.param(300, marks=pytest.mark.slow)])
+@pytest.mark.parametrize('count', [10, pytest.param(300, marks=pytest.mark.slow)])
 def test_random_machines(count):
     """
     The acceleration is that of which Cartesian coordinates need the torque given.
@@ -90,7 +90,7 @@ def test_random_machines(count):
             except Locked:
                 locked += 1
                 assert not has_an_acceleration(mechanism, given, friction)
-    assert locked <= 0.1 * count
+    assert locked <= 1 + 0.05 * count
 
 
 @every_mechanism
