@@ -27,16 +27,15 @@ Positions mean what they say: an angle counts its turns, and is never taken the 
 """
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import inf, tau
+from math import ceil, inf, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
+from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.newton import halve
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -287,7 +286,7 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     start = finite('start', start)
     low, high = mechanism.range_around(start)
     inputs = np.linspace(low, high, SAMPLES)
-    turning_points = _turning_points(mechanism, inputs)
+    turning_points = _turning_points(mechanism, low, high)
     if mechanism.turns_fully and not mechanism.stroke:
         if not turning_points:
             branch = Branch(inputs, _continuous(mechanism, inputs, start), None)
@@ -313,15 +312,15 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     return Branch(inputs, outputs, (first, last))
 
 
-def _turning_points(mechanism: Mechanism, inputs: Array) -> list[float]:
-    def has_sign_of(sample: float) -> Callable[[float], bool]:
-        is_negative = ratio_of(mechanism, sample) < 0.0
-        return lambda x: (ratio_of(mechanism, x) < 0.0) == is_negative
-
-    ratios = ratio_of(mechanism, inputs)
-    inputs, is_negative = inputs[np.isfinite(ratios)], ratios[np.isfinite(ratios)] < 0.0
-    return [halve(has_sign_of(inputs[i]), *inputs[i:i + 2].tolist())[0]
-            for i in np.flatnonzero(is_negative[1:] != is_negative[:-1])]
+def _turning_points(mechanism: Mechanism, low: float, high: float) -> list[float]:
+    """Return the inputs in a range where the output turns back: the extrema of its position."""
+    extrema = find_extrema(mechanism, (mechanism.outputs[0].coordinate.position,),
+                           conditions=False)
+    turn = mechanism.period if mechanism.input_coordinate.unit == 'rad' else 0.0
+    inputs = [extremum.input + turn * ceil((low - extremum.input) / turn) if turn
+              else extremum.input for extremum in extrema
+              if extremum.kind != 'constant' and not extremum.side]
+    return sorted(x for x in inputs if low < x < high)
 
 
 def _continuous(mechanism: Mechanism, inputs: Array, start: float) -> Array:

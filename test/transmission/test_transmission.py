@@ -278,3 +278,13 @@ def test_the_transmission_of_ros2_control_is_a_parallelogram_and_no_other_four_b
     error, other = (np.abs(linkage.motion(crank).theta4 - (first + second)).max()
                     for linkage in (parallelogram, nearly))
     assert error <= 8.0 * EPS * np.pi and other > 0.02
+
+
+def test_two_turning_points_close_to_each_other_end_branches():
+    """Klann's leg, with the last length such that its output turns back for 6e-4 rad only."""
+    klann = load_scene('klann').linkage
+    nearly = klann.with_lengths((*klann.lengths[:-1], 0.5550762939453125))
+    before, between, after = (Transmission(nearly, start).branch for start in (3.3, 3.3202, 3.33))
+    turning = [before.ends[1].input, between.ends[1].input]
+    assert turning[0] == between.ends[0].input and turning[1] == after.ends[0].input
+    assert 5e-4 < turning[1] - turning[0] < 8e-4 and before.sense == after.sense == -between.sense
