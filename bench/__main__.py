@@ -54,9 +54,9 @@ def section(about, how, text):
 
 
 def write(name, about, how, text):
-    """Write the section of a measurement on the page in docs/bench that has one."""
+    """Write the section of a measurement on the page of docs that has one."""
     new = f'<!-- {name} -->\n{section(about, how, text)}\n<!-- end -->'
-    for page in (ROOT / 'docs' / 'bench').glob('*.md'):
+    for page in (ROOT / 'docs' / 'robots.md', *(ROOT / 'docs' / 'bench').glob('*.md')):
         before = page.read_text(encoding='utf-8')
         if f'<!-- {name} -->' in before:
             page.write_text(re.sub(rf'<!-- {name} -->\n.*?<!-- end -->', lambda _: new, before,
@@ -78,6 +78,8 @@ def main():
                         help='how many, where a measurement takes samples')
     parser.add_argument('--against', metavar='COMMIT',
                         help='which version, where one is measured beside an earlier one')
+    parser.add_argument('--folder', metavar='DIR',
+                        help='where the files are, of a measurement of files of others')
     arguments = parser.parse_args()
     if unknown := [name for name in arguments.names if name not in MODULES]:
         parser.error(f'{unknown[0]!r}: choose from {", ".join(MODULES)}')
@@ -87,10 +89,12 @@ def main():
         with contextlib.redirect_stdout(Tee()) as kept:
             run = importlib.import_module(f'bench.{name}').main
             known = inspect.signature(run).parameters
-            run(**{option: value for option in ('samples', 'against') if option in known
+            run(**{option: value for option in ('samples', 'against', 'folder')
+                   if option in known
                    and (value := getattr(arguments, option)) is not None})
         if arguments.write:
-            asked = f'{name} --samples {arguments.samples}' if arguments.samples else name
+            asked = name + (f' --samples {arguments.samples}' if arguments.samples else '') + (
+                ' --folder DIR' if 'folder' in known else '')
             write(name, about[name], f'Written by `make bench ARGS="{asked} --write"`: '
                   f'{machine()}.', kept.getvalue())
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
+
+if TYPE_CHECKING:
+    from fourbar_ros.importing.files import Wishes
 
 EPILOG = """\
 examples:
@@ -80,12 +84,16 @@ def _vector(text: str) -> tuple[float, ...]:
     return numbers
 
 
+def wishes_of(arguments: Namespace) -> Wishes:
+    """Return what the arguments say beside the file."""
+    from fourbar_ros.importing.files import Wishes
+    values = {name: getattr(arguments, name) for name in Wishes._fields}
+    return Wishes(**values | {'at': dict(arguments.at), 'mode': dict(arguments.mode)})
+
+
 def _import(arguments: Namespace) -> int:
-    from fourbar_ros.importing.files import import_file, Wishes
-    result = import_file(arguments.file, Wishes(
-        arguments.loop, arguments.drive, arguments.base, arguments.close, arguments.lock,
-        arguments.cut, arguments.key, dict(arguments.at), dict(arguments.mode), arguments.gravity,
-        arguments.check))
+    from fourbar_ros.importing.files import import_file
+    result = import_file(arguments.file, wishes_of(arguments))
     print('\n'.join(result.report))
     if arguments.out and result.loops:
         arguments.out.write_text(result.text, encoding='utf-8')

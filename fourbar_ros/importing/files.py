@@ -4,10 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 import re
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import nearest
 from fourbar_ros.importing.loops import Loop, loops_of
@@ -20,25 +19,23 @@ if TYPE_CHECKING:
     from fourbar_ros.importing.check import Checked  # which imports MuJoCo's reader
 
 
-@dataclass(frozen=True)
-class Wishes:
-    """What the user says beside the file: ``docs/robots.md`` has it in words."""
+class Wishes(NamedTuple):
+    """What the user says beside the file, by the options of the verb: ``docs/robots.md``."""
 
     loop: str = ''                          # a joint or link of the only loop that is wanted
-    drives: Sequence[str] = ()              # joints
+    drive: Sequence[str] = ()               # joints
     base: str = ''                          # a link
     close: Sequence[str] = ()               # of URDF: FRAME,FRAME or FRAME,FRAME:fixed
     lock: Sequence[str] = ()                # joints that are held
     cut: Sequence[str] = ()                 # closing joints that are left out
-    key: str = ''                           # of MJCF: a pose
-    at: Mapping[str, str] = field(default_factory=dict)         # {joint: position}, as text
-    modes: Mapping[str, int] = field(default_factory=dict)      # {dyad: 1 or 2}
+    key: str = ''                           # a pose
+    at: Mapping[str, str] = {}              # {joint: position}, as text
+    mode: Mapping[str, int] = {}            # {dyad: 1 or 2}
     gravity: Sequence[float] = ()           # [m/s^2] in the frame of the root
     check: bool = False                     # against MuJoCo
 
 
-@dataclass(frozen=True)
-class Result:
+class Result(NamedTuple):
     """The imported loops, the lines of the report, each loop beside MuJoCo if that was asked."""
 
     loops: Sequence[Imported]
@@ -100,13 +97,13 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
               *(f' note: {note}' for note in robot.notes)]
     words = [{joint.name for joint in loop.joints} | {*map(loop.name_of, loop.parts)}
              for loop in loops]
-    for option, name in (('--loop', wishes.loop), *(('--drive', each) for each in wishes.drives)):
+    for option, name in (('--loop', wishes.loop), *(('--drive', each) for each in wishes.drive)):
         if name and not any(name in of_loop for of_loop in words):
             known = [word for of_loop in words for word in of_loop]
             raise Refused(f'{option} {name}: no loop has it{nearest(name, known)}')
     wanted = [(number, loop) for number, (loop, of_loop) in enumerate(zip(loops, words), 1)
               if not wishes.loop or wishes.loop in of_loop]
-    if wishes.modes and len(wanted) > 1:
+    if wishes.mode and len(wanted) > 1:
         raise Refused(f'--mode is of one of {len(wanted)} loops: say by --loop of which')
     results, checks, is_good = [], [], True
     for number, loop in wanted:
@@ -131,7 +128,7 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
 
 def _imported(loop: Loop, wishes: Wishes) -> Imported:
     names = {joint.name for joint in loop.joints}
-    drives = [name for name in wishes.drives if name in names]
+    drives = [name for name in wishes.drive if name in names]
     if len(drives) > 1:
         raise Refused(f'--drive {" --drive ".join(drives)}: a loop has one; hold the others by '
                       '--lock')
@@ -140,7 +137,7 @@ def _imported(loop: Loop, wishes: Wishes) -> Imported:
     if wishes.base and wishes.base not in loop.part_of:
         raise Refused(f'--base {wishes.base}: the file has no such link'
                       f'{nearest(wishes.base, loop.part_of)}')
-    choices = Choices(drives[0] if drives else '', base, wishes.modes)
+    choices = Choices(drives[0] if drives else '', base, wishes.mode)
     plane = word(drives[0] if drives else loop.joints[0].name, 'loop') + '_plane'
     while plane in loop.robot.poses:        # a body of the file, as where describe wrote it
         plane += '_2'

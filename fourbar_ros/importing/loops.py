@@ -140,7 +140,8 @@ def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) ->
         coupled = [coupling.joint for coupling in robot.couplings]
         raise Refused('no closed loop in the file' + (
             f'; it has {len(coupled)} mimic or gear joints ({", ".join(coupled[:4])}), which are '
-            'none' if coupled else '') + (
+            'none' if coupled else '') + ''.join(
+            f'; {note}' for note in robot.notes if note.startswith('actuator ')) + (
             f'; name the frames that coincide by --close A,B{_might_close(robot, part_of)}'
             if robot.format == 'URDF' else ''))
     return [Loop(robot, part_of, [moving[index] for index in sorted(circle)])
@@ -205,8 +206,12 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
             np.linalg.norm(np.cross(normal, joint.axis))))))
         worst = max(worst, off)
         if off > PARALLEL:
+            crossing = [pin.name for pin in pins if pin is not joint and pin.axis is not None
+                        and np.linalg.norm(np.cross(pin.axis, joint.axis)) > 0.5
+                        and np.linalg.norm(pin.on_parent - joint.on_parent) <= CLOSED]
             raise Refused(f'not planar: {joint.name} is {off:.3g} degrees off the plane square to '
-                          f'{pins[0].name}')
+                          f'{pins[0].name}' + (f'; with {", ".join(crossing)} it is a ball or '
+                                               'universal joint' if crossing else ''))
     for part in loop.parts:
         if all(joint.kind in (POINT, BALL) for joint in loop.joints_of(part)):
             raise Refused(f'{loop.name_of(part)} is a rod on balls, which may leave the plane')

@@ -170,7 +170,9 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
                              for wrap in range(start, start + model.tendon_num[target])
                              if model.wrap_type[wrap] == mujoco.mjtWrap.mjWRAP_JOINT]
         else:
-            robot.notes.append(f'{name_of("actuator", index)} acts on no joint: left out')
+            how = ('is a slider-crank without bodies' if by == transmissions.mjTRN_SLIDERCRANK
+                   else 'acts on no joint')
+            robot.notes.append(f'actuator {name_of("actuator", index)} {how}: left out')
     return robot
 
 

@@ -76,6 +76,9 @@ class Plane:
 
     def add_link(self, part: str, origin: complex, direction: complex, name: str = '') -> str:
         """Add a link, called like its part; return its name."""
+        if not direction:
+            raise Refused(f'{self.loop.name_of(part)} has its joints in one point: a loop needs '
+                          'them apart')
         name = name or word(self.loop.name_of(part), 'link')
         while name in {link.name for link in self.links.values()} or (
                 name in TAKEN and len(self.links) > 1):

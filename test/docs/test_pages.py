@@ -284,7 +284,7 @@ def test_every_link_of_a_page_leads_somewhere(page):
 
 
 def test_every_measurement_says_of_which_commit_it_is():
-    for page in (ROOT / 'docs' / 'bench').glob('*.md'):
+    for page in (ROOT / 'docs' / 'robots.md', *(ROOT / 'docs' / 'bench').glob('*.md')):
         for line in page.read_text(encoding='utf-8').splitlines():
             if line.startswith('Written by `make bench'):
                 assert re.search(r', commit [0-9a-f]{7}', line), f'{page.name}: {line}'

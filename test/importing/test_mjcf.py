@@ -198,11 +198,11 @@ def test_a_pose_a_base_and_a_mode_can_be_given(tmp_path):
                              '</keyframe></mujoco>')
     with pytest.raises(AssertionError, match='refused: link, lever: .* too far to read the mode'):
         good(tmp_path, folded, key='down')
-    one, two = (good(tmp_path, folded, key='down', modes={'d1': mode})[0] for mode in (1, 2))
+    one, two = (good(tmp_path, folded, key='down', mode={'d1': mode})[0] for mode in (1, 2))
     assert one.values['dyads.d1.mode'] == 1 and two.values['dyads.d1.mode'] == 2
     here, _ = good(tmp_path, robot(), at={'shoulder': '5', 'elbow': '-0.08rad', 'pivot': '2.6deg'})
     assert here.scene.drive.start == pytest.approx(np.radians(95.0), rel=1e-14)
-    seen = read(tmp_path, robot(), base='lever', drives=['pivot'])
+    seen = read(tmp_path, robot(), base='lever', drive=['pivot'])
     report = '\n'.join(seen.report)
     assert 'base lever, driven pivot' in report and seen.loops[0].scene.frame.parent == 'lever'
     assert ('the root of the robot hangs on crank: that is not counted as its mass, and loads are '
@@ -226,7 +226,7 @@ def test_several_loops_are_sections_of_one_file(tmp_path):
     assert first.linkage.lengths == second.linkage.lengths
     assert len(read(tmp_path, text, loop='lever2').loops) == 1
     with pytest.raises(Refused, match='--mode is of one of 2 loops'):
-        read(tmp_path, text, modes={'d1': 1})
+        read(tmp_path, text, mode={'d1': 1})
 
 
 FLAT = '<connect name="tip" body1="link" body2="lever" anchor="0.5 -0.2 0"/>'
@@ -237,6 +237,12 @@ REFUSED = [
     ({'equality': ''}, {}, 'no closed loop in the file$'),
     ({'equality': '<joint joint1="elbow" joint2="shoulder"/>'}, {},
      r'no closed loop in the file; it has 1 mimic or gear joints \(elbow\), which are none'),
+    ({'equality': '', 'on_link': '<site name="pin"/>', 'on_lever': '<site name="slot"/>',
+      'motor': '<motor cranksite="pin" slidersite="slot" cranklength="1"/>'}, {},
+     'no closed loop in the file; actuator actuator_0 is a slider-crank without bodies: left out'),
+    ({'equality': CONNECT.replace('0.9 0.3', '0 0')}, {}, 'link has its joints in one point'),
+    ({'axis': '0 0 1"/><joint name="tilt" axis="1 0 0'}, {}, 'not planar: tilt is 90 degrees off '
+     'the plane square to shoulder; with pivot it is a ball or universal joint$'),
     ({'axis': '0 0.1 1'}, {}, 'not planar: pivot is 5.71 degrees off the plane square to shoul'),
     ({'equality': CONNECT.replace('0.3 0"', '0.3 0"').replace('link', 'end'),
       'on_link': TWO_LINKS}, {}, '5 links and 5 joints have 2 degrees of freedom: hold 1 of the '
@@ -252,7 +258,7 @@ REFUSED = [
     ({'equality': FLAT}, {}, "link, lever: flat in the file's pose, the modes are .* degrees "
      'apart, too near to read which; give a pose by --at or --key, or the mode by --mode d1=1 or '
      'd1=2'),
-    ({}, {'drives': ['elbw']}, '--drive elbw: no loop has it; did you mean elbow?'),
+    ({}, {'drive': ['elbw']}, '--drive elbw: no loop has it; did you mean elbow?'),
     ({}, {'base': 'lever2'}, '--base lever2: the file has no such link; did you mean lever?'),
     ({}, {'loop': 'tips'}, '--loop tips: no loop has it; did you mean tip?'),
     ({}, {'lock': ['pivo']}, '--lock pivo: the file has no such joint; did you mean pivot?'),
@@ -260,7 +266,7 @@ REFUSED = [
     ({}, {'key': 'home'}, '--key home: the file has no such key'),
     ({}, {'at': {'knee': '1'}}, '--at knee: the file has no such joint'),
     ({}, {'at': {'elbow': '3mm'}}, '--at elbow=3mm: must be a number in rad'),
-    ({}, {'modes': {'d2': 1}}, '--mode d2: no dyad, which are d1'),
+    ({}, {'mode': {'d2': 1}}, '--mode d2: no dyad, which are d1'),
     ({}, {'close': ['a,b']}, '--close: the loops of MJCF are its equality constraints'),
     ({'equality': '<weld name="glue" body1="link" body2="lever" relpose="0.5 0 0 1 0 0 0"/>'}, {},
      'the weld glue is open by .* m and 0 degrees: give a pose'),
@@ -275,3 +281,21 @@ def test_a_refusal_is_a_line_that_says_what_would_help(changes, wishes, words, t
         line = str(error)
     assert re.search(words, line), line
     assert '\n' not in line
+
+
+def test_the_table_of_a_folder_has_each_file_or_says_that_it_is_not_there(
+        tmp_path, capsys, monkeypatch):
+    from bench import robot_files
+    (tmp_path / 'robot.xml').write_text(robot())
+    (tmp_path / 'held.xml').write_text(robot(motor=''))
+    monkeypatch.setattr(robot_files, 'FILES', [
+        robot_files.RobotFile('robot.xml', 'us: here'),
+        robot_files.RobotFile('held.xml', 'us: here'),
+        robot_files.RobotFile('held.xml', '', '--drive pivot'),
+        robot_files.RobotFile('robot.urdf', 'us: there')])
+    robot_files.main(str(tmp_path))
+    lines = capsys.readouterr().out.splitlines()
+    assert re.match(r'\| `robot.xml`, us \|  \| 1 \| \de-1[5-9] \| \de-1\d \|  \|$', lines[2])
+    assert '| 0 |  |  | the file does not say which joint' in lines[3]
+    assert lines[4].startswith('| `held.xml` | `--drive pivot` | 1 |')
+    assert lines[6] == 'Not in the folder (--folder): robot.urdf (us: there)'

@@ -209,11 +209,11 @@ def test_without_a_loop_the_frames_that_coincide_are_proposed(ends, tmp_path):
 
 
 def test_a_mode_against_the_pose_is_a_warning_with_both_openings(tmp_path):
-    result = read(tmp_path, robot(), modes={'d1': 2})
+    result = read(tmp_path, robot(), mode={'d1': 2})
     line = next(line for line in result.report if 'warning' in line)
     assert re.search('--mode d1=2 turns links by 1[0-9][0-9] degrees from the file.s pose, '
                      'mode 1 by [0-9.e-]+$', line), line
-    assert not any('warning' in line for line in read(tmp_path, robot(), modes={'d1': 1}).report)
+    assert not any('warning' in line for line in read(tmp_path, robot(), mode={'d1': 1}).report)
 
 
 def test_a_check_says_the_drive_with_its_unit_and_where_its_peak_is(tmp_path):
