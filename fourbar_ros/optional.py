@@ -6,7 +6,6 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from importlib import import_module
-from importlib.metadata import entry_points
 from pathlib import Path
 import sys
 from typing import Any
@@ -46,6 +45,8 @@ class MissingPackage(FourBarError):
 
 def lab(tool: str) -> Any:
     """Return a tool of fourbar_lab by its entry point; raises ModuleNotFoundError without it."""
+    from importlib.metadata import entry_points  # four fifths of a bare import
+
     for entry in entry_points(group='fourbar.lab', name=tool):
         return entry.load()
     raise ModuleNotFoundError(f'no entry point {tool} of fourbar_lab', name='fourbar_lab')

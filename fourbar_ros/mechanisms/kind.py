@@ -177,7 +177,7 @@ class Kind(Mechanism):
                   else dyads.driven_crank(n, x))
         pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
                        [constants.sign if drive.sign > 0.0 else -constants.sign], driven)
-        dyad, = pose.dyads
+        dyad = pose.dyads[0]
         coordinates: dict[Coordinate, Sequence[Scalar]] = {
             coordinate: dyad.slides[3 * k:3 * k + 3] for k, coordinate in enumerate(drive.slides)}
         if driven.slide:

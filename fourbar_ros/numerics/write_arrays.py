@@ -8,7 +8,7 @@ their results are those of the formula.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 import re
 from typing import Any
@@ -47,9 +47,12 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
     does not depend on the inputs and is zero.
     """
     simple = trace.simplified(dict.fromkeys(zeros, 0.0))
-    full, indices = ([flat(each.results)[i] for i in wanted] for each in (trace, simple))
+    full, indices = [[results[i] for i in wanted]
+                     for results in (flat(trace.results), flat(simple.results))]
     # without what only adds zero, unless a result would then no longer be NaN where it should
-    if _carriers(simple, indices) != _carriers(trace, full):
+    bits = {index: 1 << i for i, index in enumerate(
+        [0, *[index for index, step in enumerate(trace.steps) if step.operation == 'sqrt']])}
+    if _carriers(simple, indices, bits) != _carriers(trace, full, bits):
         simple, indices = trace, full
     steps = [index for index in simple.needed(indices)
              if index in trace.varies and index >= trace.count]
@@ -125,18 +128,19 @@ def array_statements(trace: Trace, results: Sequence[int],
                     if names.get(index) != f'r{i}'], kinds, functions
 
 
-def _carriers(trace: Trace, indices: Sequence[int]) -> list[frozenset[int]]:
+def _carriers(trace: Trace, indices: Sequence[int], bits: Mapping[int, int]) -> list[int]:
     """
-    Return, for each result, the indices of the roots and of the position that it depends on.
+    Return, for each result, the ``bits`` of the roots and of the position that it depends on.
 
     Out of range they are NaN, and so make the result NaN. Rate and acceleration do not count: a
     result may multiply them by zero.
     """
-    carried: list[frozenset[int]] = []
+    carried = list[int]()
     for index, step in enumerate(trace.steps):
-        of_arguments = frozenset[int]().union(*[carried[i] for i in step.arguments])
-        is_carrier = index == 0 or step.operation == 'sqrt'
-        carried.append(of_arguments | {index} if is_carrier else of_arguments)
+        bit = bits[index] if index == 0 or step.operation == 'sqrt' else 0
+        for i in step.arguments:
+            bit |= carried[i]
+        carried.append(bit)
     return [carried[index] for index in indices]
 
 

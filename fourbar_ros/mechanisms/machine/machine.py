@@ -22,10 +22,11 @@ from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.machine import description, ranges, structure
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad
-from fourbar_ros.mechanisms.machine.margins import make_along, PairRange
+from fourbar_ros.mechanisms.machine.margins import PairRange
 from fourbar_ros.mechanisms.machine.ranges import Limit, RangeEnds
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
-from fourbar_ros.mechanisms.machine.solve.motion import motion_of
+from fourbar_ros.mechanisms.machine.solve.motion import driven_link, motion_of
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -279,17 +280,17 @@ class Machine(Mechanism):
     @cached_by_lengths
     def singular_inputs(self) -> list[complex]:
         real = [end.x for end in self._ends] + list(self.flat_inputs)
-        return [*map(complex, real), *self._complex_toggles, *self._off_real(self._ranges.poles)]
+        return [*map(complex, real), *self._complex_toggles, *self._off_real(self._ranges.poles())]
 
     @cached_by_lengths
     def _complex_toggles(self) -> list[complex]:
-        return self._off_real(self._ranges.near)
+        return self._off_real(self._ranges.toggles())
 
-    def _off_real(self, searches: Sequence[ranges.Near]) -> list[complex]:
-        """Return the complex inputs that searches find, without real ones found a bit beside."""
+    def _off_real(self, inputs: Sequence[complex]) -> list[complex]:
+        """Return complex inputs without those that are real ones, found a bit beside."""
         real = [(end.x, ranges.DOUBLE if end.is_flat else ranges.SAME) for end in self._ends]
         real += [(x, ranges.DOUBLE) for x in self.flat_inputs]
-        return [z for search in searches for z in search()
+        return [z for z in inputs
                 if all(abs(self.distance(z.real, x) + 1j * z.imag) > same * self.input_unit
                        for x, same in real)]
 
@@ -401,10 +402,11 @@ class Machine(Mechanism):
 
     def _dyad_at(self, position: float) -> str:
         """Return the name of the first dyad that cannot be solved at an input; one cannot."""
+        machine = self.layout, self.dyad_lengths, self.signs
+        poses = Poses(hangings(REAL, *machine), driven_link(REAL, *machine, position))
         for i, dyad in enumerate(self.stages[:-1]):
-            try:       # solves all before the next one
-                make_along(REAL, self.layout, self.dyad_lengths, self.signs, i + 1,
-                           lambda _: None)(position)
+            try:
+                poses.add(i)
             except (ValueError, ZeroDivisionError):
                 return dyad.name
         return self.stages[-1].name         # all others can be solved

@@ -31,6 +31,7 @@ CLOSING = ('RRR', 'RRP', 'RPR', 'PRP')     # kinds that do not close at any inpu
 # angle x: plus cos^2(x/2) + minus sin^2(x/2), of RRP with x from the normal of its line; of a
 # slide: plus sigma^2 + minus.
 Factor = tuple[float, float]
+Measure = Callable[[Ends], Any]      # of the ends of a dyad, wherever they are
 
 
 class PairRange:
@@ -185,55 +186,37 @@ def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) 
     return (q - sizes[0] * sizes[0]) / (q + size * size)
 
 
-def make_assembly_margin(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                         signs: Sequence[Scalar], dyad: int,
-                         converted: Sequence[DyadLengths] | None = None) -> Function:
+def margin_of_dyad(n: NumberType, stage: Stage, lengths: DyadLengths,
+                   converted: DyadLengths | None = None) -> Measure:
     """
-    Return input -> assembly margin of the dyad of this index.
+    Return ends -> assembly margin of a dyad.
 
-    ``converted``: the ``dyad_lengths`` as the number type has them, if it is not one of floats.
+    ``converted``: its lengths as the number type has them, if it is not one of floats.
     """
-    stage, converted = layout.stages[dyad], dyad_lengths if converted is None else converted
-    margin = (partial(PairRange(stage, dyad_lengths[dyad]).assembly_margin, n) if stage.pair
-              else partial(assembly_margin, n, stage.kind, converted[dyad]))
-    return make_along(n, layout, converted, signs, dyad, margin)
-
-
-def make_square(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                signs: Sequence[Scalar], dyad: int) -> Function:
-    """Return input -> |D|^2, scaled, of RRR or RPR; where it is zero, links have a pole."""
-    stage, lengths = layout.stages[dyad], dyad_lengths[dyad]
     if stage.pair:
-        return make_along(n, layout, dyad_lengths, signs, dyad,
-                          partial(PairRange(stage, lengths).square, n))
+        return partial(PairRange(stage, lengths).assembly_margin, n)
+    return partial(assembly_margin, n, stage.kind, converted or lengths)
+
+
+def square_of_dyad(n: NumberType, stage: Stage, lengths: DyadLengths) -> Measure:
+    """Return ends -> |D|^2, scaled, of RRR or RPR; where it is zero, links have a pole."""
+    if stage.pair:
+        return partial(PairRange(stage, lengths).square, n)
     size = sum(map(abs, (*lengths.p, *lengths.q, *lengths.sizes)), start=0.0)
 
     def square(ends: Ends) -> Scalar:
         node: Node = ends.apart
         x, y = node[:2]
         return (x * x + y * y) / (size * size)
-    return make_along(n, layout, dyad_lengths, signs, dyad, square)
-
-
-def make_flatness(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                  signs: Sequence[Scalar], dyad: int) -> Function:
-    """Return input -> (distance from a flat position, side) of the pair of this index."""
-    flatness = PairRange(layout.stages[dyad], dyad_lengths[dyad]).flatness
-    return make_along(n, layout, dyad_lengths, signs, dyad, lambda ends: flatness(ends.relative))
+    return square
 
 
 def make_along(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-               signs: Sequence[Scalar], dyad: int,
-               measure: Callable[[Ends], Any]) -> Function:
+               signs: Sequence[Scalar], dyad: int, measure: Measure) -> Function:
     """Return input -> the measure of the ends of a dyad, which may be unable to close."""
     hanging = hangings(n, layout, dyad_lengths, signs)
-
-    def along(x: Scalar) -> Any:
-        poses = Poses(hanging, driven_link(n, layout, dyad_lengths, signs, x))
-        for before in range(dyad):
-            poses.add(before)
-        return measure(poses.ends(dyad))
-    return along
+    return lambda x: measure(
+        Poses(hanging, driven_link(n, layout, dyad_lengths, signs, x)).carry(dyad))
 
 
 def has_toggles(stage: Stage, lengths: DyadLengths) -> bool:

@@ -33,6 +33,9 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.machine import margins
+from fourbar_ros.mechanisms.machine.margins import make_along
+from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
+from fourbar_ros.mechanisms.machine.solve.motion import driven_link
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
@@ -77,17 +80,17 @@ class Limit(NamedTuple):
 
 
 RangeEnds = tuple[Limit, Limit] | None      # the ends of a range; None: a full turn
-Near = Callable[[], list[complex]]
 
 
 class DyadRanges(NamedTuple):
     """The ranges in which dyads close."""
 
     limits: tuple[RangeEnds, ...]       # (low, high) of each range, None of a full turn
-    near: tuple[Near, ...]          # searches for complex inputs at which a dyad is in line
     stopped: str = ''               # the first dyad that closes nowhere
     flats: dict[float, str] = {}    # {input: the first pair that lies flat there}
-    poles: tuple[Near, ...] = ()    # searches for complex inputs at which the ends of a dyad meet
+    # searches for complex inputs near a range: a dyad is in line there, the ends of one meet
+    toggles: Callable[[], list[complex]] = list
+    poles: Callable[[], list[complex]] = list
     turns: int = 1                  # of a crank that turns fully, after which all repeats
     layout: Layout | None = None    # with what is known of pairs, see :func:`find_ranges`
 
@@ -113,20 +116,20 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
             low, high = abs(rho - b), rho + b
         name = CYLINDER if layout.driver == CYLINDER else ''
         limits = [(Limit(low, name), Limit(high, name))]
-    near, flats, twice = list[Near](), dict[float, str](), ''
+    near, flats, twice = list[_Sampled](), dict[float, str](), ''
     for i, (stage, lengths) in enumerate(zip(layout.stages, dyad_lengths)):
         pair_range = margins.PairRange(stage, lengths) if stage.pair else None
         is_driven = (pair_range is not None and {stage.first, stage.second} == {0, 1}
                      and layout.driver != CYLINDER)
         if pair_range and pair_range.is_impossible:
-            return DyadRanges((), (), stage.name, layout=search.layout)
+            return DyadRanges((), stage.name, layout=search.layout)
         turns = 2 if twice and not is_driven else 1
         if margins.has_toggles(stage, lengths):
             split = [search.split(bound, i, turns) for bound in limits]
             limits = [part for parts, _ in split for part in parts]
-            near += [toggles for _, toggles in split]
+            near += [margin for _, margin in split]
             if not limits:
-                return DyadRanges((), (), stage.name, layout=search.layout)
+                return DyadRanges((), stage.name, layout=search.layout)
         found: list[float] = []
         if pair_range and pair_range.flats:
             found = (flats_of_driven(pair_range, stage.moving == 1, limits) if is_driven
@@ -145,9 +148,10 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
         elif is_driven and len(found) == 1:
             twice = twice or stage.name
     turns = 2 if twice else 1
-    return DyadRanges(tuple(limits), tuple(near), flats=dict(sorted(flats.items())),
-                      poles=tuple([partial(search.poles, bound, turns) for bound in limits]),
-                      turns=turns, layout=search.layout)
+    search.forget()
+    return DyadRanges(tuple(limits), '', dict(sorted(flats.items())),
+                      partial(search.toggles, near), partial(search.poles, limits, turns),
+                      turns, search.layout)
 
 
 def flats_of_driven(pair_range: margins.PairRange, is_moving: bool, limits: Sequence[RangeEnds]
@@ -192,30 +196,36 @@ class _Path(NamedTuple):
         return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
 
 
-def _near(margin: Function, path: _Path, phi: Array, value: Array,
-          slope: Array) -> list[complex]:
-    """Return the complex roots of a margin next to its minima between samples at phi."""
-    roots, h, is_open = list[complex](), 2.0**-26, value > 0.0
-    for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0) & is_open[:-1] & is_open[1:]):
-        width, change = phi[i + 1] - phi[i], slope[i + 1] - slope[i]
-        lowest, least = phi[i] - slope[i] * width / change, value[i:i + 2].min()
-        z = np.array([lowest + 1j * np.sqrt(2.0 * least * width / change)])
-        with np.errstate(all='ignore'):
-            for _ in range(NEWTON_STEPS):
-                at_z, ahead = (margin(path.to_input(w)) for w in (z, z + h * (1.0 + 0.0j)))
-                z = z - at_z * h / (ahead - at_z)
-            x = complex(path.to_input(z)[0])
-        if np.isfinite(x) and x.imag != 0.0 and abs(z[0].imag) < 2.0:
-            roots.append(x)
-    return roots
+class _Sampled(NamedTuple):
+    """A function of the poses, and its values and slopes so close that cubics hold between."""
+
+    function: Callable[[Poses], Array]
+    path: _Path
+    phi: Array
+    value: Array
+    slope: Array
 
 
 class _Search:
-    """The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`."""
+    """
+    The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`.
+
+    Dyads that are searched at the same inputs share the poses of those that carry them: in a
+    chain the work grows with its length, not with the square of it.
+    """
 
     def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                  signs: Sequence[float]) -> None:
         self._machine = layout, dyad_lengths, signs
+        # {bytes of inputs: poses} at the first samples, which all dyads share
+        self._shared: dict[bytes, Poses] = {}
+
+    def forget(self) -> None:
+        self._shared.clear()
+
+    def _poses_at(self, x: Any) -> Poses:
+        """Return the poses at real or complex inputs, of no dyad yet."""
+        return Poses(hangings(ARRAY, *self._machine), driven_link(ARRAY, *self._machine, x))
 
     def without_branch(self, dyad: int) -> None:
         """Note that a pair lies flat nowhere, for those after it."""
@@ -225,22 +235,24 @@ class _Search:
         assert pair is not None
         stages[dyad] = stages[dyad]._replace(pair=pair._replace(can_lie_flat=False))
         self._machine = layout._replace(stages=tuple(stages)), dyad_lengths, signs
+        self.forget()
 
     @property
     def layout(self) -> Layout:
         return self._machine[0]
 
-    def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], Near]:
+    def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], _Sampled]:
         """
-        Return the parts of a range in which a dyad closes, and a search near them.
+        Return the parts of a range in which a dyad closes, and the samples of its margin.
 
         ``turns``: of a full turn, after which the dyad is again where it was.
         """
-        stage = self._machine[0].stages[dyad]
-        in_complex, in_floats = [margins.make_assembly_margin(n, *self._machine, dyad)
-                                 for n in (ARRAY, REAL)]
+        stage, lengths = self._machine[0].stages[dyad], self._machine[1][dyad]
+        in_floats = make_along(REAL, *self._machine, dyad,
+                               margins.margin_of_dyad(REAL, stage, lengths))
         path = _Path.of(bound, turns)
-        phi, value, slope = _resolved(in_complex, path, stage.name)
+        margin = self._resolved(margins.margin_of_dyad(ARRAY, stage, lengths), path, dyad)
+        _, _, phi, value, slope = margin
         is_open = value > 0.0
 
         def changes() -> list[Limit]:
@@ -255,8 +267,8 @@ class _Search:
             ends = changes()
             if ends:
                 ends = [*ends, ends[0].turned()] if bound is None else [bound[0], *ends, bound[1]]
-            return list(zip(ends, ends[1:])) or [bound], partial(
-                _near, in_complex, path, phi, np.abs(value), np.where(is_open, slope, -slope))
+            return list(zip(ends, ends[1:])) or [bound], margin._replace(
+                value=np.abs(value), slope=np.where(is_open, slope, -slope))
         flats = [] if stage.pair else self._minima(dyad, path, phi, value, slope)
         if stage.pair and not margins.PairRange(stage, self._machine[1][dyad]).has_limits:
             is_open[:] = True
@@ -267,8 +279,7 @@ class _Search:
         ends = changes() + [Limit(x, stage.name, len(set(roots)) == 1)
                             for _, roots in flats for x in roots]
         ends.sort(key=lambda end: end.x)
-        return (_open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])),
-                partial(_near, in_complex, path, phi, value, slope))
+        return _open_parts(bound, ends, bool(is_open[0]), bool(is_open[-1])), margin
 
     def _minima(self, dyad: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
@@ -304,10 +315,11 @@ class _Search:
         None if it is positive, twice the same for a double root, else two roots, each rounded to
         the side on which the dyad closes.
         """
-        _, dyad_lengths, _ = self._machine
+        layout, dyad_lengths, signs = self._machine
         data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
-        trace = Trace(lambda n, converted: margins.make_assembly_margin(
-            n, *self._machine, dyad, converted), 1, data)
+        trace = Trace(lambda n, converted: make_along(
+            n, layout, converted, signs, dyad, margins.margin_of_dyad(
+                n, layout.stages[dyad], dyad_lengths[dyad], converted[dyad])), 1, data)
         with localcontext(MANY_DIGITS):
             value = in_decimals(trace, numbers_of(data), flat(trace.results)[:1])
 
@@ -341,19 +353,101 @@ class _Search:
                 limits.append(limit if is_beyond else nextafter(limit, side))
             return tuple(limits)
 
-    def poles(self, bound: RangeEnds, turns: int) -> list[complex]:
-        """Return the complex inputs near a range at which the ends of a dyad meet."""
-        path, poles = _Path.of(bound, turns), list[complex]()
-        for dyad, stage in enumerate(self._machine[0].stages):
-            if stage.kind not in ('RRR', 'RPR') or stage.name == CYLINDER:
-                continue
-            square = margins.make_square(ARRAY, *self._machine, dyad)
-            samples = _resolved(square, path, stage.name)
-            # of a chain of equal loops one is enough
-            with np.errstate(all='ignore'):
-                is_known = any(np.abs(square(np.array([z]))).min() < DOUBLE**2 for z in poles)
-            if not is_known:
-                poles += _near(square, path, *samples)
+    def _resolved(self, measure: margins.Measure, path: _Path, dyad: int) -> _Sampled:
+        """
+        Return a measure of the ends of a dyad, sampled so close that cubics hold between.
+
+        Pieces that :func:`_to_halve` names are halved, MOST_HALVINGS times at most; what is
+        doubtful then stays so. InvalidParameter if there are too many samples.
+        """
+        def function(poses: Poses) -> Any:
+            return measure(poses.carry(dyad))
+
+        def sample(phi: Array) -> tuple[Array, Array]:
+            with np.errstate(all='ignore'):     # NaN where the function has no value
+                x = path.to_input(phi + 1j * STEP)
+                poses = self._shared.get(x.tobytes()) or self._poses_at(x)
+                if phi.size >= PIECES:
+                    self._shared[x.tobytes()] = poses
+                value = function(poses) + 0.0 * phi
+            return value.real, value.imag / STEP
+
+        phi = path.start()
+        value, slope = sample(phi)
+        pending = np.ones(phi.size - 1, bool)       # pieces not yet compared with their cubic
+        for _ in range(MOST_HALVINGS):
+            i = np.flatnonzero(pending)
+            if not i.size:
+                break
+            if phi.size > MOST_SAMPLES:
+                raise InvalidParameter(
+                    f'dyads.{self.layout.stages[dyad].name}', None, 'its lengths differ so much '
+                    'from the others that its ranges cannot be told in floats')
+            width = phi[i + 1] - phi[i]
+            middle = phi[i] + 0.5 * width
+            middle_value, middle_slope = sample(middle)
+            doubtful = _to_halve((value, slope), (middle_value, middle_slope), i, width)
+            phi, value, slope = (np.insert(old, i + 1, new) for old, new in (
+                (phi, middle), (value, middle_value), (slope, middle_slope)))
+            pending = np.zeros(phi.size - 1, bool)
+            lower_half = i + np.arange(i.size)      # each middle before it moves it by one
+            pending[lower_half] = pending[lower_half + 1] = doubtful
+        return _Sampled(function, path, phi, value, slope)
+
+    def _near(self, functions: Sequence[_Sampled]) -> list[list[complex]]:
+        """Return the complex roots of each function next to its minima between samples."""
+        starts, h = list[Array](), 2.0**-26
+        for _, _, phi, value, slope in functions:
+            is_open = value > 0.0
+            i = np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)
+                               & is_open[:-1] & is_open[1:])
+            width, change = phi[i + 1] - phi[i], slope[i + 1] - slope[i]
+            least = np.minimum(value[i], value[i + 1])
+            starts.append(phi[i] - slope[i] * width / change
+                          + 1j * np.sqrt(2.0 * least * width / change))
+        ends = np.cumsum([start.size for start in starts]).tolist()
+        parts = [slice(end - start.size, end) for start, end in zip(starts, ends)]
+        z = np.concatenate([np.empty(0), *starts])
+        x = np.empty((2, z.size), complex)      # all at once, as their dyads carry each other
+        with np.errstate(all='ignore'):
+            for _ in range(NEWTON_STEPS if z.size else 0):
+                for function, part in zip(functions, parts):
+                    x[:, part] = function.path.to_input(np.array([z[part], z[part] + h]))
+                poses = self._poses_at(x)
+                for function, part in zip(functions, parts):
+                    if part.start < part.stop:
+                        at_z, ahead = function.function(poses)[:, part]
+                        z[part] -= at_z * h / (ahead - at_z)
+            near = [(z[part], function.path.to_input(z[part]))
+                    for function, part in zip(functions, parts)]
+        return [x[np.isfinite(x) & (x.imag != 0.0) & (np.abs(z.imag) < 2.0)].tolist()
+                for z, x in near]
+
+    def toggles(self, margins_of_dyads: Sequence[_Sampled]) -> list[complex]:
+        """Return the complex inputs near the ranges at which a dyad is in line."""
+        return [root for roots in self._near(margins_of_dyads) for root in roots]
+
+    def poles(self, limits: Sequence[RangeEnds], turns: int) -> list[complex]:
+        """Return the complex inputs near the ranges at which the ends of a dyad meet."""
+        poles, (layout, dyad_lengths, _) = list[complex](), self._machine
+        for bound in limits:
+            path, known = _Path.of(bound, turns), list[int]()
+            squares = [self._resolved(margins.square_of_dyad(ARRAY, stage, dyad_lengths[i]), path,
+                                      i)
+                       for i, stage in enumerate(layout.stages)
+                       if stage.kind in ('RRR', 'RPR') and stage.name != CYLINDER]
+            near = self._near(squares)
+            every = np.array([root for roots in near for root in roots])
+            poses, start = self._poses_at(every), 0
+            for square, roots in zip(squares, near):
+                # of a chain of equal loops one is enough
+                with np.errstate(all='ignore'):
+                    sizes = np.abs(square.function(poses)) + 0.0 * np.abs(every)
+                if not (sizes[known] < DOUBLE**2).any():
+                    known += range(start, start + len(roots))
+                start += len(roots)
+            poles += every[known].tolist()
+        self.forget()
         return poles
 
     def flats(self, pair_range: margins.PairRange, limits: Sequence[RangeEnds], dyad: int,
@@ -365,12 +459,13 @@ class _Search:
         """
         stage, signs = self._machine[0].stages[dyad], pair_range.flats
         name, is_driven = stage.name, {stage.first, stage.second} == {0, 1}
-        in_complex, in_floats = [margins.make_flatness(n, *self._machine, dyad)
-                                 for n in (ARRAY, REAL)]
+        in_floats = make_along(REAL, *self._machine, dyad,
+                               lambda ends: pair_range.flatness(ends.relative))
         flats = []
         for bound in limits:
             path = _Path.of(bound, turns)
-            phi, value, _ = _resolved(lambda x: in_complex(x)[0], path, name)
+            _, _, phi, value, _ = self._resolved(
+                lambda ends: pair_range.flatness(ends.relative)[0], path, dyad)
             moves = np.abs(value).max() > SAME
             changes = np.flatnonzero((value[1:] > 0.0) != (value[:-1] > 0.0)) if moves else [0]
             for i in changes:
@@ -409,40 +504,6 @@ def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
     if opens_last:
         ends = [*ends, bound[1]]
     return list(zip(ends[::2], ends[1::2]))
-
-
-def _resolved(values: Function, path: _Path, dyad: str) -> tuple[Array, Array, Array]:
-    """
-    Return phi, values and slopes of a function of the input, so close that cubics hold between.
-
-    Pieces that :func:`_to_halve` names are halved, MOST_HALVINGS times at most; what is doubtful
-    then stays so. InvalidParameter for ``dyad`` if there are too many samples.
-    """
-    def sample(phi: Array) -> tuple[Array, Array]:
-        with np.errstate(all='ignore'):     # NaN where the function has no value
-            value = values(path.to_input(phi + 1j * STEP)) + 0.0 * phi
-        return value.real, value.imag / STEP
-
-    phi = path.start()
-    value, slope = sample(phi)
-    pending = np.ones(phi.size - 1, bool)       # pieces not yet compared with their cubic
-    for _ in range(MOST_HALVINGS):
-        i = np.flatnonzero(pending)
-        if not i.size:
-            break
-        if phi.size > MOST_SAMPLES:
-            raise InvalidParameter(f'dyads.{dyad}', None, 'its lengths differ so much from the '
-                                   'others that its ranges cannot be told in floats')
-        width = phi[i + 1] - phi[i]
-        middle = phi[i] + 0.5 * width
-        middle_value, middle_slope = sample(middle)
-        doubtful = _to_halve((value, slope), (middle_value, middle_slope), i, width)
-        phi, value, slope = (np.insert(old, i + 1, new) for old, new in (
-            (phi, middle), (value, middle_value), (slope, middle_slope)))
-        pending = np.zeros(phi.size - 1, bool)
-        lower_half = i + np.arange(i.size)      # each middle before it moves it by one
-        pending[lower_half] = pending[lower_half + 1] = doubtful
-    return phi, value, slope
 
 
 def _to_halve(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,

@@ -107,12 +107,13 @@ class Poses:
     What is known so far of one pose: the curves of links as the frame sees them, and the dyads.
 
     Links have indices: 0 the frame, 1 the driven link, then those of the dyads in their order.
+    Dyads are added in any order in which each comes after those that carry it.
     """
 
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
         """Start with the driven link (see :class:`.Driven`)."""
         self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half
-        self.curves, self.dyads = [FIXED, driven.curve], list[DyadMotion]()
+        self.curves, self.dyads = {0: FIXED, 1: driven.curve}, dict[int, DyadMotion]()
         # {(link, link it is pinned to): direction of the first seen from the second}
         self._relations: dict[tuple[int, int], Direction] = {}
         # {(link that slides, its carrier): slide, first and second derivative}
@@ -156,6 +157,19 @@ class Poses:
         c, s, turn, bend = self.curves[link].turning
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
+    def carry(self, index: int) -> Ends:
+        """Add the dyads on which one hangs, directly or not, and return its ends."""
+        pending = [index]
+        while pending:
+            stage = self._hanging[pending[-1]].stage
+            carriers = [link // 2 - 1 for link in (stage.first, stage.second)
+                        if link not in self.curves]
+            if carriers:
+                pending += carriers
+            elif (dyad := pending.pop()) != index and dyad not in self.dyads:
+                self.add(dyad)
+        return self.ends(index)
+
     def add(self, index: int, moved: DyadMotion | None = None) -> tuple[LinkMotion, LinkMotion]:
         """Add a dyad, or how it moved in its frame; return its links' curves."""
         moved = self._hanging[index].motion(self.ends(index)) if moved is None else moved
@@ -164,8 +178,8 @@ class Poses:
         if frame:
             curves = (composed(self.curves[frame], moved.first),
                       composed(self.curves[frame], moved.second))
-        self.curves += curves
-        self.dyads.append(moved)
+        self.curves.update(zip((2 * index + 2, 2 * index + 3), curves))
+        self.dyads[index] = moved
         self._relations.update(moved.relations)
         for k, (link, (carrier, _, _)) in enumerate(slides):
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]

@@ -126,8 +126,9 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     """
     driven = driven_link(n, layout, dyad_lengths, signs, position)
     pose = pose_of(n, layout, dyad_lengths, signs, driven)
-    curves, errors = pose.curves, [EXACT, driven.errors]
-    for stage, lengths, moved in zip(layout.stages, dyad_lengths, pose.dyads):
+    curves, dyad_motions = [*pose.curves.values()], [*pose.dyads.values()]
+    errors = [EXACT, driven.errors]
+    for stage, lengths, moved in zip(layout.stages, dyad_lengths, dyad_motions):
         errors += errors_of(n, stage, lengths, errors[stage.first], errors[stage.second], moved)
     if layout.ground:
         turning, joints = layout.turning(), Joints(layout.driver, layout.stages, dyad_lengths)
@@ -153,7 +154,7 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         add(structure.coordinate(link), n.atan2(curve.sine, curve.cosine), curve.omega,
             curve.alpha)
         fields.update(zip([f'{name}_{link}' for name in structure.COEFFICIENTS], curve))
-    for stage, moved in zip(layout.stages, pose.dyads):
+    for stage, moved in zip(layout.stages, dyad_motions):
         fields[f'sine_{stage.name}'] = moved.sine
         for k, link in enumerate(stage.slides()):
             slide, slope, bend = moved.slides[3 * k:3 * k + 3]
@@ -169,8 +170,8 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     if layout.driver == 'crank':        # the input is not computed, it is as it is given
         of_input = structure.BASE if layout.ground else layout.driven
         fields[structure.coordinate(of_input).position] = position
-    sines = [n.fabs(moved.sine) for moved in pose.dyads]
-    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, pose.dyads)]
+    sines = [n.fabs(moved.sine) for moved in dyad_motions]
+    angles = [n.atan2(sine, moved.cosine) for sine, moved in zip(sines, dyad_motions)]
     fields.update(zip([f'transmission_angle_{stage.name}' for stage in layout.stages], angles))
     worst, *rest = zip(sines, angles)           # of the least |sine|
     for pair in rest:
