@@ -321,7 +321,8 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
     other = from_values({**load_scene('paper').values, 'linkage.a1': 0.35}).linkage
     tab.open('Extrema')
     largest = max(one.value for one in find_extrema(other, ['driving_torque'], 25.0))
-    assert pytest.approx(largest, rel=1e-9) in digits(tab, 'driving_torque')
+    tab.until(lambda: pytest.approx(largest, rel=1e-9) in digits(tab, 'driving_torque'),
+              'the extrema of the new length')
     assert 'can be missed' in tab.script(
         "return document.querySelector('#view-Extrema .proof').textContent")
     sent = [json.loads(entry['message'])['message'] for entry in driver.get_log('performance')]

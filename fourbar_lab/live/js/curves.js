@@ -22,7 +22,7 @@ export const shownName = (structure, name) => structure.quantities[name]?.symbol
 export class Curves {
   /** holder: a <div>; go(input) is called where somebody clicks or drags in a curve. */
   constructor(holder, go) {
-    Object.assign(this, { holder, go, charts: [] });
+    Object.assign(this, { holder, go, charts: [], extrema: [] });
   }
   draw(engine, names) {
     const { input, quantities } = engine.structure, width = Math.max(this.holder.clientWidth, 240);
@@ -120,7 +120,7 @@ export function drawPolygon(svg, engine, order) {
     if (!(size > 3)) return;
     const c = (b[0] - a[0]) / size, s = (b[1] - a[1]) / size, foot = [b[0] - 10 * c, b[1] - 10 * s];
     draw(svg, "line", { class: kind, x1: a[0], y1: a[1], x2: foot[0], y2: foot[1] });
-    draw(svg, "polygon", { class: kind, points: [b, [foot[0] - 4 * s, foot[1] + 4 * c], [foot[0] + 4 * s, foot[1] - 4 * c]].join(" ") });
+    draw(svg, "polygon", { class: kind, points: [b, [foot[0] - 4 * s, foot[1] + 4 * c], [foot[0] + 4 * s, foot[1] - 4 * c]] });
     label(svg, { class: kind, x: (a[0] + b[0]) / 2 + 8 * s + 4, y: (a[1] + b[1]) / 2 - 8 * c }, words);
   };
   const symbol = order ? "a" : "v", unit = order ? "m/s²" : "m/s";

@@ -268,7 +268,8 @@ export function addDrawing(page) {
   const { store, say, refuse } = page;
   let draft = {};             // clicks that are no scene yet: origin, crank, ends [{name, pin, link, at}], guide
   let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
-  const scene = () => inNumbers(store.state.scene, page.numberOf);
+  let numbers = {};           // the scene in numbers, and of which it was made
+  const scene = () => (numbers.of === store.state.scene ? numbers : numbers = { of: store.state.scene, scene: inNumbers(store.state.scene, page.numberOf) }).scene;
   const isEmpty = () => !Object.keys(store.state.scene).length;
   const sketchNow = () => {
     const x = page.engine.inside(store.state.view.at);
@@ -544,7 +545,6 @@ export function addDrawing(page) {
       const { before, handle, word } = grabbed, sketch = structuredClone(before);
       const held = moveTo(sketch, handle, place, event.shiftKey, before);
       dispatchSketch(sketch, before, word, held);
-      showLengths();
     },
     up() {
       grabbed = null;

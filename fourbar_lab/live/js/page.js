@@ -110,6 +110,9 @@ const moduleOf = text => {
   const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
   return import(url).finally(() => URL.revokeObjectURL(url));
 };
+const whenIdle = (act, limit) => (globalThis.requestIdleCallback ?? setTimeout)(act, limit);
+/** Write a text where it is another one: the browser measures lines again. */
+const tell = (element, words) => element.textContent === words || (element.textContent = words);
 function later(wait, act) {
   let timer;
   return () => (clearTimeout(timer), (timer = setTimeout(act, wait)));
@@ -127,9 +130,9 @@ export async function start(data, source) {
     return words;
   };
   page.numberOf = (text, unit) => numberOf(text, unit, data.units);
-  page.say = words => (find("said").textContent = words);
+  page.say = words => tell(find("said"), words);
   page.refuse = words => {
-    find("alarm").textContent = words;
+    tell(find("alarm"), words);
     if (words) page.say("");
   };
 
@@ -143,7 +146,10 @@ export async function start(data, source) {
   /** Whether the scene was drawn from nothing, so that it is not the one the page came with. */
   const isDrawing = () => isBegun || [store.state, ...store.past].some(entry => isNothing(entry.scene));
   const nameNow = () => (isDrawing() ? "drawing" : data.name);
-  const showName = () => (find("title").textContent = nameNow(), document.title = `${nameNow()} - fourbar live`);
+  const showName = () => {
+    tell(find("title"), nameNow());
+    tell(document.querySelector("title"), `${nameNow()} - fourbar live`);
+  };
 
   // --- structure and engine ---
   const chosenCurves = view => (view.curves ?? structure.usual).filter(name => name in structure.quantities);
@@ -205,10 +211,11 @@ export async function start(data, source) {
     page.refuse(problem || notice);
     svg.classList.toggle("stale", Boolean(problem));
     if (isFitted) picture.fit(page.engine);
+    tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
+    tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
-    find("warnings").textContent = [...whereItTurns(page.engine), ...structure.warnings].join("\n");
-    find("about").textContent = structure.description;
-    drawAll(state);
+    if (isFitted) drawRest();
+    else drawAll(state);
   };
   /** Nothing is drawn of an empty scene. */
   const blank = () => {
@@ -219,10 +226,21 @@ export async function start(data, source) {
     delete find("chooser").dataset.names;
     page.refuse("");
   };
+  let isWaiting = false;
+  /** Draw the picture; what is read afterwards comes when the browser has time, at most ten times a second. */
   const drawAll = state => {
-    const { engine } = page;
-    curves.draw(engine, chosenCurves(state.view));
+    curves.extrema = [];
+    drawPose(state);
+    if (!isWaiting) setTimeout(whenIdle, 100, drawRest, { timeout: 200 });
+    isWaiting = true;
+  };
+  const drawRest = () => {
+    const { engine, store: { state } } = page;
+    isWaiting = false;
+    if (!engine) return;
     picture.drawTraces(engine, state.view.layers);
+    panel.drawFacts(structure);
+    curves.draw(engine, chosenCurves(state.view));
     panel.drawExtrema(engine, curves.extrema, "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.");
     if (data.canAsk) askExtremaSoon();
     choose(state);
@@ -238,13 +256,13 @@ export async function start(data, source) {
       return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
     }).join(", ");
     picture.draw(engine, layers);
-    find("pose").textContent = (engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [note, structure.lacks].filter(Boolean).join("; "));
+    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [note, structure.lacks].filter(Boolean).join("; "));
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
     Object.assign(slider, { min: low, max: high, step: (high - low) / 720, value: here * factorOf() });
     slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${structure.input.unit === "rad" ? "degrees" : "m"}`);
     inputField.set(Number((here * factorOf()).toPrecision(6)));
-    find("atName").textContent = `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`;
+    tell(find("atName"), `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`);
     panel.drawValues(engine);
     if (open === "Facts" || layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
     current().redraw?.();

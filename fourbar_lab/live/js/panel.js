@@ -109,6 +109,8 @@ export class Panel {
     if (shape !== this.shape) this.build(structure);
     this.shape = shape;
     for (const [name, element] of this.fields) element.set(valueOf(name));
+  }
+  drawFacts(structure) {
     const caption = this.page.isAsWritten() || this.page.canAsk ? "" : "As the scene was in the file, before what you changed.";
     this.facts.replaceChildren(html("p", { className: "proof", textContent: caption }), html("table", {}, html("tbody", {}, ...structure.facts.map(([name, text]) =>
       html("tr", {}, html("th", { scope: "row", textContent: name }), html("td", { textContent: text }))))));

@@ -6,17 +6,42 @@ const LONGEST = 0.3;      // of the longest force, over the size of the mechanis
 const INCH = 76;          // [px] for the signs of pivots and blocks
 const AROUND = [-0.8, 0.8, -2.3, 2.3, 0, Math.PI, -1.57, 1.57], FARTHER = [12, 24, 40, 62, 90];
 
-/** A new element of SVG with attributes and a text; of a class by its `class`. */
+const hundredths = value => (typeof value === "number" ? Math.round(100 * value) / 100 : value);
+/** A group that is drawn again and again: its elements stay, and get the attributes that have changed. */
+export class Sheet {
+  constructor(group) { Object.assign(this, { group, count: 0 }); }
+  /** The element that is next, if it is of this tag and has these attributes, else a new one there. */
+  take(tag, attributes) {
+    const next = this.group.children[this.count++], kind = [tag, ...Object.keys(attributes)].join();
+    if (next?.kind === kind) return next;
+    const element = Object.assign(document.createElementNS(SVG, tag), { kind });
+    if (next) next.replaceWith(element);
+    else this.group.append(element);
+    return element;
+  }
+  /** Drop what was not drawn this time. */
+  end() {
+    while (this.group.children.length > this.count) this.group.lastChild.remove();
+    this.count = 0;
+  }
+}
+/** An element of SVG in a parent or on a sheet with attributes, points as pairs, and a text. */
 export function draw(parent, tag, attributes = {}, text = "") {
-  const element = document.createElementNS(SVG, tag);
-  for (const name in attributes) element.setAttribute(name, attributes[name]);
-  if (text) element.textContent = text;
-  parent.append(element);
+  const element = parent.take?.(tag, attributes) ?? parent.appendChild(document.createElementNS(SVG, tag)), known = element.known ?? {};
+  for (const name in attributes) {
+    const value = name === "points" ? attributes[name].flat().map(hundredths).join(" ") : hundredths(attributes[name]);
+    if (value !== known[name]) element.setAttribute(name, (known[name] = value));
+  }
+  element.known = known;
+  if (text && element.textContent !== text) element.textContent = text;
   return element;
 }
 /** A text whose indices are lowered: F_{A1}, O_1. */
 export function label(parent, attributes, words) {
   const text = draw(parent, "text", attributes);
+  if (text.words === words) return text;
+  text.words = words;
+  text.replaceChildren();
   for (const [, plain, index] of words.matchAll(/([^_]+)|_\{?([^{}]*)\}?/g)) {
     if (plain) draw(text, "tspan", {}, plain);
     else {
@@ -47,18 +72,12 @@ function hull(points) {
   };
   return [...half(sorted), ...half(sorted.reverse())];
 }
-/** Whether a segment meets a box [left, top, right, bottom]. */
+/** Whether a segment meets a box [left, top, right, bottom]: no side of the box parts them, nor does the line. */
 export function crosses([x1, y1, x2, y2], [left, top, right, bottom]) {
-  let low = 0, high = 1;
-  for (const [p, d, least, most] of [[x1, x2 - x1, left, right], [y1, y2 - y1, top, bottom]]) {
-    if (d === 0) {
-      if (p < least || p > most) return false;
-    } else {
-      const [a, b] = [(least - p) / d, (most - p) / d].sort((u, v) => u - v);
-      [low, high] = [Math.max(low, a), Math.min(high, b)];
-    }
-  }
-  return low <= high;
+  if ((x1 < left && x2 < left) || (x1 > right && x2 > right) || (y1 < top && y2 < top) || (y1 > bottom && y2 > bottom)) return false;
+  const side = (x, y) => (x2 - x1) * (y - y1) - (y2 - y1) * (x - x1);
+  const a = side(left, top), b = side(right, top), c = side(left, bottom), d = side(right, bottom);
+  return Math.min(a, b, c, d) <= 0 && Math.max(a, b, c, d) >= 0;
 }
 
 /** Where labels have room: inside, on no bar, no arrow, no pin and on no other label. */
@@ -95,6 +114,7 @@ export class Picture {
     this.svg = svg;
     this.view = { x: 0, y: 0, scale: 1, perNewton: 0 };
     [this.under, this.main, this.grips, this.over] = ["fb under", "fb main", "fb grips", "fb over"].map(name => draw(svg, "g", { class: name }));
+    this.sheet = new Sheet(this.main);
     this.measure();
   }
   measure() {
@@ -141,7 +161,7 @@ export class Picture {
   }
   /** Draw an engine's pose; layers: {forces, curves, centres, values}. */
   draw(engine, layers) {
-    const { sketch, input } = engine.structure, main = document.createDocumentFragment(), at = point => this.pixels(engine.point(point));
+    const { sketch, input } = engine.structure, main = this.sheet, at = point => this.pixels(engine.point(point));
     const joints = Object.fromEntries(Object.entries(sketch.joints).map(([name, refs]) => [name, at(refs[0])]));
     const lines = [], pins = Object.values(joints), labels = [];
     const segment = (kind, [x1, y1], [x2, y2], more = {}) => draw(main, "line", { class: kind, x1, y1, x2, y2, ...more });
@@ -153,7 +173,7 @@ export class Picture {
     for (const name of sketch.ground) this.pivot(main, joints[name]);
     for (const plate of sketch.plates) {
       const corners = hull(plate.map(at));
-      draw(main, "polygon", { class: "plate", points: corners.join(" "), "data-bar": plate[0][0] });
+      draw(main, "polygon", { class: "plate", points: corners, "data-bar": plate[0][0] });
       corners.forEach((p, i) => lines.push([...p, ...corners[(i + 1) % corners.length]]));
     }
     sketch.bars.forEach(([p, q], i) => bar(at(p), at(q), i));
@@ -195,7 +215,7 @@ export class Picture {
       if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
       label(main, { class: one.kind, x: box[0] + 2, y: box[3] - 4, "data-box": box.map(Math.round).join(" ") }, one.words);
     }
-    this.main.replaceChildren(main);
+    main.end();
     this.grip(joints, sketch);
     this.svg.setAttribute("aria-label", `the mechanism at ${input.name} = ${significant(engine.isAngle ? (engine.x * 180) / Math.PI : engine.x)} ${engine.isAngle ? "degrees" : "m"}`);
   }
@@ -228,7 +248,7 @@ export class Picture {
   }
   pivot(parent, [x, y]) {
     const w = 0.12 * INCH, h = 0.19 * INCH, ground = [x - 2 * w, y + h, x + 2 * w, y + h];
-    draw(parent, "polygon", { class: "ground", points: [[x, y], [x - w, y + h], [x + w, y + h]].join(" ") });
+    draw(parent, "polygon", { class: "ground", points: [[x, y], [x - w, y + h], [x + w, y + h]] });
     draw(parent, "line", { class: "ground", x1: ground[0], y1: ground[1], x2: ground[2], y2: ground[3] });
     for (let i = -2; i < 2; i++) draw(parent, "line", { class: "hatch", x1: x + i * w, y1: y + h + 6, x2: x + i * w + 6, y2: y + h });
   }
@@ -238,14 +258,14 @@ export class Picture {
       const [p, q] = [at(-3.5 * a, v), at(3.5 * a, v)];
       draw(parent, "line", { class: "ground", x1: p[0], y1: p[1], x2: q[0], y2: q[1] });
     }
-    draw(parent, "polygon", { class: "block", points: [at(a, b), at(a, -b), at(-a, -b), at(-a, b)].join(" ") });
+    draw(parent, "polygon", { class: "block", points: [at(a, b), at(a, -b), at(-a, -b), at(-a, b)] });
   }
   spring(parent, [x1, y1], [x2, y2], name) {
     const length = Math.hypot(x2 - x1, y2 - y1) || 1, c = (x2 - x1) / length, s = (y2 - y1) / length, coils = 14, w = 7;
     const at = (part, side) => [x1 + part * (x2 - x1) - side * w * s, y1 + part * (y2 - y1) + side * w * c];
     const places = [[x1, y1], at(0.15, 0)];
     for (let i = 0; i < coils; i++) places.push(at(0.15 + (0.7 * (i + 0.5)) / coils, i % 2 ? 1 : -1));
-    draw(parent, "polyline", { class: "spring", points: [...places, at(0.85, 0), [x2, y2]].join(" "), "data-spring": name });
+    draw(parent, "polyline", { class: "spring", points: [...places, at(0.85, 0), [x2, y2]], "data-spring": name });
     for (const [cx, cy] of [[x1, y1], [x2, y2]]) draw(parent, "circle", { class: "end", cx, cy, r: 3.5 });
   }
   /** An arrow of a vector [px, y upwards]; its tip, the point of one that is too short to be seen, null of none and of one too long. */
@@ -256,7 +276,7 @@ export class Picture {
     const c = u / size, s = -v / size, tip = [x + u, y - v], back = Math.min(12, size);
     const foot = [tip[0] - back * c, tip[1] - back * s];
     draw(parent, "line", { class: kind, x1: x, y1: y, x2: foot[0], y2: foot[1], "data-load": name });
-    draw(parent, "polygon", { class: kind, points: [tip, [foot[0] - 5 * s, foot[1] + 5 * c], [foot[0] + 5 * s, foot[1] - 5 * c]].join(" "), "data-load": name });
+    draw(parent, "polygon", { class: kind, points: [tip, [foot[0] - 5 * s, foot[1] + 5 * c], [foot[0] + 5 * s, foot[1] - 5 * c]], "data-load": name });
     lines.push([x, y, ...tip]);
     return tip;
   }
@@ -265,7 +285,7 @@ export class Picture {
     const [start, end] = [at(a), at(b)], tangent = [-Math.sin(b) * sense, -Math.cos(b) * sense];
     draw(parent, "path", { class: "drive", d: `M${start} A${r} ${r} 0 0 ${sense > 0 ? 0 : 1} ${end}` });
     const [c, s] = tangent, tip = [end[0] + 9 * c, end[1] + 9 * s];
-    draw(parent, "polygon", { class: "drive", points: [tip, [end[0] - 5 * s, end[1] + 5 * c], [end[0] + 5 * s, end[1] - 5 * c]].join(" ") });
+    draw(parent, "polygon", { class: "drive", points: [tip, [end[0] - 5 * s, end[1] + 5 * c], [end[0] + 5 * s, end[1] - 5 * c]] });
   }
   /** A cross and P_ij at each instant centre of two links that is in view and no joint; link 1 is the ground. */
   centres(parent, engine, labels) {
