@@ -36,6 +36,7 @@ FILES = (
     RobotFile('cassie.xml', 'osudrl/cassie-mujoco-sim: model/cassie.xml',
               '--at left-foot-crank=-1.5244rad --at left-plantar-rod=1.5244rad '
               '--at left-foot=-1.5968rad'),
+    RobotFile('cassie.xml', '', '--loop left-knee --lock left-shin --lock left-heel-spring'),
     RobotFile('toddlerbot.xml', 'hshi74/toddlerbot: '
               'toddlerbot/descriptions/toddlerbot/toddlerbot.xml'),
     RobotFile('toddlerbot.xml', 'the same file',

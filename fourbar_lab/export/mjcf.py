@@ -15,7 +15,7 @@ from typing import Any
 
 from fourbar_ros.description.model import inertia_of, NoDescription, RobotModel
 from fourbar_ros.description.shapes import Shape
-from fourbar_ros.description.xml import add, as_text, colour, comment, Element
+from fourbar_ros.description.xml import add, as_text, colour, comment, digits_of, Element
 from fourbar_ros.scene.base import rotation_of
 
 WORLD = 'world'        # MuJoCo's name of what carries all bodies
@@ -47,6 +47,8 @@ def mjcf(model: RobotModel) -> str:
                                         pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
         joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
                     'hinge', axis=link.joint.axis)
+        if any(link.joint.connection.on_child):
+            joint.set('pos', digits_of(*link.joint.connection.on_child, 0.0))
         if link.joint.limits and link.joint.is_driven:      # the loops limit the others
             joint.set('range', ' '.join(map(repr, link.joint.limits)))
         if link.body:

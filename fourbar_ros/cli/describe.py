@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+import sys
 
 from fourbar_ros.cli.common import add_output, add_scene, add_verb, Verbs, write_or_print
 
@@ -37,7 +38,10 @@ def add(verbs: Verbs) -> None:
 
 def _describe(arguments: Namespace) -> None:
     from fourbar_ros.description.formats import describe
+    from fourbar_ros.description.model import note_of
     from fourbar_ros.scene.scene import load
-    suffix = arguments.out.suffix if arguments.out else ''
-    text = describe(load(arguments.scene), arguments.format or SUFFIXES.get(suffix, 'urdf'))
-    write_or_print(text, arguments.out)
+    suffix, scene = arguments.out.suffix if arguments.out else '', load(arguments.scene)
+    write_or_print(describe(scene, arguments.format or SUFFIXES.get(suffix, 'urdf')),
+                   arguments.out)
+    if note := note_of(scene):
+        print(note, file=sys.stderr)

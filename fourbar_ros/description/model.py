@@ -10,8 +10,9 @@ and each joint beyond that closes a loop.
 """
 from __future__ import annotations
 
+from cmath import rect
 from collections.abc import Sequence
-from math import isnan, nan
+from math import isnan, nan, remainder, tau
 from typing import NamedTuple
 
 from fourbar_ros.description.connections import Connection, connections_of
@@ -28,6 +29,7 @@ from fourbar_ros.scene.scene import Scene
 
 MARGIN = 0.01          # share by which the limits of passive slides are wider than they are
 FAR = 1e6              # of the longest length: the limit of a slide without one
+SAME = 1e-9            # of the longest length, and [rad]: by which a closed loop may be open
 Vector = tuple[float, float, float]
 LEAST = 1e-9           # [kg], or times mass and size squared: for a body without mass or inertia
 
@@ -62,10 +64,11 @@ class ModelJoint(NamedTuple):
         """Return (x, y, angle) of the child's frame in the parent's at joint position zero."""
         # the coordinate there: ratio is 1 or -1, its own inverse
         (x, y), q = self.connection.on_parent, -self.ratio * self.offset + 0.0
-        if self.connection.axis is None:
-            return x, y, self.connection.turn + q
-        a_x, a_y = self.connection.axis
-        return x + q * a_x, y + q * a_y, self.connection.turn
+        a_x, a_y = self.connection.axis or (0.0, 0.0)
+        turn = self.connection.turn + (0.0 if self.slides else q)
+        (along, across), (cosine, sine) = self.connection.on_child, direction(turn)
+        return (x + q * a_x - (along * cosine - across * sine),
+                y + q * a_y - (along * sine + across * cosine), turn)
 
     @property
     def axis(self) -> tuple[float, float, float]:
@@ -126,6 +129,47 @@ class RobotModel(NamedTuple):
     @property
     def joints(self) -> list[ModelJoint]:
         return [link.joint for link in self.links]
+
+    @property
+    def open_at_zero(self) -> float:
+        """Return by how much the loops are open [m, rad] where all joints of the tree are zero."""
+        poses, far = {self.root: (0j, 0.0)}, 0.0
+        for link in self.links:
+            (origin, turn), (x, y, angle) = poses[link.parent], link.joint.at_zero
+            poses[link.frame] = origin + complex(x, y) * rect(1.0, turn), turn + angle
+        for _, connection, *frames in self.closures:
+            here, there = (origin + complex(*point) * rect(1.0, turn)
+                           for (origin, turn), point in zip(map(poses.__getitem__, frames), (
+                               connection.on_parent, connection.on_child)))
+            turns = [poses[frame][1] for frame in frames]
+            if connection.axis is None:
+                far = max(far, abs(here - there))
+            else:       # along its axis a slide may be anywhere
+                along = complex(*connection.axis) * rect(1.0, turns[0])
+                off = remainder(turns[1] - turns[0] - connection.turn, tau)
+                far = max(far, abs(((here - there) / along).imag), abs(off))
+        return far
+
+
+def note_of(scene: Scene) -> str:
+    """Return a line if the loops are open where all joints are zero, and what helps; or ''."""
+    model = model_of(scene)
+    if model.open_at_zero <= SAME * model.size:
+        return ''
+    mechanism, shown = scene.linkage, scene.joint_states
+    driven = [joint.coordinate for joint in mechanism.JOINTS].index(mechanism.input_coordinate)
+    ratio, offset = shown.ratios[driven], shown.offsets[driven]
+    said = ('note: the loops are open where all joints are 0, as in joint_state_publisher_gui; '
+            'closed is "start", in the file')
+    try:            # the zero of the driven joint stays: a motor has it
+        motion = mechanism.motion(-offset / ratio, 0.0, 0.0)
+    except FourBarError:
+        if scene.drive.source == 'joint_state':
+            return said
+        motion = mechanism.motion(model.position, 0.0, 0.0)
+    offsets = [round(-ratio * getattr(motion, joint.coordinate.position), 12) + 0.0
+               for ratio, joint in zip(shown.ratios, mechanism.JOINTS)]
+    return f'{said}. To be closed at 0, in the node too: joint_states.offsets: {offsets}'
 
 
 def model_of(scene: Scene) -> RobotModel:
@@ -213,24 +257,22 @@ def tree_of(mechanism: Mechanism) -> tuple[dict[str, int], list[int]]:
     Each link stands after its carrier.
 
     A link hangs on the driven joint if that is at its first joint, else on a joint that slides,
-    else on one that turns: so loops are cut at pins wherever they have one.
+    else on one that turns: so loops are cut at pins wherever they have one. Where machines are
+    solved from a moving link, that hangs on a joint beside its first.
 
     Raises NoDescription if its joints do not reach every link from the ground.
     """
     connections, driven = connections_of(mechanism), mechanism.input_coordinate
 
-    def preference(joint: int) -> tuple[bool, bool, int]:
+    def preference(joint: int) -> tuple[bool, bool, bool, int]:
         is_driven = mechanism.JOINTS[joint].coordinate == driven
-        return not is_driven, connections[joint].axis is None, joint
+        return (connections[joint].on_child != (0.0, 0.0), not is_driven,
+                connections[joint].axis is None, joint)
 
     chosen = {}
     for link in mechanism.LINKS:
-        at_origin = [joint for joint, connection in enumerate(connections)
-                     if connection.child == link.name and connection.on_child == (0.0, 0.0)]
-        if not at_origin:
-            raise NoDescription(f'the link {link.name} has no joint at its origin, as in machines '
-                                'that are solved from a moving link; a tree of links needs one')
-        chosen[link.name] = min(at_origin, key=preference)
+        chosen[link.name] = min((joint for joint, connection in enumerate(connections)
+                                 if connection.child == link.name), key=preference)
     ordered: dict[str, int] = {}
     while len(ordered) < len(chosen):
         reached = {link: joint for link, joint in chosen.items() if link not in ordered

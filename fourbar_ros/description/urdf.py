@@ -42,11 +42,16 @@ def urdf(model: RobotModel) -> str:
             add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0,
                 iyz=0.0)
         _visuals(element, link.shapes, index)
-        joint, (x, y, angle) = link.joint, link.joint.at_zero
+        joint, (x, y, angle), child = link.joint, link.joint.at_zero, link.frame
+        on_child = joint.connection.on_child
+        if not joint.slides and any(on_child):      # URDF has a link's frame in its joint
+            (x, y), child = joint.connection.on_parent, f'{link.frame}_hinge'
+            add(robot, 'link', name=child)
+            _fix(robot, link.frame, child, (-on_child[0], -on_child[1], 0.0))
         kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
         element = add(robot, 'joint', name=joint.name, type=kind)
         add(element, 'parent', link=link.parent)
-        add(element, 'child', link=link.frame)
+        add(element, 'child', link=child)
         add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
         add(element, 'axis', xyz=joint.axis)
         if joint.limits:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from math import atan2, hypot, tau
 from typing import NamedTuple
 
-from fourbar_ros.importing.loops import base_of, check_freedom, Loop, normal_of
+from fourbar_ros.importing.loops import base_of, check_freedom, CLOSED, Loop, normal_of
 from fourbar_ros.importing.plane import CYLINDER, Plane, Scale
 from fourbar_ros.importing.robot import Coupling, Refused, RobotJoint, SLIDE, word
 from fourbar_ros.numerics.arrays import Array
@@ -271,8 +271,11 @@ def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
                     point += '_'
                 points.append(point)
                 plane.set_point(f'points.{point}', part, plane.flat(centre))
+                beside = float(plane.axes[2] @ centre) - plane.height
                 report.append(f'point {point} on {link.name}'
-                              + f', the frame {name} of the file' * (point != name))
+                              + f', the frame {name} of the file' * (point != name)
+                              + (f': {abs(beside):.3g} m beside the plane of the driven joint, '
+                                 'laid into it' if abs(beside) > CLOSED else ''))
     return bool(points)
 
 

@@ -57,6 +57,7 @@ class Plane:
     def __init__(self, loop: Loop, base: str, carrier: str, axes: Array, origin: Array) -> None:
         self.loop, self.base, self.axes = loop, base, axes
         self.links = {carrier: PlaneLink(GROUND, self.flat(origin), 1.0)}
+        self.height = float(axes[2] @ origin)           # of the plane along its normal [m]
         self.scales: dict[str, Scale] = {}
         self.modes: dict[str, str] = {}                 # {dyad: its parameter}
         self.report: list[str] = []

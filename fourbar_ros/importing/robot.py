@@ -103,7 +103,7 @@ class Robot:
                    for body in (joint.parent, joint.child)}
         self.frames |= {joint.child: (joint.child, joint.on_child) for joint in self.joints
                         if joint.kind == FIXED and joint.child not in closing
-                        and not CUT.match(joint.child)}
+                        and not CUT.match(joint.child) and not joint.parent.endswith('_hinge')}
 
 
 def word(name: str, kind: str) -> str:

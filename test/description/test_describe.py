@@ -3,6 +3,7 @@
 """Descriptions of a scene: the forward kinematics of other programs close its loops."""
 from dataclasses import replace
 from io import StringIO
+import json
 from math import pi
 import shutil
 import subprocess
@@ -10,7 +11,7 @@ from xml.etree import ElementTree
 
 from fourbar_ros import InvalidParameter
 from fourbar_ros.description.formats import describe
-from fourbar_ros.description.model import model_of, NoDescription, tree_of
+from fourbar_ros.description.model import model_of, NoDescription, note_of, tree_of
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import sections, shipped
@@ -170,7 +171,7 @@ def accepted_by_check_urdf(text, file):
 
 
 LIFT_TABLE = ROOT / 'config' / 'lift_table.yaml'
-SUPPLIED = [*sorted({*(ROOT / 'config').glob('*.yaml')} - {LIFT_TABLE}),
+SUPPLIED = [*sorted((ROOT / 'config').glob('*.yaml')),
             *(f'{file}:{node.strip("/*")}'
               for file in sorted((ROOT / 'examples' / 'nodes').glob('*.yaml'))
               if not file.match('*.launch.yaml') for node in sections(file))]
@@ -269,9 +270,45 @@ def test_only_links_with_a_body_weigh_in_mujoco():
     assert model.body_mass.sum() == pytest.approx(total, rel=1e-12)
 
 
-def test_a_machine_that_is_solved_from_a_moving_link_has_no_tree():
-    with pytest.raises(NoDescription, match='outer has no joint at its origin'):
-        describe(load(LIFT_TABLE))
+def test_a_machine_that_is_solved_from_a_moving_link_hangs_beside_its_first_joint():
+    scene = load(LIFT_TABLE)
+    model = model_of(scene)
+    (beside,) = [link for link in model.links if any(link.joint.connection.on_child)]
+    for motion, robot in posed(scene, inputs(scene.linkage, 9)):
+        for link in model.links:
+            pose = robot.get_transform(link.frame, model.root)
+            moved = scene.linkage.link_motion(motion, link.joint.connection.child)
+            assert [pose[0, 3], pose[1, 3], pose[0, 0], pose[1, 0]] == pytest.approx(
+                [moved.x, moved.y, moved.cosine, moved.sine], abs=1e-13)
+        for closure in model.closures:
+            first, second = (robot.get_transform(frame) for frame in closure.frames)
+            assert np.linalg.norm(first[:3, 3] - second[:3, 3]) < 1e-13
+        assert robot.get_transform(f'{beside.frame}_hinge', model.root) is not None
+
+
+@pytest.mark.parametrize('name', ['paper', 'bucket', 'jansen', 'scotch_yoke'])
+def test_the_note_makes_a_description_that_is_closed_where_all_joints_are_zero(name):
+    scene = load(name)
+    note = note_of(scene)
+    model = model_of(scene)
+    assert model.open_at_zero > 1e-3 * model.size and 'joint_state_publisher_gui' in note
+    offsets = json.loads(note.partition('joint_states.offsets: ')[2])
+    scene = from_values({**scene.values, 'joint_states.offsets': offsets})
+    assert note_of(scene) == ''
+    robot = loaded(describe(scene))
+    robot.update_cfg({joint.name: 0.0 for joint in model_of(scene).joints})
+    for closure in model.closures:
+        first, second = (robot.get_transform(frame) for frame in closure.frames)
+        assert np.linalg.norm(first[:3, 3] - second[:3, 3]) < 1e-9 * model.size
+
+
+def test_the_note_moves_no_zero_of_a_motor(capsys):
+    from fourbar_ros.cli.main import main
+    assert main(['describe', 'cassie_foot']) == 0       # open where its motor is at zero
+    output = capsys.readouterr()
+    assert output.out.endswith('</robot>\n') and output.err.count('\n') == 1
+    assert 'open where all joints are 0' in output.err and 'offsets' not in output.err
+    assert main(['describe', 'xarm_hand']) == 0 and not capsys.readouterr().err
 
 
 def test_the_driven_joint_is_never_cut():

@@ -123,7 +123,9 @@ def test_a_site_and_a_fixed_body_are_points_but_not_the_sites_of_a_connect(tmp_p
         on_lever='<site name="other" pos="-0.1 0.7 0"/>',
         equality='<connect name="tip" site1="one" site2="other"/>'))
     assert loop.scene.points.keys() == {'pad', 'point_2nd_tool'}
-    assert 'point point_2nd_tool on link, the frame 2nd tool of the file' in report
+    assert ('point point_2nd_tool on link, the frame 2nd tool of the file: 0.1 m beside the plane '
+            'of the driven joint, laid into it') in report
+    assert 'point pad on link\n' in report
     # from the elbow, along the link to (0.9, 0.3)
     point = loop.scene.points['point_2nd_tool']
     turned = complex(0.7, 0.5) / complex(0.9, 0.3) * abs(complex(0.9, 0.3))
