@@ -86,6 +86,17 @@ class FullTerms(NamedTuple):
     ratio_slope: Any       # dr/dq
 
 
+class Resistance(NamedTuple):
+    """R of (E9) and what it is made of, in [N m], of a driven slide [N]; NaN where joints lock."""
+
+    effort: Scalar                # R
+    friction: Scalar = 0.0        # what of R is friction
+    felt: Sequence[Any] = ()     # forces in the joints with friction, in their order
+    # relative rates of joints at unit rate, and what guides bear as a share of all: R is not
+    # smooth where one of them is zero
+    edges: Sequence[Scalar] = ()
+
+
 class Outside(NamedTuple):
     """What acts from outside and changes from step to step: the base, forces and couples."""
 
@@ -289,22 +300,22 @@ class Equation:
     def make_resistance(self, n: NumberType, outside: Outside | None = None) -> Function:
         """Return the formula of :func:`.make_resistance`: R of (E9), zero without any."""
         if not self.has_resistance:
-            return lambda *_: (0.0, 0.0, None)
+            return lambda *_: Resistance(0.0)
         from fourbar_ros.dynamics.resistance import make_resistance  # few mechanisms have any
         return make_resistance(self, n, outside)
 
     @cached_property
     def resistance(self) -> Function:
         """
-        Return (q, w, push, J) -> results of :func:`.make_resistance`, of floats.
+        Return (q, w, push, J) -> :class:`.Resistance`, of floats.
 
         ArithmeticError where the links cannot close.
         """
         line = straight_line(self.make_resistance, 4)
 
-        def resistance(*numbers: float) -> Any:
+        def resistance(*numbers: float) -> Resistance:
             try:
-                return line(*numbers)
+                return Resistance(*line(*numbers))
             except ValueError:
                 raise ArithmeticError('the links do not close') from None
         return resistance

@@ -25,6 +25,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from fourbar_ros.dynamics.equation import Equation, Resistance
 from fourbar_ros.mechanics.bodies import Applied, unchecked
 from fourbar_ros.mechanisms.friction import direction_of
 from fourbar_ros.mechanisms.machine.solve.friction import (
@@ -41,15 +42,12 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar, TINY
 CHANGE = 'change'      # the unknown dw/dt
 
 
-def make_resistance(equation: Any, n: NumberType, outside: Any = None) -> Function:
+def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> Function:
     """
-    Return the formula (q, w, push, J) -> (R, the part of R that is friction, felt, *edges).
+    Return the formula (q, w, push, J) -> :class:`.Resistance`.
 
-    ``felt``: what the joints feel; as a fifth argument from a state near by it saves iterations.
-    The edges are numbers at whose zeros R is not smooth: relative rates at unit rate, what guides
-    bear over the sum of all.
-
-    ``push``: Q - D w - J'/2 w^2 + T; ``outside`` as of :meth:`.Equation.make_terms`.
+    ``push``: Q - D w - J'/2 w^2 + T; ``outside`` as of :meth:`.Equation.make_terms`. A fifth
+    argument, ``felt`` of a state near by, saves iterations.
     """
     mechanism, make_pose = equation.mechanism, equation.make_pose(equation.coordinate, n)
     constants = mechanism.constants
@@ -68,7 +66,7 @@ def make_resistance(equation: Any, n: NumberType, outside: Any = None) -> Functi
         y, LinearForm) else n.hypot(x, y))
 
     def resistance(position: Scalar, rate: Scalar, push: Scalar, inertia: Scalar,
-                   near: Sequence[Felt] | None = None) -> tuple[Any, ...]:
+                   near: Sequence[Felt] = ()) -> Resistance:
         cut, told = 0.0, OpenForces()
         if one_way:
             moving, (value, _, _) = make_pose(position)
@@ -101,5 +99,5 @@ def make_resistance(equation: Any, n: NumberType, outside: Any = None) -> Functi
             edges = [edge for joint, pair in zip(told, felt) for edge in (joint.moving, *[
                 force / (largest + TINY) for force in joint.edges(pair)])]
             friction = friction + locks
-        return friction - cut, friction, felt, *edges
+        return Resistance(friction - cut, friction, felt, edges)
     return resistance

@@ -68,6 +68,16 @@ class StateVector(NamedTuple):
     source: Scalar         # z
 
 
+class Rates(NamedTuple):
+    """The right side of (RB1) at a state, and what it was made of."""
+
+    change: StateVector       # dx/dt
+    torque: Scalar            # (force) on the input
+    motor_torque: Scalar
+    law: Piece                # of the source
+    felt: Sequence[Any]       # forces in the joints with friction
+
+
 class Coefficients(NamedTuple):
     """What the Jacobian of (RB1) needs besides the state: terms of (E1), slopes of (A9)."""
 
@@ -209,7 +219,7 @@ class StepFormulas:
                                                    self._make_taking_over(n))
             next_position, next_ratio, room = taking_over_at(p)
             terms = terms_of(p)
-            change, torque, motor_torque, piece, felt = self._rates(n, terms, resists, x, command)
+            change, torque, motor_torque, law, felt = self._rates(n, terms, resists, x, command)
             acceleration = (change.rate if self._equation.is_input else
                             terms.ratio * change.rate + terms.ratio_slope * u * u)          # (Q3)
             slope = change.motor_speed if self._shaft else acceleration
@@ -221,8 +231,8 @@ class StepFormulas:
                 room, next_position, next_ratio, to_bend, acceleration, torque, motor_torque,
                 change, Coefficients(
                     terms.inertia, terms.half_slope, terms.damping, terms.ratio,
-                    terms.ratio_slope, piece.by_speed, piece.by_state, piece.change_by_speed,
-                    piece.change_by_state))
+                    terms.ratio_slope, law.by_speed, law.by_state, law.change_by_speed,
+                    law.change_by_state))
         return linearization
 
     def make_attempt(self, n: NumberType) -> Function:
@@ -230,13 +240,15 @@ class StepFormulas:
         def attempt(*numbers: Any) -> tuple[StateVector, Scalar]:
             start = StepStart.of(numbers)
             h, (terms_of, resists) = start.length, self._make_terms(n, start.acting)
-            near = self._felt(n, start, terms_of, resists)
+            near = self._rates(n, terms_of(start.state.position), resists, start.state,
+                               start.command).felt if self._equation.has_resistance else ()
             solve = self._solver(n, start, 1.0 / (GAMMA * h), terms_of, resists, near)
             stages = [solve(start.change)]
 
             def add_stage(x: StateVector, weights: Sequence[float]) -> None:
                 """Solve for the next u_i: dx/dt at a state, plus earlier u_j times weights / h."""
-                change, *_ = self._rates(n, terms_of(x.position), resists, x, start.command, near)
+                change = self._rates(n, terms_of(x.position), resists, x, start.command,
+                                     near).change
                 stages.append(solve(_sum(change, [weight / h for weight in weights], stages)))
             for a, c in zip(A[1:], C[1:]):
                 x = _sum(start.state, a, stages)
@@ -278,21 +290,14 @@ class StepFormulas:
         time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
         return time
 
-    def _felt(self, n: NumberType, start: StepStart, terms_of: Function, resists: Function) -> Any:
-        """Return what joints with friction feel at the start of a step, None without any."""
-        if not self._equation.has_resistance:
-            return None
-        x = start.state
-        return self._rates(n, terms_of(x.position), resists, x, start.command)[-1]
-
     def _with_resistance(self, n: NumberType, terms: FullTerms, resists: Function, p: Scalar,
                          u: Scalar, torque: Scalar, felt: Any) -> FullTerms:
         """Return terms with the J and D of which du/dt has its slopes by torque and rate."""
         def change(rate: Scalar, more: Scalar) -> tuple[Scalar, Scalar]:
             push = (terms.force + terms.ratio * torque + more
                     - (terms.damping + terms.half_slope * rate) * rate)
-            resisting = resists(p, rate, push, terms.inertia, felt)[0]
-            return (push - resisting) / terms.inertia, n.fabs(push) + n.fabs(resisting)
+            effort = resists(p, rate, push, terms.inertia, felt).effort
+            return (push - effort) / terms.inertia, n.fabs(push) + n.fabs(effort)
         here, size = change(u, 0.0)
         more = DIFFERENCE * (size + LEAST_PUSH)
         aside = u + DIFFERENCE * (n.fabs(u) + self._equation.mechanism.slip_speed)
@@ -301,39 +306,36 @@ class StepFormulas:
         return terms._replace(inertia=inertia, damping=damping - 2.0 * terms.half_slope * u)
 
     def _rates(self, n: NumberType, terms: FullTerms, resists: Function, x: StateVector,
-               command: Scalar, near: Any = None
-               ) -> tuple[StateVector, Scalar, Scalar, Piece, Any]:
-        """
-        Return dx/dt by (RB1), the torques on the input and of the source, and its law there.
-
-        And what joints with friction feel; ``near``: that of a state near by.
-        """
+               command: Scalar, near: Sequence[Any] = ()) -> Rates:
+        """Return dx/dt by (RB1); ``near``, the ``felt`` of a state near by, saves iterations."""
         u, v, shaft = x.rate, x.motor_speed, self._shaft
-        w = terms.ratio * u
-        speed = v if shaft else w
-        piece = self._source.piece(speed, x.source, n, command)
-        motor_torque = torque = piece.torque_at(speed, x.source)
+        input_rate = terms.ratio * u
+        speed = v if shaft else input_rate
+        law = self._source.piece(speed, x.source, n, command)
+        motor_torque = torque = law.torque_at(speed, x.source)
+        twist_rate = motor_acceleration = 0.0       # of a rigid shaft, whose rotor is part of J
         if shaft:
-            torque = shaft.stiffness * x.twist + shaft.damping * (v - w)
+            twist_rate = v - input_rate
+            torque = shaft.stiffness * x.twist + shaft.damping * twist_rate
+            motor_acceleration = (motor_torque - torque) / self._rotor
         push = (terms.force + terms.ratio * torque
                 - (terms.damping + terms.half_slope * u) * u)
-        resisting, _, felt, *_ = resists(x.position, u, push, terms.inertia, near)
-        acceleration = (push - resisting) / terms.inertia
-        twist_rate = v - w if shaft else 0.0
-        motor_acceleration = (motor_torque - torque) / self._rotor if shaft else 0.0
-        source_change = piece.change_at(speed, x.source) if self._has_source_state else 0.0
-        change = StateVector(u, acceleration, twist_rate, motor_acceleration, source_change)
-        return change, torque, motor_torque, piece, felt
+        resistance = resists(x.position, u, push, terms.inertia, near)
+        acceleration = (push - resistance.effort) / terms.inertia
+        source_change = law.change_at(speed, x.source) if self._has_source_state else 0.0
+        return Rates(StateVector(u, acceleration, twist_rate, motor_acceleration, source_change),
+                     torque, motor_torque, law, resistance.felt)
 
     def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function,
-                resists: Function, near: Any = None) -> Callable[[StateVector], StateVector]:
+                resists: Function, near: Sequence[Any] = ()
+                ) -> Callable[[StateVector], StateVector]:
         """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step, x = DIFFERENCE * self.unit, start.state
         if self._equation.tables:                  # in the piece that lies ahead
             step = n.where(x.rate < 0.0, -step, step)
         aside = x._replace(position=x.position + step)
-        change, *_ = self._rates(n, terms_of(aside.position), resists, aside, start.command, near)
-        jacobian = self._jacobian(x, start.coefficients, (change.rate - start.change.rate)
+        there = self._rates(n, terms_of(aside.position), resists, aside, start.command, near)
+        jacobian = self._jacobian(x, start.coefficients, (there.change.rate - start.change.rate)
                                   / (aside.position - x.position))
         solve = _eliminated([[(g if i == j else 0.0) - jacobian[i][j] for j in self._order]
                              for i in self._order])

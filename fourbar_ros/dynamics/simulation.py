@@ -533,7 +533,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         used = method
         if coordinate.equation.has_resistance:
             is_slow = _is_slow(system, coordinate, first, state)
-            events.append(_edge(system, coordinate, first, state, is_slow))
+            events.append(_not_smooth(system, coordinate, first, state, is_slow))
             if is_slow and method in EXPLICIT:      # friction is stiff there
                 used = 'LSODA'
         if stop_when is not None:
@@ -677,7 +677,7 @@ def _watch(work: Work, first: float) -> Event:
 def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
     """Return the event where the force of a table bends: at its next point."""
     excess = coordinate.equation.make_excess(state[0])
-    return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, 1.0)
+    return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, direction=1.0)
 
 
 def _is_slow(system: System, coordinate: MotionCoordinate, time: float, state: list[float]
@@ -689,29 +689,34 @@ def _is_slow(system: System, coordinate: MotionCoordinate, time: float, state: l
     return bool(coordinate.derivative(time, state)[1] * state[1] < 0.0)
 
 
-def _edge(system: System, coordinate: MotionCoordinate, time: float, state: list[float],
-          is_slow: bool) -> Event:
+def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state: list[float],
+                is_slow: bool) -> Event:
     """
-    Return the event where friction is not smooth: where a joint turns back, or at the slip speed.
+    Return the event at which R of (E9) is not smooth, so that the integrator stops and restarts.
 
-    What jumps at the start, which may be just before such an event, counts as it is after it.
+    There the input passes the slip speed, or one of the ``edges`` of :class:`.Resistance` changes
+    its sign: a joint turns back, or a guide changes the face that bears.
     """
-    edges, (position, rate, *rest) = system.make_edges(coordinate), state
-    ahead = position + copysign(AHEAD * coordinate.equation.coordinate.input_unit, rate)
+    resisting = system.make_resisting(coordinate)
 
-    def values(time: float, state: Sequence[float]) -> list[float]:
+    def edges_at(time: float, state: Sequence[float]) -> Sequence[float]:
         try:
-            return list(edges(time, state))
-        except (FourBarError, ArithmeticError):      # there no step ends
-            return []
-    signs = [copysign(1.0, value) if abs(value) > NONE_AHEAD else 0.0
-             for value in values(time, [ahead, rate, *rest])]
+            edges: Sequence[float] = resisting(time, state)[-1].edges
+            return edges
+        except (FourBarError, ArithmeticError):      # no step of the integrator ends there
+            return ()
+    # the start may be such an event itself: the signs are read a little ahead, and an edge that
+    # is zero there too ends nothing (its sign is 0)
+    position, rate, *rest = state
+    ahead = position + copysign(AHEAD * coordinate.equation.coordinate.input_unit, rate)
+    signs = [copysign(1.0, edge) if abs(edge) > NONE_AHEAD else 0.0
+             for edge in edges_at(time, [ahead, rate, *rest])]
 
-    def excess(time: float, state: Array) -> float:
+    def excess(time: float, state: Array) -> float:     # negative until the event
         beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
-        joints = [-sign * value for sign, value in zip(signs, values(time, state.tolist()))]
-        return float(max([beyond if is_slow else -beyond, *joints])) - SAME
-    return Event(excess, AT_KINK, 1.0)
+        changed = [-sign * edge for sign, edge in zip(signs, edges_at(time, state.tolist()))]
+        return float(max([beyond if is_slow else -beyond, *changed])) - SAME
+    return Event(excess, AT_KINK, direction=1.0)
 
 
 def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:

@@ -163,9 +163,9 @@ class System:
 
         def with_resistance(time: float, state: State) -> tuple[float, ...]:
             assert resisting is not None
-            rate, change, couples, push, inertia, (resists, friction, *_) = resisting(time, state)
-            return (rate, (push - resists) / inertia, *change, friction * rate,
-                    (couples - resists) * rate)
+            rate, change, couples, push, inertia, resistance = resisting(time, state)
+            return (rate, (push - resistance.effort) / inertia, *change,
+                    resistance.friction * rate, (couples - resistance.effort) * rate)
         return (conservative if self.is_conservative else with_resistance if resisting else driven)
 
     def make_resisting(self, coordinate: MotionCoordinate) -> Function:
@@ -173,7 +173,7 @@ class System:
         Return (time, state) -> the parts of (E9) with friction and forces one way.
 
         That is w, the derivatives of the source's states, T + C - D w, the push as of
-        :func:`.make_resistance`, J and the results of its formula. Raises Locked.
+        :func:`.make_resistance`, J and its :class:`.Resistance`. Raises Locked.
         """
         terms_of, resistance = coordinate.equation.full_terms, coordinate.equation.resistance
 
@@ -183,13 +183,8 @@ class System:
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque - damping * rate
             push = force + torque - half_slope * rate * rate
-            results = resistance(position, rate, push, inertia)
-            if results[1] != results[1]:
+            resists = resistance(position, rate, push, inertia)
+            if resists.friction != resists.friction:
                 raise self.locked(position)
-            return rate, change, torque + couples, push, inertia, results
+            return rate, change, torque + couples, push, inertia, resists
         return resisting
-
-    def make_edges(self, coordinate: MotionCoordinate) -> Function:
-        """Return (time, state) -> numbers at whose zeros friction of joints is not smooth."""
-        resisting = self.make_resisting(coordinate)
-        return lambda time, state: resisting(time, state)[-1][3:]

@@ -127,18 +127,19 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
 
 
 def _imported(loop: Loop, wishes: Wishes) -> Imported:
+    """Import a loop by what of the wishes, which are for the whole file, is about it."""
     names = {joint.name for joint in loop.joints}
     drives = [name for name in wishes.drive if name in names]
     if len(drives) > 1:
         raise Refused(f'--drive {" --drive ".join(drives)}: a loop has one; hold the others by '
                       '--lock')
-    base = wishes.base if wishes.base in loop.part_of and (
-        wishes.loop or loop.part_of[wishes.base] in loop.parts) else ''
-    if wishes.base and wishes.base not in loop.part_of:
-        raise Refused(f'--base {wishes.base}: the file has no such link'
-                      f'{nearest(wishes.base, loop.part_of)}')
+    base = wishes.base
+    if base and base not in loop.part_of:
+        raise Refused(f'--base {base}: the file has no such link{nearest(base, loop.part_of)}')
+    if base and not wishes.loop and loop.part_of[base] not in loop.parts:
+        base = ''                           # it is meant for a loop that has it
     choices = Choices(drives[0] if drives else '', base, wishes.mode)
-    plane = word(drives[0] if drives else loop.joints[0].name, 'loop') + '_plane'
-    while plane in loop.robot.poses:        # a body of the file, as where describe wrote it
-        plane += '_2'
-    return imported(loop, choices, plane)
+    frame_id = word(drives[0] if drives else loop.joints[0].name, 'loop') + '_plane'
+    while frame_id in loop.robot.poses:     # a body of the file, as where describe wrote it
+        frame_id += '_2'
+    return imported(loop, choices, frame_id)

@@ -282,23 +282,23 @@ class MechanismGeometry(StatedMechanism):
         They may not outside the stroke, nor so near to a limit that is a change point that
         accelerations are noise. Inputs are floats or arrays, real or complex.
         """
-        cut, flats = self.cut, set(self.flat_limits)
-        if not cut and not flats:
+        stroke, flats = self.cut, set(self.flat_limits)
+        if not stroke and not flats:
             return None
-        period = self.period
+        period = self.period        # of the stroke; a limit comes round in every turn
         turn = inf if self.is_driven_by_slide else 2.0 * pi
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
-        def reaches(position: Scalar) -> Any:
+        def may_be_given(position: Scalar) -> Any:
             x = position.real
-            inside: Any = parts.is_within(x, cut, period) if cut else x == x
+            is_given: Any = parts.is_within(x, stroke, period) if stroke else ~np.isnan(x)
             for flat in flats:
                 distance = x - flat
                 if turn < inf:
                     distance = distance - turn * np.round(distance / turn)
-                inside = inside & (abs(distance) > near)
-            return inside
-        return reaches
+                is_given = is_given & (abs(distance) > near)
+            return is_given
+        return may_be_given
 
     def distance(self, first: float, second: float) -> float:
         """Return the first input less the second, of angles the short way round [rad or m]."""

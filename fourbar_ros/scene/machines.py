@@ -37,28 +37,30 @@ def machine_of(values: ParameterValues) -> Machine:
         if name not in names:
             raise InvalidParameter(f'dyads.{name}', None, 'is not listed in linkage.dyads'
                                                           f'{nearest(name, names)}')
-    if values['linkage.mode'] != 2:
+    if values['linkage.mode'] != 2:         # not its default
         raise InvalidParameter('linkage.mode', values['linkage.mode'],
                                'the assembly modes of a machine are dyads.NAME.mode')
     for name in names:
         if ROD_MODEL in values[f'dyads.{name}.links']:
             raise InvalidParameter(f'dyads.{name}.links', ROD_MODEL,
                                    'bodies.rods is the model of all rods: choose another name')
-    stroke, used = values['linkage.range'], [values.get(f'dyads.{name}.{end}')
-                                             for name in names for end in ('first', 'second')]
+    stroke = values['linkage.range']
     try:
         machine = Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
                           values['linkage.output'] or None, _cylinder(values),
                           stroke=tuple(stroke) if stroke else None,
                           carrier=values['linkage.carrier'])
-    except InvalidParameter as error:       # which names the end of a dyad that a name stands for
+    except InvalidParameter as error:
+        # of a wrong dyads.D.first.link, where dyads.D.first names a point, the point is at fault
         end = '.'.join(error.name.split('.')[:3])
-        if error.name == end or not values.get(end):
+        point = values.get(end)
+        if not point or error.name == end:
             raise
-        raise InvalidParameter(f'{POINTS}.{values[end]}', error.value,
+        raise InvalidParameter(f'{POINTS}.{point}', error.value,
                                f'{error.allowed} ({end})') from None
+    ends = [values.get(f'dyads.{name}.{end}') for name in names for end in ('first', 'second')]
     for name in names_in(POINTS, values):
-        if name not in used:
+        if name not in ends:
             raise InvalidParameter(f'{POINTS}.{name}', None, 'no dyad hangs on this point')
     return machine
 

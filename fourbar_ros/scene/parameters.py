@@ -164,14 +164,21 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
 
 
 def _links_of_machine(values: ParameterValues) -> list[str]:
-    driver = str(values.get('linkage.input'))
-    cylinder = [*_names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default)),
-                *_names([values.get('cylinder.base.link')])]
-    driven = {'slide': ['slider'], 'cylinder': ['crank', *cylinder]}.get(
-        driver, ['crank', *_names([values.get('linkage.carrier')])])
+    """
+    Return the names of all links, some twice, of values that are not checked yet.
+
+    Each has masses and external loads: parameters bodies.LINK and external.LINK with defaults.
+    """
     dyads = *_names(values.get('linkage.dyads')), *names_in('dyads', values)
     links = [link for name in dyads for link in _names(values.get(f'dyads.{name}.links'))]
-    return [link for link in (*links, *driven) if link != GROUND]
+    driver = values.get('linkage.input')
+    links.append('slider' if driver == 'slide' else 'crank')
+    if driver == 'cylinder':
+        links += _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
+        links += _names([values.get('cylinder.base.link')])
+    elif driver != 'slide':
+        links += _names([values.get('linkage.carrier')])
+    return [link for link in links if link != GROUND]
 
 
 def _names(value: Any) -> list[str]:

@@ -117,7 +117,8 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     x = np.array([0.4, 1.3, 0.2, -0.8, 0.6])
 
     def rates(x):
-        return np.array(formulas._rates(REAL, terms_at(x[0]), resists, StateVector(*x), 0.0)[0])
+        at = formulas._rates(REAL, terms_at(x[0]), resists, StateVector(*x), 0.0)
+        return np.array(at.change)
 
     step = 1e-5
     jacobian = np.array([(rates(x + step * e) - rates(x - step * e)) / (2.0 * step)

@@ -70,18 +70,14 @@ def test_what_is_lost_is_counted_to_the_last_message(run_node, client, diagnosed
 
 def test_gaps_in_the_numbers_of_several_publishers():
     sequence = SequenceNumbers(lambda: 2)
-    for number in (1, 2, 901, 3, 902, 6, 903, 7, 905):               # 4, 5 and 904 are missing
-        sequence.take(number)
-    assert sequence.lost == 3 and sequence.is_numbered
-    # one of them was started again
-    sequence.take(1)
-    # of a middleware without numbers
-    sequence.take(None)
-    assert sequence.lost == 3 and not sequence.is_numbered
+    lost = [sequence.lost_before(number) for number in (1, 2, 901, 3, 902, 6, 903, 7, 905)]
+    assert lost == [0, 0, 0, 0, 0, 2, 0, 0, 1]                       # 4, 5; 904
+    assert sequence.is_numbered
+    # one of them was started again; then a middleware without numbers
+    assert sequence.lost_before(1) == sequence.lost_before(None) == 0
+    assert not sequence.is_numbered
     sequence.forget()
-    for number in (40, 10, 11, 41):
-        sequence.take(number)
-    assert sequence.lost == 3
+    assert not any(map(sequence.lost_before, (40, 10, 11, 41)))
 
 
 def test_a_late_input_is_counted_and_a_publisher_without_the_deadline_is_named(

@@ -76,16 +76,19 @@ class SeenFromLink:
         if not is_rod_first:
             pin, at_q, rod, output = at_q, pin, output, rod
         arm, ground = hypot(*pin), hypot(*at_q)
-        # directions of the ground line, and of the crank from the arm of its pin
+        # directions of the ground line, Q to O1, and of the crank from the arm of its pin
         of_ground, of_arm = (-at_q[0] / ground, -at_q[1] / ground), (pin[0] / arm, -pin[1] / arm)
-        half_0 = half_angle(REAL, of_ground[0], -of_ground[1], True)[1::-1]
+        ground_back = half_angle(REAL, of_ground[0], -of_ground[1], True)     # - its angle / 2
+        back = ground_back.cosine, ground_back.sine
         sign = 1.0 if self.mode == 2 else -1.0
 
         def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
-            half = HalfAngle.of(*turned_by((n.cos(0.5 * p), n.sin(0.5 * p)), half_0))
-            bars = loop(n, (output, rod, arm, ground), sign, half)
+            # half angles tell odd turns of p from even ones, as branches of change points need
+            from_ground = HalfAngle.of(*turned_by((n.cos(0.5 * p), n.sin(0.5 * p)), back))
+            bars = loop(n, (output, rod, arm, ground), sign, from_ground)
             toward = turned_by(turned_by((bars.cos_y, bars.sin_y), of_ground), of_arm)
             crank = LinkMotion(*ORIGIN, *toward, bars.d_y, bars.dd_y)
+            # the bars run from Q over P to O1: the rod, B to P, lies the opposite way
             along = turned_by((-bars.cos_b, -bars.sin_b), of_ground)
             coupler = LinkMotion(*point_of(crank, *pin), *along, bars.d_b, bars.dd_b)
             driven = LinkMotion(*point_of(FIXED, *at_q), n.cos(p), n.sin(p), 1.0, 0.0)

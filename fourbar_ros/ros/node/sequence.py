@@ -16,7 +16,7 @@ from rclpy.subscription import Subscription
 
 class SequenceNumbers:
     """
-    Counts the messages ``lost`` on one topic, by gaps in their sequence numbers.
+    Counts the messages that were lost on one topic, by gaps in their sequence numbers.
 
     Every publisher counts its messages, but a message does not name its publisher. So the next
     number of each publisher is kept; a number that fits none leaves a gap behind the nearest
@@ -29,7 +29,7 @@ class SequenceNumbers:
         self._publishers = publishers
         self._next: list[int] = []       # the number that each publisher will give next
         self._heard: set[int] = set()    # indices there of those that sent lately
-        self.lost, self.is_numbered = 0, True
+        self.is_numbered = True
 
     def forget(self) -> None:
         """Start anew: publishers have come or gone."""
@@ -39,11 +39,12 @@ class SequenceNumbers:
         heard, self._heard = self._heard, set()
         return len(heard)
 
-    def take(self, sequence: int | None) -> None:
-        """Note the number of a message, None if it has none: 5, 6, 9 are two lost messages."""
+    def lost_before(self, sequence: int | None) -> int:
+        """Return how many were lost before a message with a number, None if it has none."""
         if sequence is None:
             self.is_numbered = False
-            return
+            return 0
+        lost = 0
         expected = self._next
         if sequence in expected:
             publisher = expected.index(sequence)
@@ -51,27 +52,32 @@ class SequenceNumbers:
             publisher = len(expected)                    # its first message
             expected.append(sequence)
         elif before := [due for due in expected if due < sequence]:
-            self.lost += sequence - max(before)
+            lost = sequence - max(before)                # 5, 6, 9: 7 and 8 are lost
             publisher = expected.index(max(before))
         else:
             publisher, self._next = 0, [sequence]        # a publisher that has started again
             self._heard.clear()
         self._next[publisher] = sequence + 1
         self._heard.add(publisher)
+        return lost
 
 
-def subscribe(node: Node, topic: Topic, take: Callable[[bytes], None], troubles: entities.Troubles,
-              is_reliable: bool = False, deadline: Callable[[Any], None] | None = None
+def subscribe(node: Node, topic: Topic, take: Callable[[bytes, int], None],
+              troubles: entities.Troubles, is_reliable: bool = False,
+              deadline: Callable[[Any], None] | None = None
               ) -> tuple[Subscription, SequenceNumbers]:
-    """Subscribe to bytes; return the subscription and the counter of its lost messages."""
+    """
+    Subscribe to bytes; return the subscription and its sequence numbers.
+
+    ``take`` is called with each message and how many were lost since the one before.
+    """
     sequence = SequenceNumbers(lambda: made.get_publisher_count())
     events = SubscriptionEventCallbacks(matched=lambda _: sequence.forget())
     if deadline:
         events.deadline = deadline           # not every middleware knows this event
 
     def receive(data: bytes, info: dict[str, Any]) -> None:
-        sequence.take(info['publication_sequence_number'])
-        take(data)
+        take(data, sequence.lost_before(info['publication_sequence_number']))
 
     made = entities.subscription(node, topic, with_info(receive), troubles, is_reliable, events)
     return made, sequence

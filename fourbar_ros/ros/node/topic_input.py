@@ -82,7 +82,6 @@ class TopicInput:
     def report(self) -> Reported:
         """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
         estimator = self._estimator
-        self._counts['lost'] = self._sequence.lost
         values: dict[str, Any] = {}
         name, heard = self._subscription.topic_name, self._sequence.heard()
         is_ours = self._is_relay and name in self._stream.topics()
@@ -129,7 +128,8 @@ class TopicInput:
             problems.append('the estimated acceleration is noise')
         return values, problems
 
-    def _receive(self, data: bytes) -> None:
+    def _receive(self, data: bytes, lost: int) -> None:
+        self._counts['lost'] += lost
         try:
             self._read(data)
         except Exception:                                # it is ours and must not end us

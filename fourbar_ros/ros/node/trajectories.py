@@ -131,18 +131,14 @@ class Trajectories:
     def _listen(self, node: Node, name: str) -> None:
         read = entities.reader(TRAJECTORIES[name], partial(self._answer, name),
                                partial(self._refuse, 'trajectories_refused'))
-        lost = 0     # by the middleware on this topic, as far as the count of both topics has it
 
-        def take(data: bytes) -> None:
-            nonlocal lost
+        def take(data: bytes, lost: int) -> None:        # the worker's thread reads and answers
             self._troubles.count('trajectories')
-            self._troubles.counts['trajectories_lost'] += sequence.lost - lost
-            lost = sequence.lost
+            self._troubles.counts['trajectories_lost'] += lost
             if not self._worker.do(partial(read, data)):
                 self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
                              'others wait for an answer')
-        # bound before the first call of take: the node spins later
-        _, sequence = subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
+        subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
 
     def stop(self, patience: float) -> None:
         """Answer no more; wait up to ``patience`` [s] for the answer in work."""
