@@ -146,8 +146,3 @@ class External(NamedTuple):
     coupler: Applied = NOT_APPLIED
     output: Applied = NOT_APPLIED
     crank: Applied = NOT_APPLIED
-
-
-def applied_to(external: NamedTuple, link: str) -> Applied:
-    """Return the load on a link, none if ``external`` has no field for it."""
-    return getattr(external, link, NOT_APPLIED)

@@ -20,7 +20,7 @@ from math import ceil, degrees, inf, lcm, remainder, tau
 from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import InvalidParameter, UnknownForce
-from fourbar_ros.mechanics.bodies import Applied, applied_to, unchecked
+from fourbar_ros.mechanics.bodies import Applied, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
@@ -619,7 +619,7 @@ def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
         acting = [force for element in constants.elements
                   for force in element.forces(n, moving, position, rate, share)]
         return constants.external._replace(**{link: _sum_of(
-            applied_to(constants.external, link), moving[link],
+            getattr(constants.external, link, NOT_APPLIED), moving[link],
             [force for force in acting if force.link == link]) for link in loaded})
     return applied
 

@@ -3,11 +3,12 @@
 """
 The four-bar, driven at its crank, or at A or B between two moving links.
 
-How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. To
-read how ``step`` gets theta4: mechanism.py runs a generated function, the trace of
-:meth:`.Kind._motion`; that places the coupler and the output link by ``rrr_pair`` of
-machine/solve/pairs.py, and (M1) to (M3) of :mod:`.loop` are the quadratic of plain.py without its
-differences. (D1) to (D3) of machine/solve/dyads.py are for other machines.
+How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. How
+``step`` gets theta4, in four functions: :meth:`.Mechanism.step` runs the generated line of
+:meth:`.Kind.motion_in`, which asks ``pose_of`` (machine/solve/frames.py) for the pose of crank and
+dyad; there :func:`.rrr_pair` places coupler and output link by :func:`.loop.loop`, whose (M1) to
+(M3) are the quadratic of plain.py without its differences. (D1) to (D3) of
+machine/solve/dyads.py are for dyads whose links are not joined to each other.
 
 The condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths ->
 its error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the rods of the

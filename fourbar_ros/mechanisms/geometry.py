@@ -11,7 +11,7 @@ from math import degrees, fsum, inf, lcm, nan, pi, remainder
 from typing import Any, cast, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of, OutOfRange
-from fourbar_ros.mechanics.bodies import Applied, applied_to, Base, Body, External
+from fourbar_ros.mechanics.bodies import Applied, Base, Body, External, NOT_APPLIED
 from fourbar_ros.mechanisms import checks, parts
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.statement import StatedMechanism
@@ -172,7 +172,7 @@ class MechanismGeometry(StatedMechanism):
         """Return {name of a link: (its Body, its applied load)}; {} without masses."""
         if not self.bodies:
             return {}
-        return {name: (body, applied_to(self.external, name))
+        return {name: (body, getattr(self.external, name, NOT_APPLIED))
                 for name, body in self.bodies._asdict().items()}
 
     @property

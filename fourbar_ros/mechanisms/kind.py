@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
-from fourbar_ros.mechanics.bodies import applied_to, Bodies, External
+from fourbar_ros.mechanics.bodies import Bodies, External, NOT_APPLIED
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
 from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.checks import checked
@@ -29,7 +29,7 @@ from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.load_table import DERIVED
 from fourbar_ros.mechanisms.machine.solve import dyads
-from fourbar_ros.mechanisms.machine.solve.frames import pose_of
+from fourbar_ros.mechanisms.machine.solve.frames import driven_crank, driven_slider, pose_of
 from fourbar_ros.mechanisms.machine.solve.loads import solve_loads
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, load_fields, Pair, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -164,17 +164,17 @@ class Kind(Mechanism):
     # --- motion ---------------------------------------------------------------------------------
 
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        return partial(self._motion, n, constants)
+        return partial(self.motion_in, n, constants)
 
-    def _motion(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
-                acceleration: Scalar) -> parts.NamedFields:
+    def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
+                  acceleration: Scalar) -> parts.NamedFields:
         """Return the motion from the pose of the machine, with lengths of about one."""
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths = [length / unit for length in constants.lengths]
         per = 1.0 / unit if self.is_driven_by_slide else 1.0
         v, a, x = rate * per, acceleration * per, position * per
-        driven = (dyads.driven_slider(x, lengths[-1]) if self.is_driven_by_slide
-                  else dyads.driven_crank(n, x))
+        driven = (driven_slider(x, lengths[-1]) if self.is_driven_by_slide
+                  else driven_crank(n, x))
         pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
                        [constants.sign if drive.sign > 0.0 else -constants.sign], driven)
         dyad = pose.dyads[0]
@@ -202,7 +202,7 @@ class Kind(Mechanism):
             else:
                 fields += (unit * known[0], unit * (slope * v), unit * (slope * a + bend * square))
                 ratios[coordinate] = unit * slope * per
-        of_output = unit if self.outputs[0].coordinate.unit == 'm' else 1.0
+        of_output = 1.0 if self.outputs[0].coordinate in ANGLES else unit
         cosine, sine = self.transmission(lengths, coordinates, dyad)
         fields += (n.atan2(n.fabs(sine), cosine),
                    *[ratios[each] for each in self.RATIOS.values()],
@@ -290,7 +290,7 @@ class Kind(Mechanism):
         by_name = dict(zip(self.length_names, lengths))
         borne = [link for link in ('crank', 'output') if drive.layout.ground]
         needs = {link: needs_of(body, unit, constants.gravity,
-                                applied_to(constants.external, link), moving)
+                                getattr(constants.external, link, NOT_APPLIED), moving)
                  for (link, moving), body in zip(self._links(lengths, m, per_unit).items(),
                                                  constants.bodies)}
         loads = dict(zip(load_fields(drive.layout), solve_loads(

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
-from fourbar_ros.mechanics.newton_euler import Needs
+from fourbar_ros.mechanics.newton_euler import Needs, Vector
 from fourbar_ros.mechanisms import closed_forms, kind, parts
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
@@ -41,7 +41,6 @@ from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics import number_types
 from fourbar_ros.numerics.number_types import exact_sum, Function, NumberType, REAL, Scalar, TINY
-from fourbar_ros.numerics.vectors import Vector
 
 AT_O = (0.0, 0.0)      # as a place
 GUIDE = parts.Length('offset', 'y of the guide', signed=True)

@@ -197,20 +197,20 @@ def power_of_two_of_arrays(*lengths: Array) -> Array:
     return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
 
 
-def converted(record: Any, convert: Callable[[float], Any]) -> Any:
+def converted(record: Any, convert: Callable[[Any], Any]) -> Any:
     """
-    Return a nested record with ``convert(value)`` for each float.
+    Return a nested record with ``convert(value)`` for each number.
 
     Dataclasses are copied without their checks, as other numbers than floats would not pass them.
     Names, truths and functions, as a table of forces, stay.
     """
-    if record is None or isinstance(record, (str, bool)) or callable(record):
-        return record
-    if isinstance(record, (float, int)):
-        return convert(record)
-    if isinstance(record, tuple):
+    if isinstance(record, (tuple, list)):
         values = [converted(value, convert) for value in record]
         return record._make(values) if hasattr(record, '_make') else tuple(values)
+    if record is None or isinstance(record, (str, bool)) or callable(record):
+        return record
+    if not is_dataclass(record):
+        return convert(record)
     copied = copy(record)
     for field in fields(record):
         object.__setattr__(copied, field.name, converted(getattr(record, field.name), convert))

@@ -167,7 +167,7 @@ class Trace:
         self.varies = set(range(count))
         inputs = list(itertools.islice(symbols, count))
         formula = make_formula(RECORDED, converted(data, lambda _: next(symbols)))
-        self.results: NestedIndices = self._indices_of(formula(*inputs))
+        self.results: NestedIndices = converted(formula(*inputs), self._index)
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
         """
@@ -224,11 +224,6 @@ class Trace:
             if step.arguments and not self.varies.isdisjoint(step.arguments):
                 self.varies.add(index)
         return index
-
-    def _indices_of(self, results: Any) -> NestedIndices:
-        if isinstance(results, (tuple, list)):
-            return tuple([self._indices_of(value) for value in results])
-        return self._index(results)
 
     def begin_apart(self) -> int:
         """Return the number of steps so far; from here on none of them is used again."""
@@ -374,10 +369,7 @@ class Trace:
             same[index] = same_as
             simple.steps[index] = step if same_as == index else NOTHING
 
-        def renamed(indices: NestedIndices) -> NestedIndices:
-            return (same[indices] if isinstance(indices, int)
-                    else tuple([renamed(inner) for inner in indices]))
-        simple.results = renamed(self.results)
+        simple.results = converted(self.results, same.__getitem__)
         simple.varies = set(range(self.count))
         for index, step in enumerate(simple.steps):
             if not simple.varies.isdisjoint(step.arguments):

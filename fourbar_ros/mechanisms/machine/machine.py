@@ -24,9 +24,9 @@ from fourbar_ros.mechanisms.machine import description, ranges, structure
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.margins import PairRange
 from fourbar_ros.mechanisms.machine.ranges import Limit, RangeEnds
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
+from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.loads import loads_of
-from fourbar_ros.mechanisms.machine.solve.motion import driven_link, motion_of
+from fourbar_ros.mechanisms.machine.solve.motion import motion_of
 from fourbar_ros.mechanisms.machine.solve.pairs import shaped
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import Mechanism

@@ -19,8 +19,7 @@ from math import atan2, pi, remainder
 from typing import Any
 
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends, Node, turned
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
-from fourbar_ros.mechanisms.machine.solve.motion import driven_link
+from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.numerics import number_types

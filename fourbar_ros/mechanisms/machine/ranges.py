@@ -34,8 +34,7 @@ from typing import Any, NamedTuple
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.machine import margins
 from fourbar_ros.mechanisms.machine.margins import make_along
-from fourbar_ros.mechanisms.machine.solve.frames import hangings, Poses
-from fourbar_ros.mechanisms.machine.solve.motion import driven_link
+from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, Poses
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS

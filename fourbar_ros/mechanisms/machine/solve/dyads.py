@@ -110,19 +110,6 @@ def between(at_p: Node, at_q: Node) -> Node:
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def driven_crank(n: NumberType, angle: Scalar) -> Driven:
-    """Return a crank about the origin, by half its angle, the input."""
-    c, s = n.cos(0.5 * angle), n.sin(0.5 * angle)
-    curve = LinkMotion(*ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
-    return Driven(curve, (0.0, 0.0), (c, s))
-
-
-def driven_slider(x: Scalar, height: Scalar = 0.0) -> Driven:
-    """Return a slider at x, the input, on a line at a height."""
-    curve = LinkMotion(x, height, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
-    return Driven(curve, (0.0, 0.0), slide=(x, 1.0, 0.0))
-
-
 def rrr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RRR moves, rods r1 from P and r2 from Q, pinned at B, by (D1) to (D3)."""
     sqrt, (r1, r2) = n.sqrt, sizes

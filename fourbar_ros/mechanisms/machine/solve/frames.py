@@ -13,6 +13,19 @@ frame, has
           x'' = X'' + (x_in'' + 2 turn n x_in' + bend n x_in - turn^2 x_in) e
 
 with n the turn by +90 deg.
+
+O1 = (0, 0) of the frame: the ground, or one of the two moving links between which the drive is,
+and then all is seen from the ground at the end. The driven link is a crank about
+O1, a slider on the x axis, or a crank that is turned by a cylinder of length s between a point Q
+of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
+seen from O1, from Q on:
+
+    (K2)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
+          (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slides`, with b and rho for its sides
+    (K3)  condition: d psi = ((rho^2 + b^2)/(rho b) + 2 |cos psi|) / |sin psi|
+
+which gives its rod as well. The transmission angle of a cylinder is that of its rod and the arm
+from O1 to its pin.
 """
 from __future__ import annotations
 
@@ -22,10 +35,24 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve import dyads, pairs
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, Ends
-from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, Joints, OnBoth, OnLink
+from fourbar_ros.mechanisms.machine.solve.dyads import (
+    Direction,
+    Driven,
+    DyadMotion,
+    Ends,
+    ORIGIN,
+)
+from fourbar_ros.mechanisms.machine.solve.pairs import (
+    FIRST_JOINT,
+    half_angle,
+    Joints,
+    OnBoth,
+    OnLink,
+    turned_by,
+)
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
-from fourbar_ros.numerics.number_types import NumberType, Scalar
+from fourbar_ros.mechanisms.slides import triangle
+from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
 
 
 class Hanging(NamedTuple):
@@ -101,6 +128,63 @@ def slid(start: OnLink, direction: OnLink, slide: Sequence[Scalar]) -> LinkMotio
     return LinkMotion(x + position * c, y + position * s, rate * c, rate * s, change * c,
                       change * s, c, s, 0.0, 0.0)
 
+
+# --- the driven link -----------------------------------------------------------------------------
+
+def driven_crank(n: NumberType, angle: Scalar) -> Driven:
+    """Return a crank about the origin, by half its angle, the input."""
+    c, s = n.cos(0.5 * angle), n.sin(0.5 * angle)
+    curve = LinkMotion(*ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
+    return Driven(curve, (0.0, 0.0), (c, s))
+
+
+def driven_slider(x: Scalar, height: Scalar = 0.0) -> Driven:
+    """Return a slider at x, the input, on a line at a height."""
+    curve = LinkMotion(x, height, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    return Driven(curve, (0.0, 0.0), slide=(x, 1.0, 0.0))
+
+
+def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
+                signs: Sequence[Scalar], x: Scalar) -> Driven:
+    """Return the driven link at an input: a crank, a slider on the x axis, or with a cylinder."""
+    if layout.driver == CYLINDER:
+        return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
+    if layout.driver == 'slide':
+        return driven_slider(x)
+    return driven_crank(n, x)
+
+
+def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
+    """
+    Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (K2).
+
+    ``sign``: of the sine of the angle from O1-base to O1-pin; ``lengths``: pin on the crank, base
+    on the frame, their distances from O1 for ``shape``.
+    """
+    (along, across), (base_x, base_y), (rho, b) = lengths.p, lengths.q, lengths.shape
+    per, per_rho, per_b = 1.0 / n.power_of_two(rho, b), 1.0 / rho, 1.0 / b
+    of_pin = along * per_rho, -across * per_rho         # turned back from the crank
+    of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
+    root = n.sqrt(s)                                    # no length is below zero
+    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (K2)
+    directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
+                  turned_by((sides.cos_x, -sides.sin_x), of_base))
+    # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
+    (x, y), z = turned_by(of_base, of_pin), sign * sides.sin_2
+    middle = half_angle(n, sign * y, -sign * x, True)
+    beyond = half_angle(n, -z, sign * sides.cos_2, True)
+    half = turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
+    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
+        n.fabs(sides.sin_2) + TINY)                                                      # (K3)
+    square = per * per
+    return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
+                             sides.dd_theta2 * square),
+                  (0.0, error), half, None,
+                  (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
+                   sides.cos_b))
+
+
+# --- poses ---------------------------------------------------------------------------------------
 
 class Poses:
     """

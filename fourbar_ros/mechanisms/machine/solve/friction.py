@@ -44,7 +44,7 @@ from itertools import combinations
 from math import nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanics.newton_euler import Needs
+from fourbar_ros.mechanics.newton_euler import Needs, Vector
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.friction import sign_of
 from fourbar_ros.mechanisms.machine.solve.loads import DyadForces, with_drive_along
@@ -61,7 +61,6 @@ from fourbar_ros.mechanisms.parts import DRIVE, SLIDE
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.linear_forms import CONSTANT, LinearForm
 from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
-from fourbar_ros.numerics.vectors import Vector
 
 SHARES = (0.5, *[1.0] * 5)      # of the friction, in each iteration; one less if no block tilts
 CONVERGED = 1e-8       # change of the efforts by the last iteration, over all; its square is left

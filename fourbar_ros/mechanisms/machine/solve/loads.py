@@ -56,15 +56,14 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.mechanics.bodies import applied_to, Body, Gravity
-from fourbar_ros.mechanics.newton_euler import Needs, needs_of
+from fourbar_ros.mechanics.bodies import Body, Gravity, NOT_APPLIED
+from fourbar_ros.mechanics.newton_euler import Needs, needs_of, Vector
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.number_types import NumberType, Scalar
-from fourbar_ros.numerics.vectors import Vector
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.solve.friction import MachineFriction
@@ -80,7 +79,7 @@ def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
     """Return the fields of :func:`.structure.load_fields` for a motion of a machine."""
     curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
                                  for name in structure.COEFFICIENTS]) for link in layout.moving}
-    needs = {link: needs_of(body, 1.0, gravity, applied_to(external, link),
+    needs = {link: needs_of(body, 1.0, gravity, getattr(external, link, NOT_APPLIED),
                             curve.at(motion.rate, motion.acceleration))
              for (link, curve), body in zip(curves.items(), bodies)}
     slides = [[getattr(motion, structure.travel(link).position) for link in stage.slides()]

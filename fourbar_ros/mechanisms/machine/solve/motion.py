@@ -3,41 +3,28 @@
 """
 Motion of a machine: its driven link, then dyad by dyad.
 
-O1 = (0, 0) of the frame: the ground, or one of the two moving links between which the drive is,
-and then all is seen from the ground at the end. The driven link is a crank about
-O1, a slider on the x axis, or a crank that is turned by a cylinder of length s between a point Q
-of the frame and a point of the crank, rho from O1. With b = |Q| and psi the angle of that point as
-seen from O1, from Q on:
-
-    (V1)  psi = pi + theta2,   psi' = theta2',   psi'' = theta2''   of the cylinder's triangle,
-          (T1) to (T8) of :mod:`fourbar_ros.mechanisms.slides`, with b and rho for its sides
-
-which gives its rod as well. Rates are ratios times the rate of the input, accelerations the ratio
+Rates are ratios times the rate of the input, accelerations the ratio
 times its acceleration plus the second derivative times its rate squared. The condition is a bound
 of the true one, by the triangle inequality along the chain of dyads: with E the sum of the errors
 of P and Q,
 
-    (V2)  RRR: r1 d angle1 = (E + r1 |e1 . e2| + r2) / |sine|, the other likewise
-    (V3)  RRP: r1 d angle1 = (E + r1 + |s| d angle_t) / |sine|
-    (V4)  RPR: |s| d angle = E + |h|
-    (V5)  RPP, PRP: d B = (E + |s1| d angle_1 + |s2| d angle_2) / |sine|
-    (V6)  crank turned by a cylinder: d psi = ((rho^2 + b^2)/(rho b) + 2 |cos psi|) / |sin psi|
+    (V1)  RRR: r1 d angle1 = (E + r1 |e1 . e2| + r2) / |sine|, the other likewise
+    (V2)  RRP: r1 d angle1 = (E + r1 + |s| d angle_t) / |sine|
+    (V3)  RPR: |s| d angle = E + |h|
+    (V4)  RPP, PRP: d B = (E + |s1| d angle_1 + |s2| d angle_2) / |sine|
 
-The transmission angle of a cylinder is that of its rod and the arm from O1 to its pin.
+and (K3) of :mod:`.frames` of a crank that a cylinder turns.
 """
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.machine import structure
-from fourbar_ros.mechanisms.machine.solve import dyads
-from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, ORIGIN
-from fourbar_ros.mechanisms.machine.solve.frames import pose_of
-from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, Joints, turned_by
+from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
+from fourbar_ros.mechanisms.machine.solve.frames import driven_link, pose_of
+from fourbar_ros.mechanisms.machine.solve.pairs import Joints
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.parts import Coordinate
-from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
 
 # Errors of a link for relative errors of the lengths: of the place of its first joint, its angle.
@@ -45,52 +32,12 @@ Errors = tuple[Scalar, Scalar]
 EXACT: Errors = (0.0, 0.0)
 
 
-def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
-                signs: Sequence[Scalar], x: Scalar) -> Driven:
-    """Return the driven link at an input: a crank, a slider on the x axis, or with a cylinder."""
-    if layout.driver == CYLINDER:
-        return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
-    if layout.driver == 'slide':
-        return dyads.driven_slider(x)
-    return dyads.driven_crank(n, x)
-
-
-def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
-    """
-    Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (V1).
-
-    ``sign``: of the sine of the angle from O1-base to O1-pin; ``lengths``: pin on the crank, base
-    on the frame, their distances from O1 for ``shape``.
-    """
-    (along, across), (base_x, base_y), (rho, b) = lengths.p, lengths.q, lengths.shape
-    per, per_rho, per_b = 1.0 / n.power_of_two(rho, b), 1.0 / rho, 1.0 / b
-    of_pin = along * per_rho, -across * per_rho         # turned back from the crank
-    of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
-    root = n.sqrt(s)                                    # no length is below zero
-    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (V1)
-    directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
-                  turned_by((sides.cos_x, -sides.sin_x), of_base))
-    # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
-    (x, y), z = turned_by(of_base, of_pin), sign * sides.sin_2
-    middle = half_angle(n, sign * y, -sign * x, True)
-    beyond = half_angle(n, -z, sign * sides.cos_2, True)
-    half = turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
-    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
-        n.fabs(sides.sin_2) + TINY)                                                      # (V6)
-    square = per * per
-    return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
-                             sides.dd_theta2 * square),
-                  (0.0, error), half, None,
-                  (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
-                   sides.cos_b))
-
-
 def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, second: Errors,
               moved: DyadMotion) -> tuple[Errors, Errors]:
     """
     Return (error of the first joint [m], of the angle [rad]) of both links of a dyad.
 
-    A bound, by (V2) to (V5), of how far relative errors of the lengths move and turn them.
+    A bound, by (V1) to (V4), of how far relative errors of the lengths move and turn them.
     ``first``, ``second``: errors of the links it hangs on. First joints are P and Q of RRR and
     RPR, P and B of RRP and RPP, B of PRP.
     """
@@ -98,20 +45,20 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / (fabs(moved.sine) + TINY)
-    if stage.kind == 'RRR':                                                               # (V2)
+    if stage.kind == 'RRR':                                                               # (V1)
         (r1, r2), cosine = sizes, fabs(moved.cosine)
         return ((at_p, (both + r1 * cosine + r2) * per / r1),
                 (at_q, (both + r2 * cosine + r1) * per / r2))
     slide, r1 = moved.slides[0], sizes[0]
-    if stage.kind == 'RRP':                                                               # (V3)
+    if stage.kind == 'RRP':                                                               # (V2)
         shift = (both + r1 + fabs(slide) * second[1]) * per
         return (at_p, shift / r1), (at_p + r1 + shift, second[1])
-    if stage.kind == 'RPR':                                                               # (V4)
+    if stage.kind == 'RPR':                                                               # (V3)
         offset = sizes[0]
         turn = (both + fabs(offset)) / (fabs(slide) + TINY)
         return (at_p, turn), (at_q, turn)
     other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
-    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V5)
+    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V4)
     shift = (both + fabs(slide) * turn_1 + fabs(other_slide) * second[1]) * per
     return ((shift, turn_1) if stage.kind == 'PRP' else (at_p, turn_1)), (shift, second[1])
 
