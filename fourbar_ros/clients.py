@@ -157,7 +157,12 @@ class LockStep:
         return self._publishers[topic.name]
 
     def _stamp(self, time: float, why_it_must_rise: str, longest: float = inf) -> Any:
-        """Return a stamp above that of the last question: of a time [s], or 1 ns later."""
+        """
+        Return a stamp above that of the last question: of a time [s], or 1 ns later.
+
+        ``why_it_must_rise``: '' where the time may also stand still or go back. A pause longer
+        than ``longest`` [s] is refused.
+        """
         stamp = round(finite('time', time, 'must be above zero: a stamp of 0 is none',
                              above=0.0) * 1e9)
         last = f'the last one, {self._asked * 1e-9:.9g}'

@@ -102,17 +102,18 @@ def paper_figure_3() -> Captioned:
 
 
 def paper_figure_4() -> Captioned:
-    """Draw the shaking force and moment, right and as the paper prints them."""
-    theta1, force, moment, _ = published.wrong_curves()
-    loads = published.THIN.loads(theta1, published.PAPER_SPEED)
+    """Draw the shaking force and moment, right and as the paper prints them, with m v for m a."""
+    printed = published.wrong_curves()
+    theta1, loads = printed.theta1, published.THIN.loads(printed.theta1, published.PAPER_SPEED)
     panels = {'shaking force [N]': [('m a', theta1, loads.shaking_force),
-                                    ('m v, as printed', theta1, force)],
+                                    ('m v, as printed', theta1, printed.force)],
               '|shaking moment| [N m]': [('m a, arm a4', theta1, np.abs(loads.shaking_moment)),
-                                         ('m v, arm 0.01 m, as printed', theta1, moment)]}
+                                         ('m v, arm 0.01 m, as printed', theta1,
+                                          printed.moment)]}
     figure = _circled(panels, [[(x[y.argmax()], y.max()) for _, x, y in curves]
                                for curves in panels.values()])
     for axes in figure.axes:
-        axes.set(yscale='log', ylim=(1.0, None))
+        axes.set(yscale='log', ylim=(1.0, None))        # the curves pass through zero
     return figure, ("The paper's Figure 4: computed correctly and as printed, on a logarithmic "
                     'scale. Circles: the largest values.')
 

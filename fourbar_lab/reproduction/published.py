@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi, radians
+from typing import NamedTuple
 
 from fourbar_lab.reproduction.documents import equal, Row
 from fourbar_ros import Bodies, Body, find_extrema, FourBar, plain, point_motion, round_rod
@@ -78,14 +79,17 @@ def steps(linkage: FourBar, speed: float, names: tuple[str, str, str]) -> list[R
           for name, field in zip(names[1:], ('omega4', 'alpha4')))]
 
 
-def wrong_curves() -> tuple[Array, Array, Array, Array]:
-    """
-    Return theta1 [rad] and three magnitudes from a wrong form of the paper's Eq. (9).
+class WrongCurves(NamedTuple):
+    """Magnitudes from a wrong form of the paper's Eq. (9): m v in place of m a, thin rods."""
 
-    It has m v in place of m a, thin rods, every 0.1 deg. The first two are "shaking force" and
-    "moment" as the paper prints them, to the last digit: the moment with an arm of 0.01 m along x.
-    The third is the moment with r34 of Fig. 2, which the paper does not print.
-    """
+    theta1: Array             # [rad], every 0.1 deg
+    force: Array              # "shaking force [N]" as the paper prints it, to the last digit
+    moment: Array             # "shaking moment [N m]" as printed: with an arm of 0.01 m, not a4
+    literal_moment: Array     # with r34 of Fig. 2, which the paper does not print
+
+
+def wrong_curves() -> WrongCurves:
+    """Return what the paper printed as shaking force and moment, by its mistake."""
     theta1 = np.radians(np.arange(3600) / 10.0)
     motion = THIN.motion(theta1, PAPER_SPEED)
     arms, momenta = [], []
@@ -98,8 +102,8 @@ def wrong_curves() -> tuple[Array, Array, Array, Array]:
     f41_x, f41_y, *_, f43_x, f43_y, torque = plain.joint_forces(
         arms, momenta, [rod.inertia * alpha for rod, alpha in turning])
     literal = THIN_RODS.output.cg_along * (motion.cos_y * f43_y - motion.sin_y * f43_x) - torque
-    return (theta1, np.hypot(f41_x + f43_x, f41_y + f43_y), np.abs(-torque - 0.01 * f43_y),
-            np.abs(literal))
+    return WrongCurves(theta1, np.hypot(f41_x + f43_x, f41_y + f43_y),
+                       np.abs(-torque - 0.01 * f43_y), np.abs(literal))
 
 
 def input_of_largest(linkage: FourBar, quantity: str) -> float:

@@ -62,7 +62,7 @@ TOGGLE = 'the input ends at a toggle position, which has no formula'
 BESIDE, JUMP = 2.0**-44, 1e-9
 
 
-def usable(scene: Scene) -> tuple[str, ...]:
+def differentiable(scene: Scene) -> tuple[str, ...]:
     """Return the parameters by which there are derivatives: numbers that a scene gives."""
     linkage = scene.linkage
     dimensions = [f'linkage.{name}' for name in linkage.length_names]
@@ -85,7 +85,7 @@ class Derivatives:
 
     def __init__(self, scene: Scene, names: Sequence[str] = (), acceleration: float = 0.0) -> None:
         scene.linkage.require_no_friction('an analysis of tolerances')
-        known = usable(scene)
+        known = differentiable(scene)
         for name in names:
             if name not in known:
                 raise InvalidParameter(name, scene.values.get(name),

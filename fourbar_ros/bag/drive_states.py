@@ -80,7 +80,7 @@ class DriveStates:
             self.stepped += 1
             if self._note_values(values, expected) == 0.0:
                 known = expected     # next to a toggle the mover knows more than the message
-        elif values.step and not mover.tells_all(mover.state_of(values, mode)):
+        elif values.step and not mover.is_told_by_message(mover.state_of(values, mode)):
             self.unknown += 1
             known = None
         else:

@@ -132,19 +132,24 @@ class Bag:
 
     @cached_property
     def is_consistent(self) -> bool:
-        """Return whether statistics, indexes and metadata.yaml agree; else the bag is read."""
+        """
+        Return whether the summaries of all files can be believed without reading the messages.
+
+        They cannot where a file was cut off, grows, or holds messages outside chunks, which have
+        no index, or where metadata.yaml counts more messages: a file of the bag is then missing.
+        """
         counted = 0
         for summary in self.summaries:
             statistics = summary.statistics if summary else None
             if (summary is None or statistics is None
                     or statistics.chunk_count != len(summary.chunk_indexes)
-                    or statistics.message_count and not statistics.chunk_count
+                    or (statistics.message_count and not statistics.chunk_count)
                     or statistics.channel_count != len(_described_in(summary))
                     or statistics.message_count != sum(
                         statistics.channel_message_counts.values())):
                 return False
             counted += statistics.message_count
-        return self._stated <= counted
+        return self._count_in_metadata <= counted
 
     @cached_property
     def about(self) -> dict[str, str]:
@@ -302,7 +307,7 @@ class Bag:
         return {}
 
     @property
-    def _stated(self) -> int:
+    def _count_in_metadata(self) -> int:
         """Return how many messages metadata.yaml counts in all files; 0 without a count."""
         stated = self._described.get('message_count') if self.path.is_dir() else 0
         return stated if isinstance(stated, int) else 0
@@ -359,9 +364,9 @@ class Bag:
                 self._note(index, f': holds {counts[channel]} messages of channel {channel} that '
                                   f'can be read, its statistics count {count}')
         read = sum(self._messages.values())
-        if len(self._messages) == len(self.files) and read < self._stated:
+        if len(self._messages) == len(self.files) and read < self._count_in_metadata:
             self.damage.append(f'{self.path.name}: holds {read} messages that can be read, '
-                               f'metadata.yaml counts {self._stated}')
+                               f'metadata.yaml counts {self._count_in_metadata}')
 
 
 def records(path: str | Path, topics: Collection[str] | None = None, start: int = 0

@@ -133,7 +133,7 @@ def unit_of(column: str, units: Mapping[str, str]) -> str:
 def table_of(columns: Columns) -> TopicTable:
     """Return the columns of messages: log time, stamp, each number and each text."""
     table, stamps = {'log_time': columns.times}, columns.stamps
-    # of a JointState: position[crank]; without names, or if they change, position[0]
+    # the names of a JointState, unless they change: position[crank], else position[0]
     joints = [columns.records[field][0].decode() for field in columns.records.dtype.names or ()
               if field.startswith('name[') and len(set(columns.records[field].tolist())) == 1]
     if stamps is not None:
@@ -146,7 +146,7 @@ def table_of(columns: Columns) -> TopicTable:
             table[field] = np.array([text.decode(errors='replace') for text in values.tolist()])
         elif values.ndim == 1:
             table[field] = values
-        else:
+        else:               # a column for each number of an array
             names = joints if len(joints) == values.shape[1] else range(values.shape[1])
             table |= {f'{field}[{name}]': values[:, i] for i, name in enumerate(names)}
     return table

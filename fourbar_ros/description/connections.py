@@ -65,16 +65,17 @@ def _end(point: Any, link: str, angle: float, slides: bool) -> Connection:
 
 
 def _inner(dyad: Any) -> Connection:
+    """Return the joint between the two links of a dyad; an axis is in the frame of its parent."""
     first, second = dyad.links
-    if dyad.kind == 'RRR':
+    if dyad.kind == 'RRR':                         # the ends of both links
         return Connection(first, second, (dyad.length_1, 0.0), (dyad.length_2, 0.0))
-    if dyad.kind == 'RRP':
+    if dyad.kind == 'RRP':                         # the end of the rod on the slider
         return Connection(first, second, (dyad.length_1, 0.0))
     if dyad.kind == 'RPR':                         # the block on its bar
         return Connection(second, first, (0.0, dyad.offset), axis=X)
     if dyad.kind == 'RPP':                         # the block in the slot of its yoke
         return Connection(second, first, axis=direction(dyad.slot), turn=dyad.slot)
-    return Connection(first, second)
+    return Connection(first, second)               # PRP: the pin of both sliders
 
 
 O1 = Connection(GROUND, 'crank')        # of every kind

@@ -182,14 +182,14 @@ class Coordinates:
 
     def continuous(self, value: Value) -> Value:
         """
-        Return an input in the range of this motion: an angle shifted by whole turns.
+        Return an input in the range of this motion: an angle within half a turn of its middle.
 
-        Another coordinate tells the crank's angle but for whole turns; a crank between toggles
-        stays within half a turn of the middle of its range.
+        From another coordinate the angle of the crank is known but for whole turns; a crank
+        between toggles never turns fully.
         """
         if self._mechanism.is_driven_by_slide:
             return value
-        if isinstance(value, float):
+        if isinstance(value, float):                # the same, many times faster than numpy
             return self.middle + remainder(value - self.middle, tau)
         return value - tau * np.round((value - self.middle) / tau)
 

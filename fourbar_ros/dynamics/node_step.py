@@ -107,8 +107,8 @@ class Mover:
     step the other coordinate takes over where the one in use changes too slowly. At the end of the
     first step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the
     state of most samples, as a message does, and a bag can be stepped again. Next to a toggle they
-    hardly change (:meth:`tells_all` is false); the mover then keeps (p, dp/dt) for the values that
-    it gave last.
+    hardly change (:meth:`is_told_by_message` is false); the mover then keeps (p, dp/dt) for the
+    values that it gave last.
 
     In a coordinate a step of RODAS (:mod:`fourbar_ros.dynamics.rosenbrock`) goes over the whole
     length, or shorter steps where its error is too large or a force table bends: stable whatever
@@ -238,17 +238,18 @@ class Mover:
         return FullState(next(coordinate for coordinate in self.taking_over
                               if coordinate.is_input and coordinate.mode == mode), vector, mode)
 
-    def tells_all(self, state: FullState) -> bool:
+    def is_told_by_message(self, state: FullState) -> bool:
         """
-        Return whether a message with input, rate and mode tells a state, as it mostly does.
+        Return whether a message with input, rate and mode suffices to know a state.
 
-        Next to a toggle it does not: there the input hardly changes with the state.
+        Next to a toggle it does not: there the input hardly changes with the state, which the
+        mover keeps beside the message, and which nobody knows from a bag.
         """
         if not self.passes:
             return True
         try:
             return state.coordinate.is_input and self._linearized(state).room >= 0.0
-        except Refused:
+        except Refused:                 # no motion goes on from this state
             return False
 
     def in_input(self, state: FullState) -> StateVector:
@@ -323,7 +324,7 @@ class Mover:
         if state.coordinate.is_input or not all(map(isfinite, state.vector)):
             return state, is_good
         in_input = self._handed_over(state)
-        return (in_input if self.tells_all(in_input)
+        return (in_input if self.is_told_by_message(in_input)
                 else state._replace(mode=in_input.mode)), is_good
 
     def _handed_over(self, state: FullState) -> FullState:

@@ -55,6 +55,7 @@ C_LAST = (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543
 DIFFERENCE = 1e-7          # step of p for the derivative of du/dt by it, in the unit of p
 LEAST_PUSH = 1e-200        # [N m], [N]: no difference is zero
 HUGE = 1e100               # derivatives beyond it count as not finite
+NEVER = 1e300              # [s]; generated C has no infinity
 SMALLEST, LARGEST, SAFETY = 0.1, 4.0, 0.85      # next step over this one: bounds, factor
 
 
@@ -274,20 +275,21 @@ class StepFormulas:
     def _to_bend(self, n: NumberType, command: Scalar, values: tuple[Scalar, Scalar],
                  slopes: tuple[Scalar, Scalar]) -> Scalar:
         """
-        Return the time after which the law of the source bends, 1e300 where it does not.
+        Return the time to the next kink of the source's torque, at its limit, where a step ends.
 
-        By a tangent, of the source's speed and state and of their slopes over time.
+        It is that of the tangent: ``values``, speed and state of the source, and ``slopes``, their
+        derivatives by time. NEVER where the torque has no limit or is beyond it for good.
         """
-        bounded = self._source.bounded(command)
-        if bounded is None:
-            return 1e300
-        inner, bound = bounded
-        torque = inner.torque_at(*values)
-        slope = inner.by_speed * slopes[0] + inner.by_state * slopes[1]
+        limited = self._source.limited(command)
+        if limited is None:
+            return NEVER
+        law, limit = limited
+        torque = law.torque_at(*values)
+        slope = law.by_speed * slopes[0] + law.by_state * slopes[1]
         sign = n.where(slope < 0.0, -1.0, 1.0)
-        torque, slope = sign * torque, n.fabs(slope)                 # rises
-        gap = n.where(torque < -bound, -bound - torque, bound - torque)
-        time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), 1e300)
+        torque, slope = sign * torque, n.fabs(slope)         # mirrored, so that it always rises
+        gap = n.where(torque < -limit, -limit - torque, limit - torque)
+        time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), NEVER)
         return time
 
     def _with_resistance(self, n: NumberType, terms: FullTerms, resists: Function, p: Scalar,

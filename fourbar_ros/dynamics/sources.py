@@ -111,8 +111,8 @@ class Law(ABC):
         ``command``: a value in place of the field that ``self.command`` names.
         """
 
-    def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
-        """Return a torque, linear in speed and state, and its bound, at which the law bends."""
+    def limited(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+        """Return the linear law, and the size of its torque at which it is cut off, if it is."""
         return None
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
@@ -236,7 +236,7 @@ class SpeedController(Law):
         kp, ki = self.proportional, self.integral
         return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
 
-    def bounded(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
+    def limited(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         return None if self.limit == inf else (self._inner(command), self.limit)
 
 

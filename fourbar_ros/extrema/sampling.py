@@ -101,8 +101,11 @@ class Sampler:
         self.period = linkage.cycle if self.needs_loads else linkage.period
         self.unit: float = linkage.input_unit
         self.is_angle = np.array([is_position(q) and q.unit == 'rad' for q in quantities])
-        self._passed = np.array([x for x in linkage.flat_inputs if x not in poles]) / self.unit
-        # of published quantities no other field is needed for their values
+        # flat positions of a change point through which all quantities go on
+        self._passed_flats = np.array(
+            [x for x in linkage.flat_inputs if x not in poles]) / self.unit
+        # of published quantities no other field is needed for their values; functions of the
+        # user may read loads
         known = linkage.MOTION._fields + linkage.LOADS._fields
         self._wanted = ([known.index(q.name) for q in quantities]
                         if all(map(is_published, quantities)) else None)
@@ -253,12 +256,12 @@ class Sampler:
         motion, loads = state
         sine = np.broadcast_to(np.abs(self.linkage.transmission_sine(motion).real), x.shape)
         of_reactions = np.clip(sine, SMALLEST, 1.0)     # lose digits in line, with a pole or not
-        for flat_x in self._passed:
+        for flat_x in self._passed_flats:
             away = x.real - flat_x
             size = np.abs(away if self.linkage.is_driven_by_slide else np.sin(0.5 * away))
             sine = np.where(size > 0.0, sine / np.maximum(size, SMALLEST), 1.0)
         off_real = [z / self.unit for z in self.linkage.singular_inputs if z.imag]
-        if self._passed.size and off_real:      # so near to these digits are lost all the same
+        if self._passed_flats.size and off_real:    # so near to these digits are lost all the same
             away = x.real[..., None] - np.array(off_real)
             if not self.linkage.is_driven_by_slide:
                 away = away - 2.0 * pi * np.round(away.real / (2.0 * pi))

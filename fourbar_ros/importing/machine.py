@@ -84,6 +84,8 @@ def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
         return Way('slide' if drive.kind == SLIDE else 'crank', base, drive)
     if drive.kind != SLIDE:
         return Way('crank', ends[0], drive)
+    # a cylinder: the link to which the tube is pinned carries the hinge of the link to which the
+    # rod is pinned; which of both parts is the tube decides the carrier, the base if it may be
     ways = []
     for tube, rod in (ends, ends[::-1]):
         outer = [[joint for joint in loop.joints_of(part) if joint is not drive]

@@ -602,7 +602,7 @@ def turns_of(elements: Sequence[Element]) -> int:
 def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
                  ) -> Callable[[NamedFields], Any]:
     """
-    Return the function motion -> {link: :class:`Applied`}, constant forces with elements'.
+    Return the function motion -> what acts on each link: its constant force and all elements.
 
     The forces of elements on a link act at the point of its constant force; those on the ground
     are left out. Numbers are of the type ``n``, and not checked to be finite.
@@ -612,7 +612,7 @@ def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
     def applied(motion: NamedFields) -> Any:
         moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
         position, rate = getattr(motion, driven.position), getattr(motion, driven.rate)
-        share: Scalar = 1.0
+        share: Scalar = 1.0     # of forces one way: they fade within the slip speed, (J4)
         if mechanism.slip_speed:
             from fourbar_ros.mechanisms.friction import direction_of  # few mechanisms have any
             share = n.fabs(direction_of(n, rate, mechanism.slip_speed_in(constants)))

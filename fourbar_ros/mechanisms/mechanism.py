@@ -228,7 +228,7 @@ class Mechanism(MechanismGeometry):
                 return self.motion(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return self.MOTION._make(evaluate(self, (position, rate, acceleration), None, False))
-        # one comparison for all
+        # inf and nan times 0 are nan: what is not finite, or so large that the motion overflows
         if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:

@@ -219,18 +219,20 @@ def _third_sides(machine: Machine, motion: NamedFields, joints: Mapping[str, Arr
     Return the sides of links with three joints and more that do not begin at the first joint.
 
     They close the triangle of such a link, whose other sides are drawn from its first joint.
+    ``motion`` is of a single pose; ``joints`` are its points by name, shape (2,) each.
     """
     corners: dict[str, list[Array]] = {link: [] for link in machine.layout.links}
     corners[machine.layout.driven].append(joints[BASE])
     for stage, dyad in zip(machine.layout.stages, machine.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
-        for joint, link, end in (('first', stage.links[0], dyad.first),
-                                 ('second', stage.links[1], dyad.second)):
+        for joint, link, carrier in (('first', stage.links[0], dyad.first),
+                                     ('second', stage.links[1], dyad.second)):
             if joint not in slides:
                 corners[link].append(joints[names[joint]])
-            corners[end.link].append(_point(machine, motion, *end))
+            corners[carrier.link].append(_point(machine, motion, *carrier))
+        block = slides.get('inner')             # which of the links, where the inner joint slides
         for i, link in enumerate(stage.links):
-            if slides.get('inner', i) == i:     # a block is no corner of its bar
+            if block is None or i == block:     # the block is no corner of the bar it slides on
                 corners[link].append(joints[names['inner']])
     del corners[GROUND]
     sides = []

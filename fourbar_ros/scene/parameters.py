@@ -121,6 +121,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     """Return why a scene cannot have a parameter, with the name that was probably meant."""
     family, *rest = name.replace('linkage.points', 'points', 1).split('.')
     member = member_of(name)
+    # springs.2nd.stiffness
     if family in settings.FAMILIES and len(rest) > 1 and not member:
         noun = ('link' if family in settings.OF_LINKS else 'joint' if family == 'friction'
                 else family[:-1].replace('_', ' '))
@@ -134,6 +135,7 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
              else [*PARAMETERS, *settings.FAMILIES['points']])
     group, _, last = name.rpartition('.')
     below, beside = _below(name, known), _below(group, known)
+    # linkage: 'a1:0.4'; linkage: 0.4; springs.s.stifness
     if below and isinstance(value, str) and ':' in value:
         return f'a blank is missing behind the colon: {value.replace(":", ": ", 1)}'
     if below:

@@ -61,7 +61,7 @@ def test_a_whole_swing_is_stepped_again(swing):
 
 def test_a_bag_may_begin_anywhere_and_miss_states(swing, stride=more(207, 69)):
     mover = from_values(ROCKER).mover
-    told = [mover.tells_all(mover.state_of(values, mode)) for _, mode, values in swing]
+    told = [mover.is_told_by_message(mover.state_of(values, mode)) for _, mode, values in swing]
     assert 0.3 < np.mean(told) < 0.95
     for first in range(3, len(swing) - 100, stride):
         found = moved((swing[first:], first))

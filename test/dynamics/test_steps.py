@@ -171,7 +171,7 @@ def test_messages_tell_the_state_except_next_to_a_toggle():
     for (_, mode, values), command, (status, mode_then, then) in zip(found, commands[1:],
                                                                      found[1:]):
         copy = DriveValues(*values)
-        told.append(other.tells_all(other.state_of(copy, mode)))
+        told.append(other.is_told_by_message(other.state_of(copy, mode)))
         again = other.next(copy, TICK, command, mode=mode)
         if told[-1]:
             assert (again[0], other.mode, repr(again[1])) == (status, mode_then, repr(then))

@@ -189,7 +189,7 @@ def test_the_moment_with_the_arm_of_fig_2_from_eq_9(sections):
 
 def test_table_3_is_momentum(sections):
     """The printed force is |sum m v| of the centres of gravity, straight from their velocities."""
-    theta1, force, _, _ = published.wrong_curves()
+    theta1, force, *_ = published.wrong_curves()
     m = published.THIN.motion(theta1, published.PAPER_SPEED)
     crank, coupler, output = (m.cos_x + 1j * m.sin_x, m.cos_b + 1j * m.sin_b,
                               m.cos_y + 1j * m.sin_y)
