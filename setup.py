@@ -11,6 +11,7 @@ HERE = Path(__file__).resolve().parent      # colcon runs it through a link
 DYNAMICS = ['scipy>=1.11,<2']
 BAG = ['mcap>=1.5,<2', 'zstandard', 'rosbags>=0.11,<1']
 PLOT = ['matplotlib']
+NOTEBOOK = ['pandas', *PLOT]
 STUDY = ['pyarrow>=15', 'distributed', *DYNAMICS]
 BALANCE = ['clarabel>=0.9', *DYNAMICS]
 LIVE = ['starlette>=0.37', 'uvicorn>=0.23']
@@ -41,12 +42,13 @@ setup(
         'dynamics': DYNAMICS,
         'bag': BAG,
         'plot': PLOT,
+        'notebook': NOTEBOOK,
         'study': STUDY,
         'balance': BALANCE,
         'live': LIVE,
         'proof': PROOF,
         'robots': ROBOTS,
-        'all': [*BAG, *PLOT, *STUDY, *BALANCE, *LIVE, *PROOF, *ROBOTS],
+        'all': [*BAG, *NOTEBOOK, *STUDY, *BALANCE, *LIVE, *PROOF, *ROBOTS],
         'parquet': ['pyarrow'],
         'completion': ['argcomplete>=3'],
         # tests, benchmarks, the pictures of the docs
@@ -54,7 +56,8 @@ setup(
                  'mcap-ros2-support>=0.6,<1', 'foxglove-sdk', 'matplotlib', 'python-flint',
                  'yourdfpy', 'mujoco', 'pyarrow', 'distributed',
                  'clarabel', 'coverage', 'FMPy', 'argcomplete>=3', 'starlette', 'uvicorn',
-                 'selenium', 'axe-core-python', 'resvg-py'],
+                 'selenium', 'axe-core-python', 'resvg-py',
+                 'pandas', 'nbclient', 'ipykernel'],
         'docs': ['mkdocs', 'mkdocs-material', 'mkdocstrings', 'mkdocstrings-python'],
         # the last two groups are ament's own wrappers, and what they call
         'lint': ['ruff', 'mypy', 'import-linter', 'types-PyYAML', 'numpy',
@@ -111,6 +114,7 @@ setup(
                           for verb in ('balance', 'draw', 'generate', 'list', 'live',
                                        'new', 'record', 'reproduce', 'show', 'study', 'table')],
         'fourbar.lab': [f'mjcf = {LAB}.export.mjcf:mjcf',
-                        f'plot = {LAB}.drawing.recorded:plot'],
+                        f'plot = {LAB}.drawing.recorded:plot',
+                        f'views = {LAB}.drawing.views'],
     },
 )

@@ -15,7 +15,7 @@ from fourbar_ros.errors import FourBarError
 BAGS = 'pip install mcap rosbags'
 INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'matplotlib': 'pip install matplotlib',
-           'pyarrow': 'pip install pyarrow',
+           'pandas': 'pip install pandas', 'pyarrow': 'pip install pyarrow',
            'flint': 'pip install python-flint',
            'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
            'mujoco': 'pip install mujoco',

@@ -6,7 +6,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from fourbar_lab.cli import asked
-from fourbar_ros.cli.common import add_output, add_pose, add_scene, add_verb, PICTURE_HELP, Verbs
+from fourbar_ros.cli.common import add_picture, add_pose, add_scene, add_verb, Verbs
 from fourbar_ros.errors import InvalidParameter
 
 EPILOG = """\
@@ -16,6 +16,7 @@ examples:
   fourbar draw paper --animate -o paper.gif          the linkage moving through a cycle
   fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
   fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
+  fourbar draw paper --at 60 --width 88mm -o column.pdf     for a column of a journal
   fourbar draw slides_7_7 --over axis -o axis.svg    why omega4 is extreme: the collineation axis
 """
 
@@ -34,31 +35,19 @@ def add(verbs: Verbs) -> None:
                            'forces on the ground as vectors; axis: the collineation axis with '
                            'its poles, at --at or where the output is fastest, and its angle to '
                            'the coupler over a cycle')
-    add_output(draw, '-o', '--out', metavar='FILE', required=True, suffix='.png',
-               help=PICTURE_HELP)
+    add_picture(draw)
     draw.set_defaults(run=_draw)
 
 
 def _draw(arguments: Namespace) -> None:
     """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
-    from fourbar_lab.drawing import animation, axis, cycles, figure, poses, tables
+    from fourbar_lab.drawing import animation, figure, views
     scene, linkage, speed = asked(arguments)
-    position = None if arguments.at is None else poses.position_of(linkage, arguments.at)
     if arguments.animate:
         print(animation.animate(linkage, speed, scene.points, arguments.out))
-    elif arguments.over == 'axis':
-        print(figure.save(axis.make_axis_figure(linkage, speed, position), arguments.out))
-    elif arguments.over:
-        drawn = (cycles.make_paths_figure(linkage, scene.points) if arguments.over == 'paths' else
-                 cycles.make_forces_figure(scene, linkage, speed, arguments.acceleration))
-        print(figure.save(drawn, arguments.out))
-    elif position is None:
+    elif arguments.at is None and not arguments.over:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')
     else:
-        _, motion, loads = poses.step_at(linkage, arguments.at, speed, arguments.acceleration)
-        unit = 'm' if linkage.is_driven_by_slide else 'deg'
-        rates = tables.rates_in_words(linkage, speed, arguments.acceleration, ', ')
-        title = (f'{linkage.description}\n{linkage.input_coordinate.position} {arguments.at:.8g} '
-                 f'{unit}, {rates}, assembly mode {tables.mode_name(linkage)}')
-        print(figure.save(figure.make_figure(linkage, motion, loads, title, scene.points),
-                          arguments.out))
+        print(figure.save(views.draw(
+            scene, arguments.at, arguments.over or '', arguments.speed, arguments.acceleration,
+            arguments.mode, arguments.title, arguments.width), arguments.out))

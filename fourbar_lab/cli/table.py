@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli import common
-from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.arguments import positive_integer
-from fourbar_ros.scene.units import of, require
+from fourbar_ros.scene.units import of
 
 if TYPE_CHECKING:      # verbs import when they run
     from fourbar_ros.scene.scene import Scene
@@ -31,6 +30,7 @@ examples:
   fourbar plot paper f41 shaking_force -o paper.png
   fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o rates.svg
   fourbar plot slider_crank slide f41 --units mm,kN -o rod.pdf
+  fourbar plot paper f41 f21 f32 f43 --width 88mm --title '' -o column.pdf
 """
 UNITS_HELP = ('units of the {} that measure the same: mm,deg,rpm,N mm,kW; default: deg for '
               'angles, SI')
@@ -41,7 +41,9 @@ def add(verbs: common.Verbs) -> None:
         verbs, 'table', 'quantities over the input as CSV',
         'Write quantities over all of the input, a row for each sample. Angles are in degrees,\n'
         'all else is in SI, or in --units.', TABLE)
-    _add_arguments(table, 'table to write: .csv, or - for standard output', '.csv', 'default all')
+    _add_arguments(table, 'default all')
+    common.add_output(table, '-o', '--out', metavar='FILE', required=True, suffix='.csv',
+                      help='table to write: .csv, or - for standard output')
     table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
@@ -52,12 +54,13 @@ def add(verbs: common.Verbs) -> None:
         verbs, 'plot', 'quantities over the input as a picture',
         'Draw quantities over all of the input, one pair of axes for each unit.\n'
         'Requires matplotlib.', PLOT)
-    _add_arguments(plot, common.PICTURE_HELP, '.png', 'default: rates, accelerations and loads')
+    _add_arguments(plot, 'default: rates, accelerations and loads')
+    common.add_picture(plot)
     common.add_units(plot, UNITS_HELP.format('axes'))
     plot.set_defaults(run=_plot)
 
 
-def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) -> None:
+def _add_arguments(verb: ArgumentParser, default: str) -> None:
     """Add the arguments of both verbs; ``default``: the text of no QUANTITY."""
     common.add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
@@ -66,58 +69,39 @@ def _add_arguments(verb: ArgumentParser, out: str, suffix: str, default: str) ->
     common.add_rates(verb)
     verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')
-    common.add_output(verb, '-o', '--out', metavar='FILE', required=True, suffix=suffix, help=out)
 
 
 def _table(arguments: Namespace) -> None:
     """Write all quantities, or those asked for, or what the drive must give at some speeds."""
-    from fourbar_lab.drawing.curves import (
-        curves_of,
-        envelope_of,
-        missed_peaks,
-        UNITS,
-        write_table,
-    )
+    from fourbar_lab.drawing import curves, views
     from fourbar_ros.spreadsheet import STDOUT
     scene, linkage, speed = asked(arguments)
-    units, missed = UNITS | arguments.units, ''
-    if arguments.speeds:
-        if arguments.names:
-            raise InvalidParameter('--speeds', None, 'cannot be combined with QUANTITY '
-                                   f'({", ".join(arguments.names)}): it tabulates the drive')
-        for each in arguments.speeds:
-            require('--speeds', each, f'{linkage.input_coordinate.unit}/s')
-        curves = envelope_of(scene, linkage, arguments.speeds, arguments.acceleration, units)
-    else:
-        asked_for = (scene, linkage, arguments.names, speed, arguments.acceleration,
-                     arguments.samples, units)
-        curves = curves_of(*asked_for)
-        if linkage.elements or linkage.friction:
-            missed = missed_peaks(curves, curves_of(*asked_for, with_jumps=True))
-    write_table(curves, arguments.out, common.csv_style(arguments))
+    columns = views.columns(scene, arguments.names, (linkage, speed, arguments.acceleration),
+                            arguments.samples, arguments.units, arguments.speeds or ())
+    missed = ''
+    if not arguments.speeds and (linkage.elements or linkage.friction):
+        missed = curves.missed_peaks(columns, curves.curves_of(
+            scene, linkage, arguments.names, speed, arguments.acceleration, arguments.samples,
+            views.shown_units(arguments.units), with_jumps=True))
+    curves.write_table(columns, arguments.out, common.csv_style(arguments))
     if arguments.out != STDOUT:
         print(arguments.out)
     if missed:
         print(missed, file=sys.stderr)
-    _tell_weight(scene, [linkage.drive_load] if arguments.speeds else curves.names)
+    _tell_weight(scene, [linkage.drive_load] if arguments.speeds else columns.names)
 
 
 def _plot(arguments: Namespace) -> None:
     """Draw the quantities asked for, or all but components, which would crowd a picture."""
-    from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of, UNITS
-    from fourbar_lab.drawing.figure import save
-    from fourbar_ros.mechanisms.quantities import select
+    from fourbar_lab.drawing import figure, views
     from fourbar_ros.scene.files import find
-    scene, linkage, speed = asked(arguments)
-    names = arguments.names or [quantity.name for quantity in select(
-        (), linkage, scene.point_quantities)]
-    acceleration = arguments.acceleration
-    units = UNITS | arguments.units
-    curves = curves_of(scene, linkage, names, speed, acceleration, arguments.samples, units, True)
-    curves = curves._replace(title=f'{find(arguments.scene).stem}: {curves.title}')
-    extrema = extrema_of(scene, linkage, names, speed, acceleration)
-    print(save(make_figure(curves, marks_of(linkage, extrema, units)), arguments.out))
-    _tell_weight(scene, curves.names)
+    scene, _, speed = asked(arguments)
+    print(figure.save(views.plot(
+        scene, *arguments.names, speed=speed, acceleration=arguments.acceleration,
+        mode=arguments.mode, samples=arguments.samples, units=arguments.units,
+        title=arguments.title, width=arguments.width, name=find(arguments.scene).stem),
+        arguments.out))
+    _tell_weight(scene, arguments.names or scene.linkage.LOADS._fields)
 
 
 def _tell_weight(scene: Scene, names: Sequence[str]) -> None:

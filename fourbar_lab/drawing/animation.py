@@ -35,7 +35,8 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
     paths = [np.array([point_motion(mechanism, motion, *point).place for motion in poses])
              for point in points.values()]
     joints = [joint for motion in poses for joint in diagram_of(mechanism, motion).joints.values()]
-    with new_figure(figsize=(6.4, 4.8)) as figure:
+    with new_figure(6.4, 4.8) as figure:
+        figure.page_width = None            # all frames are of one size
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
         def draw(motion: NamedFields) -> None:

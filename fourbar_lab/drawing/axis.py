@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, new_figure
+from fourbar_lab.drawing.figure import CannotDraw, new_figure, Paper
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
 from fourbar_ros import Mechanism
@@ -23,8 +23,8 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
+    from fourbar_lab.drawing.paper import PaperFigure as Figure
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
 AXIS = '#1f4e8c'        # colour
@@ -87,7 +87,8 @@ def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
             if extremum.place == INTERIOR]
 
 
-def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None) -> Figure:
+def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None,
+                     paper: Paper = Paper()) -> Figure:
     """
     Return a matplotlib Figure: the axis in a pose; the output's rate and the angle over the input.
 
@@ -102,14 +103,15 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         if not extrema:
             raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
         position = max(extrema, key=lambda extremum: abs(extremum.value)).theta1
-    with new_figure(figsize=(12.6, 5.6)) as figure:
+    title = f'{linkage.description}, theta1 {degrees(position):.4f} deg'
+    with new_figure(12.6, 5.6, paper) as figure:
         left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
         draw_axis(left, linkage, linkage.motion(position, rate),
-                  f'{linkage.description}, theta1 {degrees(position):.4f} deg')
+                  figure.title_of(title, paper.title))
         upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
         for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
-            upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color='C0')
+            upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color=AXIS)
             lower.plot(np.degrees(inputs), axis_angle(linkage, motion), color=AXIS)
         for extremum in extrema:
             x = degrees(counted(linkage, extremum.theta1))

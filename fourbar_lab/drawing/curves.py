@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, make_panels, writing
+from fourbar_lab.drawing.figure import CannotDraw, make_panels, Paper, writing
 from fourbar_lab.drawing.labels import symbols_of
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import rates_in_words
@@ -25,8 +25,8 @@ from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
 if TYPE_CHECKING:
+    from fourbar_lab.drawing.paper import PaperFigure as Figure
     from fourbar_ros.scene.scene import Scene
-    from matplotlib.figure import Figure
 
 # what a vertical axis of a unit shows
 AXES = {unit: name for si, name in (
@@ -215,7 +215,8 @@ def readable(values: Array, marked: Sequence[float]) -> Array:
     return np.where(sizes <= bound, values, np.nan)
 
 
-def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = ()) -> Figure:
+def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = (),
+                paper: Paper = Paper()) -> Figure:
     """
     Return a figure with one pair of axes for each unit, over the same input.
 
@@ -237,12 +238,12 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     figure = make_panels({AXES.get(unit, 'value') + (f' [{unit}]' if unit else ''):
                           [(symbol, curves.values[0], values) for _, symbol, _, values in group]
                           for unit, group in by_unit.items()},
-                         f'{curves.symbols[0]} [{curves.units[0]}]', curves.title)
+                         f'{curves.symbols[0]} [{curves.units[0]}]', curves.title, paper)
     for axis, group in zip(figure.axes, by_unit.values()):
         for line, (name, *_) in zip(list(axis.lines), group):
             if marked[name]:
                 axis.plot(*zip(*[(x, value) for quantity, x, value in dots if quantity == name]),
-                          'o', color=line.get_color(), markersize=4)
+                          'o', color=line.get_color(), markersize=0.36 * figure.style['font.size'])
     if curves.units[0] == 'deg' and high - low > 180.0:
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))

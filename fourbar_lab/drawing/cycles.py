@@ -7,23 +7,24 @@ Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from math import lcm, tau
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import CannotDraw, new_figure
+from fourbar_lab.drawing.figure import CannotDraw, CURVES, new_figure, Paper
 from fourbar_lab.drawing.labels import labels_of
+from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.mechanisms.picture import diagram_of, Points
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
+    from fourbar_lab.drawing.paper import PaperFigure as Figure
     from fourbar_ros.scene.scene import Scene
-    from matplotlib.figure import Figure
 
 SAMPLES = 721
 WITHIN = 1e-9        # share of a range left out at ends in toggles, where rates are unbounded
+SHARE = 0.2          # of the range of the input: where the mechanism is drawn beside its paths
 OUTLIER = 30.0       # vectors longer than so many times the median one are not drawn
 
 
@@ -62,19 +63,27 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
     return {}
 
 
-def make_paths_figure(mechanism: Mechanism, points: Points) -> Figure:
-    """Return a figure of the paths of points over a cycle; CannotDraw if there is no point."""
+def make_paths_figure(mechanism: Mechanism, points: Points, paper: Paper = Paper()) -> Figure:
+    """Return a figure of the paths of points with the mechanism; CannotDraw without a point."""
     points = usual_points(mechanism, points)
     if not points:
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
-    motions = [mechanism.motion(inputs) for inputs in cycles(mechanism)]
-    return _figure(f'paths over a cycle: {mechanism.description}', 'm', {
-        name: [point_motion(mechanism, motion, *point).place for motion in motions]
-        for name, point in points.items()})
+    paths = [point_motion(mechanism, mechanism.motion(inputs), *point).place
+             for point in points.values() for inputs in cycles(mechanism)]
+    low, high = mechanism.input_ranges[0]
+    title = f'paths over a cycle: {mechanism.description}'
+    with new_figure(7.0, 7.0, paper) as figure:
+        axes = figure.add_axes((0.0, 0.0, 1.0, 0.94))
+        sheet = draw_mechanism(axes, mechanism, mechanism.motion(low + SHARE * (high - low)),
+                               points, paths,
+                               title=figure.title_of(title, paper.title))
+        sheet.scale('m')
+        sheet.finish()
+    return figure
 
 
-def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0
-                       ) -> Figure:
+def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
+                       paper: Paper = Paper()) -> Figure:
     """Return a figure of the forces on the ground over a cycle; CannotDraw without masses."""
     if not linkage.has_loads:
         raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
@@ -86,24 +95,21 @@ def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, accelerat
     names = {'shaking_force': 'shaking force',
              **{name: f'${symbols[name]}$' for name, joint in diagram.forces.items()
                 if joint in diagram.ground}}
-    figure = _figure(f'forces over a cycle: {linkage.description}', 'N', {
-        text: [_bounded(np.stack([getattr(step, f'{name}_{axis}') for axis in 'xy'], axis=-1))
-               for step in steps] for name, text in names.items()})
-    figure.axes[0].axhline(0.0, color='0.6', lw=0.7)
-    figure.axes[0].axvline(0.0, color='0.6', lw=0.7)
-    return figure
-
-
-def _figure(title: str, unit: str, curves: Mapping[str, Sequence[Array]]) -> Figure:
-    """Return a figure of curves in the plane: {name: one for each range of the input, (n, 2)}."""
-    with new_figure(figsize=(7.0, 7.0), layout='constrained') as figure:
+    with new_figure(7.0, 7.0, paper, layout='constrained') as figure:
         axes = figure.subplots()
-        for name, parts in curves.items():
-            colour = axes.plot([], [], label=name)[0].get_color()
-            for part in parts:
-                axes.plot(*part.T, color=colour, lw=1.6)
+        axes.set_prop_cycle(**CURVES)
+        for name, text in names.items():
+            curves = [_bounded(np.stack([getattr(step, f'{name}_{axis}') for axis in 'xy'],
+                                        axis=-1)) for step in steps]      # one for each range
+            line, = axes.plot(*curves[0].T, label=text)
+            for curve in curves[1:]:
+                axes.plot(*curve.T, color=line.get_color(), ls=line.get_linestyle())
+        axes.axhline(0.0, color='0.6', lw=0.7)
+        axes.axvline(0.0, color='0.6', lw=0.7)
         axes.set_aspect('equal', adjustable='datalim')
-        axes.set(xlabel=f'x [{unit}]', ylabel=f'y [{unit}]', title=title)
+        axes.set(xlabel='x [N]', ylabel='y [N]',
+                 title=figure.title_of(f'forces over a cycle: {linkage.description}',
+                                       paper.title))
         axes.legend()
     return figure
 

@@ -17,18 +17,26 @@ from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
 from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
 from fourbar_lab.drawing.sheet import Sheet
-from fourbar_ros import FourBarError, Mechanism
+from fourbar_ros import Mechanism
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, ORIGIN, Points
 from fourbar_ros.numerics.arrays import Array
+import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
+    from fourbar_lab.drawing.paper import PaperFigure
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 PICTURES = '.png', '.svg', '.pdf'
+# eight curves that greyscale tells apart: dark ones and light ones, each with four dashes
+COLOURS = ('#1f4e8c', '#a02c2c', '#1e6b37', '#5b2a86', '#4a9fd8', '#e08a1e', '#86b53c', '#999999')
+DASHES = '-', '--', '-.', ':'
+CURVES = {'color': COLOURS, 'linestyle': DASHES + DASHES}
 STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
-         'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path'}
+         'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path',
+         'pdf.fonttype': 42}            # journals refuse fonts of type 3
+COLUMN = 5.0, 8.0      # [inch, points] figures narrower than the first have a font of this size
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
@@ -41,16 +49,30 @@ class Units(NamedTuple):
     acceleration: tuple[str, float] = ('m/s$^2$', 1.0)
 
 
+class Paper(NamedTuple):
+    """What a picture is made for: its width [m], 0: the usual one; its title, None: the usual."""
+
+    width: float = 0.0
+    title: str | None = None
+
+
 class CannotDraw(FourBarError, ValueError):
     """A picture or a table cannot be made or written; the message says why."""
 
 
 @contextmanager
-def new_figure(**options: Any) -> Iterator[Figure]:
+def new_figure(width: float, height: float, paper: Paper = Paper(), **options: Any
+               ) -> Iterator[PaperFigure]:
+    """Give a figure of its usual size [inch], or as wide as the paper, in proportion."""
+    from fourbar_lab.drawing.paper import BESIDE, PaperFigure
     import matplotlib
-    from matplotlib.figure import Figure
-    with matplotlib.rc_context(STYLE):
-        yield Figure(**options)
+    page_width = paper.width / 0.0254
+    across = max(page_width - 2.0 * BESIDE, 0.5) if page_width else width
+    style = STYLE | ({'font.size': COLUMN[1]} if across < COLUMN[0] < width else {})
+    with matplotlib.rc_context(style):
+        figure = PaperFigure(figsize=(across, height * across / width), **options)
+        figure.style, figure.page_width = style, page_width
+        yield figure
 
 
 @contextmanager
@@ -94,58 +116,109 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
 
 def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None = None,
                 title: str = '', points: Points | None = None, names: Letters | None = None,
-                units: Units = Units()) -> Figure:
+                units: Units = Units(), paper: Paper = Paper()) -> PaperFigure:
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
     ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``units`` of
-    lengths and polygons. Title and text are beside the figure: save it with a tight box.
+    lengths and polygons. The panels stand beside each other, below each other in a column. Title
+    and text are beside the figure: :func:`save` makes room for them.
     """
-    with new_figure(figsize=(12.6, 4.4)) as figure:
-        axes = figure.subplots(1, 3)
-        figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.06)
-        figure.suptitle(title, x=0.003, y=0.95, ha='left', va='bottom', fontsize=13,
-                        fontweight='bold')
-        letters = labels_of(diagram_of(mechanism, motion)).letters
+    velocities, accelerations = velocity_polygon(mechanism, motion), acceleration_polygon(
+        mechanism, motion)
+    diagram = diagram_of(mechanism, motion)
+    with new_figure(12.6, 4.4, paper) as figure:
+        across, size, top = figure.get_figwidth(), figure.style['font.size'], 0.95
+        if size == STYLE['font.size']:
+            axes = figure.subplots(1, 3)
+            figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.06)
+        else:
+            # below each panel its lines of text, of 16 points at a size of 11
+            forces = len(diagram.forces) + 6 if loads else 0
+            rows = (len(mechanism.DRAWN) + forces // 2,
+                    *(len(arrows) // 2 + 2 for arrows in (velocities, accelerations)))
+            heights = [0.75 * across + (row + 2) * 16.0 * size / 11.0 / 72.0 for row in rows]
+            height, top = sum(heights), 1.0 + 0.1 / sum(heights)
+            figure.set_figheight(height)
+            axes = [figure.add_axes((0.0, 1.0 - (sum(heights[:i]) + 0.75 * across) / height,
+                                     1.0, 0.7 * across / height)) for i in range(3)]
+        figure.suptitle(figure.title_of(title, paper.title), x=0.003, y=top, ha='left',
+                        va='bottom', fontsize=size * 13.0 / 11.0, fontweight='bold')
+        letters = labels_of(diagram).letters
         names = {**(names or {}), **letters}
         heading = 'mechanism'
         if loads:
             heading += ('   $F$: force on the link that hangs at the joint' if letters
                         else '   $F_{ij}$: force of link $i$ on link $j$')
         draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, heading)
-        draw_polygon(axes[1], velocity_polygon(mechanism, motion), 'velocities', units.speed,
-                     names)
-        draw_polygon(axes[2], acceleration_polygon(mechanism, motion), 'accelerations',
-                     units.acceleration, names)
+        draw_polygon(axes[1], velocities, 'velocities', units.speed, names)
+        draw_polygon(axes[2], accelerations, 'accelerations', units.acceleration, names)
     return figure
 
 
 def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel: str,
-                title: str) -> Figure:
+                title: str, paper: Paper = Paper()) -> PaperFigure:
     """Return a figure of axes below each other: {text of an axis: (label, x, y) of its curves}."""
-    with new_figure(figsize=(9.0, 0.6 + 2.4 * len(panels)), layout='constrained') as figure:
+    with new_figure(9.0, 0.6 + 2.4 * len(panels), paper, layout='constrained') as figure:
+        size = figure.style['font.size']
+        if size != STYLE['font.size']:
+            figure.set_figheight(0.5 + 1.8 * len(panels))
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (text, curves) in zip(axes, panels.items()):
+            axis.set_prop_cycle(**CURVES)
             for label, x, y in curves:
                 axis.plot(x, y, label=label)
             axis.set_ylabel(text)
             axis.grid(alpha=0.3)
+            axis.margins(x=0.0)
             if curves[0][0]:
-                axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
-        axes[0].set_title(title)
+                height = figure.get_figheight() / len(panels) - 0.4       # [inch], about
+                label_curves(axis, 1.3 * size / 72.0 / height)
+        axes[0].set_title(figure.title_of(title, paper.title))
         axes[-1].set_xlabel(xlabel)
     return figure
 
 
-def save(figure: Figure, path: str | Path) -> Path:
+def label_curves(axis: Axes, height: float) -> None:
+    """
+    Write the labels of curves beside their right ends, with lines of their kind that lead there.
+
+    ``height``: of a label over that of the axes; where too many do not fit: a legend.
+    """
+    lines = list(axis.lines)
+    if height * len(lines) > 1.0:
+        axis.legend(loc='center left', bbox_to_anchor=(1.0, 0.5), frameon=False)
+        return
+    low, high = axis.get_ylim()
+    axis.set_ylim(low, high)            # the labels stay where they are
+    ends = []
+    for line in lines:
+        x, y = (np.asarray(values, float) for values in line.get_data())
+        known = np.flatnonzero(np.isfinite(x) & np.isfinite(y))
+        last = int(known[np.argmax(x[known])]) if known.size else 0
+        ends.append((float(y[last]), float(x[last]), line))
+    ends.sort(key=lambda end: end[0])
+    positions: list[float] = [(y - low) / (high - low) for y, _, _ in ends]
+    for i, position in enumerate(positions):        # upwards, then down from the upper edge
+        positions[i] = max(position, positions[i - 1] + height if i else 0.5 * height)
+    for i in reversed(range(len(positions))):
+        above = positions[i + 1] if i + 1 < len(positions) else 1.0 + 0.5 * height
+        positions[i] = min(positions[i], above - height)
+    for (y_end, x_end, line), position in zip(ends, positions):
+        axis.annotate(str(line.get_label()), (x_end, y_end), (1.06, position), va='center',
+                      textcoords='axes fraction', color=line.get_color(), arrowprops={
+                          'arrowstyle': '-', 'color': line.get_color(), 'shrinkA': 1.0,
+                          'shrinkB': 0.0, 'ls': line.get_linestyle(), 'lw': 1.2})
+
+
+def save(figure: PaperFigure, path: str | Path) -> Path:
     """Write a figure as .svg, .pdf or .png (also without a suffix) and return the path."""
-    import matplotlib
     path = Path(path)
     if not path.suffix:
         path = path.with_name(path.name + '.png')
     if path.suffix not in PICTURES:
         raise CannotDraw(f'{path}: must end in {", ".join(PICTURES)}')
     options = {'metadata': {'Date': None}} if path.suffix == '.svg' else {}
-    with matplotlib.rc_context(STYLE), writing(path):
-        figure.savefig(path, dpi=200, bbox_inches='tight', **options)
+    with writing(path):
+        figure.savefig(path, dpi=200, **options)
     return path

@@ -46,10 +46,10 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
     for part in parts:
         draw_part(sheet, part)
     for name, point in labels_of(diagram).joints.items():
-        sheet.label(renamed(name, names), sheet.around(point), 'k')
+        sheet.label(renamed(name, names), sheet.around(point), 'k', point)
     for arm in arms:
         name = arm.name.replace('_', r'\_')
-        sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT)
+        sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT, arm.end)
     return sheet
 
 
@@ -95,7 +95,8 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
     for force in forces:
         tip = force.point + force.vector
         sheet.arrow(force.point, force.vector, FORCE, 1.8)
-        sheet.label(labels.forces[force.name], sheet.around(tip, force.vector), FORCE)
+        sheet.label(labels.forces[force.name], sheet.around(tip, force.vector), FORCE,
+                    tip)
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / longest, 0.5)

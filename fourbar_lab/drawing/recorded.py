@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import make_panels, save
+from fourbar_lab.drawing.figure import make_panels, Paper, save
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of, unit_of, units_in
 from fourbar_ros.errors import BagError, nearest
@@ -15,11 +15,11 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
-    from matplotlib.figure import Figure
+    from fourbar_lab.drawing.paper import PaperFigure as Figure
 
 
 def make_figure(path: str | Path, names: Sequence[str], progress: Progress | None = None,
-                x: str | None = None) -> Figure:
+                x: str | None = None, paper: Paper = Paper()) -> Figure:
     """
     Return a figure of fields over time [s] or over the field ``x``; one unit is one axis.
 
@@ -59,13 +59,13 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
         line = (((stamps - start) * 1e-9, values) if x is None
                 else _over(curves[x], stamps, values))
         panels.setdefault(f'[{unit}]' if unit else '', []).append((name, *line))
-    return make_panels(panels, label, str(path))
+    return make_panels(panels, label, str(path), paper)
 
 
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
-         x: str | None = None) -> None:
-    """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`."""
-    save(make_figure(path, names, progress, x), out)
+         x: str | None = None, width: float = 0.0, title: str | None = None) -> None:
+    """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`; ``width`` in [m]."""
+    save(make_figure(path, names, progress, x, Paper(width, title)), out)
 
 
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit

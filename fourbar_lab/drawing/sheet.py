@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from math import floor, hypot, log10
-from typing import Any, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 if TYPE_CHECKING:      # drawings alone need it
     from matplotlib.axes import Axes
 
-FONT = 12           # [points] size of labels
+FONT, USUAL = 12, 11     # [points] size of labels, where text of a figure has its usual size
 PAD = (0.03, 0.07)  # [inches] around the letters of a label
 FREE = 0.05         # [inches] between a label and lines, where there is room
 SCALE = 0.2         # [inches] at the lower edge that scale bars take
@@ -23,7 +23,7 @@ HEAD = 6.5          # arrows shorter than 1 / 6.5 inch, 11 points, have a smalle
 
 @cache
 def _size_of(text: str) -> Array:
-    """Return (width, height) of a label in mathtext [inches]."""
+    """Return (width, height) of a label in mathtext [inches], in the usual size of text."""
     from matplotlib.textpath import TextPath
     extents = TextPath((0.0, 0.0), f'${text}$', size=FONT).get_extents()
     return np.asarray(extents.size / 72.0 + PAD)         # 72 points an inch
@@ -35,20 +35,31 @@ def nice(value: float) -> float:
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
 
 
+class Label(NamedTuple):
+    """A text in mathtext, points where it may stand, and the tip of the arrow that it names."""
+
+    text: str
+    points: Sequence[Array]
+    color: str
+    tip: Array | None
+
+
 class Sheet:
     """
     Axes with equal scales that show all ``points``; labels keep off lines and other labels.
 
-    ``inch`` is an inch of paper in units of the drawing, ``high`` the upper right corner. Labels
-    are written when all lines are there: :meth:`finish`.
+    ``inch`` is an inch of paper in units of the drawing, smaller by ``zoom`` where all text is;
+    ``high`` the upper right corner. Labels are written when all lines are there: :meth:`finish`.
     """
 
     def __init__(self, axes: Axes, points: Sequence[Array] | Array, title: str) -> None:
+        from matplotlib import rcParams
+        self.zoom = rcParams['font.size'] / USUAL
         every = np.asarray(points)
         low, high = every.min(axis=0), every.max(axis=0)
         box = axes.get_position()
-        width, height = (box.width * axes.figure.get_figwidth(),
-                         box.height * axes.figure.get_figheight())       # [inches]
+        width, height = (box.width * axes.figure.get_figwidth() / self.zoom,
+                         box.height * axes.figure.get_figheight() / self.zoom)       # [inches]
         # 0.9 by 1.15 inches of paper are left around the drawing for labels, and below for scales
         inch = max((high - low) / (width - 0.9, height - 1.15))
         self.inch = inch if inch != 0.0 else 1.0
@@ -58,9 +69,10 @@ class Sheet:
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]),
                  aspect='equal')
         axes.axis('off')
-        axes.set_title(title, loc='left', fontsize=12, fontweight='bold')
+        axes.set_title(title, loc='left', fontsize=FONT * self.zoom,
+                       fontweight='bold')
         self.taken: list[Array] = []                        # points on lines
-        self._labels: list[tuple[str, Sequence[Array], str]] = []
+        self._labels: list[Label] = []
         self._rows = 0                                      # of text below
 
     def occupy(self, start: Array, end: Array) -> None:
@@ -79,30 +91,42 @@ class Sheet:
             'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
         self.occupy(start, start + vector)
 
-    def label(self, text: str, points: Sequence[Array], color: str) -> None:
-        """Have a label at the first of several points that is free, or else the freest."""
-        self._labels.append((text, points, color))
+    def label(self, text: str, points: Sequence[Array], color: str, tip: Array | None = None
+              ) -> None:
+        """
+        Have a label at the first of several points that is free, or else the freest.
+
+        ``tip``: what it names: no point that is nearer to the tip of another label is free.
+        """
+        self._labels.append(Label(text, points, color, tip))
 
     def finish(self) -> None:
         """Write the labels, first ones first."""
         lines: Array = np.reshape(self.taken, (-1, 2))
         written: list[tuple[Array, Array]] = []
-        for text, points, color in self._labels:
-            half = 0.5 * self.inch * _size_of(text)
-            best = max(points, key=lambda point: self._room(point, half, lines, written))
+        for label in self._labels:
+            half = 0.5 * self.inch * _size_of(label.text)
+            best = max(label.points, key=lambda point: self._room(
+                point, half, lines, written, self._is_nearest(point, label.tip)))
             written.append((best, half))
-            self.axes.text(*best, f'${text}$', ha='center', va='center', color=color, zorder=8,
-                           fontsize=FONT)
+            self.axes.text(*best, f'${label.text}$', ha='center', va='center', zorder=8,
+                           color=label.color, fontsize=FONT * self.zoom)
 
-    def _room(self, point: Array, half: Array, lines: Array, written: list[tuple[Array, Array]]
-              ) -> tuple[float, float]:
+    def _is_nearest(self, point: Array, tip: Array | None) -> bool:
+        """Return whether no tip of a label is nearer to a point than this one."""
+        return tip is None or all(
+            hypot(*(point - tip)) <= hypot(*(point - other.tip)) for other in self._labels
+            if other.tip is not None)
+
+    def _room(self, point: Array, half: Array, lines: Array, written: list[tuple[Array, Array]],
+              is_nearest: bool) -> tuple[float, bool, float]:
         """Return how free a point is for a label: overlap (0: none), then distance to lines."""
         gaps = [(np.abs(point - centre) - half - size).max() for centre, size in written]
         low = self.low + (0.0, SCALE * self.inch)
         edges = np.minimum(point - half - low, self.high - point - half).min()
         beyond = np.maximum(np.abs(lines - point) - half, 0.0)
         nearest = np.hypot(*beyond.T).min(initial=FREE * self.inch)
-        return min(0.0, edges, *gaps), nearest
+        return min(0.0, edges, *gaps), is_nearest, nearest
 
     def around(self, point: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return points for the label of a point, on circles about it, first in this direction."""
@@ -126,7 +150,8 @@ class Sheet:
         self.axes.plot([x, x + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7,
                        clip_on=False)
         self.axes.annotate(f'{length:g} {unit}', (x + length * factor, y), (6, 0),
-                           textcoords='offset points', va='center', fontsize=10)
+                           textcoords='offset points', va='center',
+                           fontsize=10 * self.zoom)
 
     def write(self, lines: Sequence[str], columns: int = 1) -> None:
         """Write lines of text below the drawing and what is written there, in columns."""
@@ -134,6 +159,7 @@ class Sheet:
         for i, text in enumerate(lines):
             column, row = divmod(i, height)
             self.axes.annotate(text, (0.02 + 0.49 * column, 0.0),
-                               (0, -14 - 16 * (self._rows + row)), va='center', fontsize=11,
+                               (0, -self.zoom * (14 + 16 * (self._rows + row))), va='center',
+                               fontsize=USUAL * self.zoom,
                                xycoords='axes fraction', textcoords='offset points')
         self._rows += height

@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from datetime import date
 from html import escape
-from io import StringIO
 from math import tau
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import make_figure, make_panels, STYLE, Units, writing
+from fourbar_lab.drawing.figure import make_figure, make_panels, Units, writing
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
 from fourbar_ros import __version__, CROSSED, find_extrema, OPEN
@@ -19,7 +18,7 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
-    from matplotlib.figure import Figure
+    from fourbar_lab.drawing.paper import PaperFigure as Figure
 
 Captioned = tuple['Figure', str]                # with its caption
 
@@ -128,13 +127,9 @@ def _circled(panels: Mapping[str, Sequence[tuple[str, Array, Array]]],
 
 def svg(name: str) -> tuple[str, str]:
     """Return (SVG text, caption) of a figure by name; the text is the same every time."""
-    import matplotlib
     figure, caption = figure_of(name)
-    file = StringIO()
-    with matplotlib.rc_context({**STYLE, 'svg.hashsalt': name}):
-        figure.savefig(file, format='svg', bbox_inches='tight', metadata={'Date': None})
-    text = file.getvalue()
-    return text[text.index('<svg'):], caption           # without the head of an XML file
+    figure.style |= {'svg.hashsalt': name}      # no two figures of a page share names
+    return figure._repr_svg_(), caption
 
 
 def page(sections: Sequence[Section], when: str) -> str:

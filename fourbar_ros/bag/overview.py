@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
 from fourbar_ros.bag.metadata import LOST, number_of
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.notebook import html_table, short_repr
 from fourbar_ros.scene.files import as_text
 
 
@@ -34,6 +36,17 @@ class Info(NamedTuple):
     topics: list[TopicInfo]
     about: dict[str, str]       # notes of the recorder: scene, software, units, ...
     damage: str                 # the first fault and how many there are; '' if none was read
+
+    def __repr__(self) -> str:
+        """Return it with the count of topics and no notes, in at most ten lines."""
+        return short_repr('Info', {
+            **self._asdict(), 'path': str(self.path), 'topics': len(self.topics), 'about': '...'})
+
+    def _repr_html_(self) -> str:
+        state = 'sound' if self.is_sound else self.damage or 'not sound'
+        seconds = 1e-9 * ((self.end or 0) - (self.start or 0))
+        return (f'<p>{escape(str(self.path))}: {state}, {self.size} bytes, {seconds:.6g} s</p>'
+                + html_table(('topic', 'type', 'messages'), [topic[:3] for topic in self.topics]))
 
     @property
     def ended(self) -> str:

@@ -86,8 +86,7 @@ def add(verbs: Verbs) -> None:
     plot.add_argument('--x', metavar='TOPIC.FIELD',
                       help='field of the horizontal axis, e.g. state.theta1; values of the same '
                            'stamp belong together (default: time)')
-    common.add_output(plot, '-o', '--out', metavar='FILE', required=True, suffix='.png',
-                      help=common.PICTURE_HELP)
+    common.add_picture(plot)
 
     diff = _action(actions, 'diff', _diff, 'compare two bags message by message',
                    ': those with the same stamp, field by field.')
@@ -229,7 +228,8 @@ def _export(arguments: Namespace) -> int:
 
 def _plot(arguments: Namespace) -> None:
     with reading(arguments.bag, 'reading') as step:
-        lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x)
+        lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x,
+                    arguments.width, arguments.title)
     print(arguments.out)
 
 

@@ -185,6 +185,16 @@ def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', *
     parser.set_defaults(written=(*(written or ()), action.dest))
 
 
+def add_picture(parser: argparse.ArgumentParser) -> None:
+    """Add ``--out`` for a picture, ``--width`` and ``--title``."""
+    add_output(parser, '-o', '--out', metavar='FILE', required=True, suffix='.png',
+               help=PICTURE_HELP)
+    parser.add_argument('--width', type=of('m', above=0.0), default=0.0, metavar='WIDTH',
+                        help='width of the picture [m], as 88mm for a column of a journal')
+    parser.add_argument('--title', metavar='TEXT',
+                        help="instead of the usual title; '': none")
+
+
 def refuse_overwriting(paths: Iterable[Path], force: bool) -> None:
     """Raise FileExists for a file that exists, unless ``--force`` is given."""
     for path in paths:

@@ -30,6 +30,7 @@ from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, Locked
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.notebook import from_lab, html_table, short_repr
 from fourbar_ros.numerics.arguments import array, finite
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.optional import MissingPackage
@@ -165,7 +166,7 @@ class Work:
         return rates
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """
     A simulated run.
@@ -328,23 +329,24 @@ class Run:
         return record
 
     def plot(self) -> Figure:
-        """Return a figure of position, rate, acceleration and torque over time, by matplotlib."""
-        try:
-            from matplotlib.figure import Figure
-        except ModuleNotFoundError as error:
-            raise MissingPackage('a plot', error) from error
-        unit = self.system.mechanism.input_coordinate.unit
-        rows = {f'position [{unit}]': self.position, f'rate [{unit}/s]': self.rate,
-                f'acceleration [{unit}/s²]': self.acceleration}
-        if self.system.drive:
-            rows[f'drive [{"N" if unit == "m" else "N m"}]'] = self.torque
-        figure = Figure(figsize=(7.0, 1.8 * len(rows)), layout='constrained')
-        axes = figure.subplots(len(rows), 1, sharex=True)
-        for ax, (name, values) in zip(axes, rows.items()):
-            ax.plot(self.time, values)
-            ax.set_ylabel(name)
-        axes[-1].set_xlabel('time [s]')
+        """Return a figure of position, rate, acceleration and drive over time, by matplotlib."""
+        figure: Figure = from_lab('plot_run', 'a plot', self)
         return figure
+
+    @property
+    def _facts(self) -> dict[str, object]:
+        mechanism, unit = self.system.mechanism, self.system.mechanism.input_coordinate.unit
+        return {'status': self.status, 'reason': self.reason, 'end': f'{self._end:.6g} s',
+                'times': self.time.size, 'error': f'{self.error:.3g} {unit}',
+                'drift': f'{self.drift:.3g}', 'method': self.method,
+                'evaluations': self.evaluations, 'linkage': mechanism.description}
+
+    def __repr__(self) -> str:
+        """Return how the run ended, in at most ten lines."""
+        return short_repr('Run', self._facts)
+
+    def _repr_html_(self) -> str:
+        return html_table(('', ''), list(self._facts.items()))
 
 
 def simulate(system: System, until: float, tolerance: float = 1e-8, method: str = 'auto',

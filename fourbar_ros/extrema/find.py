@@ -27,6 +27,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
 from fourbar_ros.mechanisms.quantities import Asked, Function, Named, OfDrive
+from fourbar_ros.notebook import html_table
 from fourbar_ros.numerics.arguments import finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.roots import fold
@@ -44,6 +45,8 @@ TRUSTED = 1e6
 MOST_ALIKE = 4000.0
 # A rate of the output that is smaller than this, over its largest, only touches zero.
 TOUCHES = 64.0 * EPS
+
+MOST_LINES = 9      # of the repr of a list of extrema, and one more that counts the others
 
 
 class Extremum(NamedTuple):
@@ -91,6 +94,24 @@ class Extremum(NamedTuple):
         return self.theta1 if isnan(self.slide) else self.slide
 
 
+class Extrema(list[Extremum]):
+    """A list of extrema that a prompt and a notebook show as a table."""
+
+    def __repr__(self) -> str:
+        """Return a line for each of the first nine."""
+        lines = [f'{each.quantity} {each.kind} {each.value:.10g} {each.unit} at '
+                 f'{each.input:.10g} {"rad" if isnan(each.slide) else "m"}'
+                 + (', global' if each.is_global else '') for each in self[:MOST_LINES]]
+        more = len(self) - MOST_LINES
+        return '\n'.join([*lines, f'... and {more} more'] if more > 0 else lines) or '[]'
+
+    def _repr_html_(self) -> str:
+        return html_table(('quantity', '', 'value', 'unit', 'input', '', ''), [
+            (each.quantity, each.kind, f'{each.value:.10g}', each.unit, f'{each.input:.8f}',
+             'rad' if isnan(each.slide) else 'm', 'global' if each.is_global else '')
+            for each in self])
+
+
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
 AskedQuantity = Union[str, Named, Callable[..., Any]]
 AskedQuantities = Union[AskedQuantity, Collection[AskedQuantity]]
@@ -100,7 +121,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
                  progress: Callable[[float], None] = lambda share: None,
-                 within: tuple[float, float] | None = None) -> list[Extremum]:
+                 within: tuple[float, float] | None = None) -> Extrema:
     """
     Return all extrema over the input, in the mode of the linkage, by quantity, then by input.
 
@@ -143,11 +164,11 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     if len(others) < len(named):
         find = partial(find_extrema, certify=certify, conditions=conditions, check=check,
                        seconds=seconds, progress=progress, within=within)
-        every = find(linkage, others, rate, acceleration) if others else []
+        every = list(find(linkage, others, rate, acceleration)) if others else []
         every += [extremum for quantity in named if isinstance(quantity, OfDrive)
                   for extremum in _of_drive(quantity, linkage, rate, find)]
         names = [quantity.name for quantity in named]
-        return sorted(every, key=lambda extremum: names.index(extremum.quantity))
+        return Extrema(sorted(every, key=lambda extremum: names.index(extremum.quantity)))
     check()
     part = None if within is None else _checked_part(linkage, within)
     search = Search(linkage, others, (rate, acceleration), part)
@@ -160,9 +181,10 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
             check()
             progress(share)
         extrema, proofs, refuted = search.proved(extrema, conditions, tell, seconds)
-    return [extremum for row, quantity in enumerate(others) if extrema[row]
-            for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
-                                     search.unresolved, partial(search.exact, row))]
+    return Extrema(
+        extremum for row, quantity in enumerate(others) if extrema[row]
+        for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
+                                 search.unresolved, partial(search.exact, row)))
 
 
 class Search:

@@ -120,7 +120,7 @@ class FourBarLinks(Kind):
                                    f'three together ({exact_sum(lengths + (-longest,)):.12g})')
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FourBar(FourBarLinks):
     """
     Planar four-bar linkage O1-A-B-O4 with four revolute joints.
@@ -228,7 +228,7 @@ class FourBar(FourBarLinks):
                                    mode) for mode in self.MODES])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MovingJointFourBar(FourBarLinks):
     """
     Planar four-bar linkage O1-A-B-O4 that is driven at A or at B, between two moving links.

@@ -341,6 +341,12 @@ FORWARD = {'f41': 'base', 'f21': '-dyad_first', 'f32': 'dyad_inner', 'f43': 'dya
 def results(kind: Any, motion: str, loads: str) -> tuple[Any, Any]:
     """Give a kind the types of its motion and its loads, of these names, and return them."""
     fields = kind.motion_fields()       # from the sine on they are for this package
-    kind.MOTION = parts.record_type(motion, fields, fields.index('sine'))
+    kind.MOTION = parts.record_type(motion, fields)
     kind.LOADS = parts.record_type(loads, kind.load_fields())
+    from fourbar_ros.mechanisms.quantities import fields_of  # it imports mechanisms
+    meanings = fields_of(kind, next(iter(kind.INPUTS.values()))) | {
+        name: parts.Quantity(name, '', f'{coordinate.rate} over the rate of the input', False)
+        for name, coordinate in kind.RATIOS.items()}
+    kind.MOTION = parts.documented(kind.MOTION, meanings, fields.index('sine'))
+    kind.LOADS = parts.documented(kind.LOADS, meanings)
     return kind.MOTION, kind.LOADS

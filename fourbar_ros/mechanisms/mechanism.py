@@ -23,6 +23,7 @@ from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, reco
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.parts import DRIVE, NamedFields, OPEN, Ranges
+from fourbar_ros.notebook import as_html, short_repr
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
@@ -49,6 +50,14 @@ class Mechanism(MechanismGeometry):
 
     They are frozen dataclasses of what :class:`.StatedMechanism` names.
     """
+
+    _repr_html_ = as_html
+
+    def __repr__(self) -> str:
+        """Return it with all that is not the default, in at most ten lines."""
+        return short_repr(type(self).__name__, {
+            field.name: value for field in fields_of(self)
+            if (value := getattr(self, field.name)) != field.default})
 
     @cached_by_lengths
     def _motion_line(self) -> tuple[Function, Function]:

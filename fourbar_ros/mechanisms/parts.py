@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections import namedtuple
+from collections.abc import Mapping
 from functools import cache
 from math import ceil, floor, inf
 from typing import Any, NamedTuple, NoReturn
 
 from fourbar_ros.errors import MissingBodies
+from fourbar_ros.notebook import record_as_html, short_repr
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -74,29 +76,39 @@ NamedFields = Any
 
 
 @cache
-def record_type(name: str, fields: tuple[str, ...], shown: int | None = None) -> Any:
+def record_type(name: str, fields: tuple[str, ...], shown: int | None = None,
+                texts: tuple[str, ...] = ()) -> Any:
     """
     Return the type of this name with these fields, the same one each time.
 
     ``shown``: how many of them, from the first on, text and tab completion show; None: all.
+    ``texts``: unit and meaning of each field, for ``help``.
     """
     base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
+    for field, text in zip(fields, texts):
+        getattr(base, field).__doc__ = text
 
     def reduce(self: Any) -> tuple[Any, ...]:
         """Return how to unpickle a record: its type is none of this module's names."""
-        return restored, (name, fields, shown, tuple(self))
-
-    def text(self: Any) -> str:
-        return f'{name}({", ".join(f"{one}={v!r}" for one, v in zip(fields[:shown], self))})'
+        return restored, (name, fields, shown, texts, tuple(self))
 
     return type(name, (base,), {
-        '__slots__': (), '__reduce__': reduce, '__module__': __name__, '__repr__': text,
+        '__slots__': (), '__reduce__': reduce, '__module__': __name__, '_shown': fields[:shown],
+        '__repr__': lambda self: short_repr(name, dict(zip(fields[:shown], self))),
+        '_repr_html_': record_as_html,
         '__dir__': lambda _: ['_asdict', '_fields', '_replace', *fields[:shown]]})
 
 
-def restored(name: str, fields: tuple[str, ...], shown: int | None,
+def documented(record: Any, meanings: Mapping[str, Quantity], shown: int | None = None) -> Any:
+    """Return a type of motions or loads whose fields say unit and meaning in ``help``."""
+    known = [meanings.get(name, Quantity(name, '', '', False)) for name in record._fields]
+    return record_type(record.__name__, record._fields, shown,
+                       tuple([f'[{each.unit or "1"}] {each.text}' for each in known]))
+
+
+def restored(name: str, fields: tuple[str, ...], shown: int | None, texts: tuple[str, ...],
              values: tuple[Any, ...]) -> Any:
-    return record_type(name, fields, shown)._make(values)
+    return record_type(name, fields, shown, texts)._make(values)
 
 
 class NoLoads:

@@ -11,7 +11,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import CRANK, NamedFields, Quantity
+from fourbar_ros.mechanisms.parts import Coordinate, CRANK, NamedFields, Quantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -185,15 +185,17 @@ def by_name(mechanism: Mechanism, more: Sequence[Asked] = ()) -> dict[str, Named
             **of_drive(mechanism, driven), **{quantity.name: quantity for quantity in more}}
 
 
-def fields_of(mechanism: Mechanism) -> dict[str, Quantity]:
+def fields_of(mechanism: Any, driven: Coordinate | None = None) -> dict[str, Quantity]:
     """
     Return {field of motion or loads: what it is}, in their order; numbers in between are left out.
+
+    ``mechanism``: one, or what states its names, a kind, with the ``driven`` coordinate.
 
     Later entries are more exact: of a load its unit alone, then of a reaction its joint, then what
     a quantity says of itself.
     """
     known: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
-    driven = mechanism.input_coordinate
+    driven = driven or mechanism.input_coordinate
     for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
                        driven):
         for name, unit, text in zip(coordinate, coordinate.units,

@@ -74,7 +74,7 @@ class SliderDeadPoint(NamedTuple):
     stretched: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SliderCrank(Kind):
     """
     Slider-crank O1-A-B whose pin B slides along y = offset.
@@ -179,7 +179,7 @@ class InvertedDeadPoint(NamedTuple):
     theta4: float     # [rad]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class InvertedSlider(Kind):
     """
     Inverted slider-crank: a block pinned to the crank at A slides on a bar that turns about O4.
@@ -332,7 +332,7 @@ class YokeDeadPoint(NamedTuple):
     slide: float      # [m]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ScotchYoke(Kind):
     """
     Scotch yoke: the crank pin A, on a block, moves a slotted yoke along y = offset.

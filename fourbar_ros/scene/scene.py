@@ -14,12 +14,13 @@ from functools import cached_property
 import json
 from math import inf, isfinite, isnan, tau
 from pathlib import Path
-from typing import NoReturn, TYPE_CHECKING
+from typing import Any, NoReturn, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.notebook import as_html, from_lab, short_repr
 from fourbar_ros.scene import groups, parameters, topics
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
@@ -32,13 +33,15 @@ if TYPE_CHECKING:      # imported where a scene needs them
     from fourbar_ros.mechanisms.quantities import Function
     from fourbar_ros.scene.dynamics import Dynamics
     from fourbar_ros.transmission import Transmission
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 
 def no_pause() -> None:
     """Do nothing between two pieces of work."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Scene:
     """
     A mechanism with its drive, outputs and recording, checked: all that a node or a bag needs.
@@ -63,6 +66,45 @@ class Scene:
     recording: groups.RecordingSettings
     dynamics: Dynamics | None
     values: ParameterValues
+
+    _repr_html_ = as_html
+
+    def __repr__(self) -> str:
+        """Return its mechanism and the parameters of its drive, in at most ten lines."""
+        return short_repr('Scene', {
+            'kind': self.kind, 'speed': self.drive.speed, 'outputs': len(self.outputs),
+            'points': list(self.points), 'linkage': self.linkage})
+
+    def draw(self, at: float | str | None = None, **options: Any) -> Figure:
+        """
+        Return a pose as a figure, as ``fourbar draw`` writes it; requires matplotlib.
+
+        ``at``: the input [deg], of a slide [m], or with a unit: '1.2rad'; and the options of the
+        verb: ``over`` 'paths', 'forces' or 'axis', ``speed``, ``acceleration``, ``mode``,
+        ``title``, ``width`` ('88mm').
+        """
+        figure: Figure = from_lab('draw', 'a drawing', self, at, **options)
+        return figure
+
+    def plot(self, *quantities: str, **options: Any) -> Figure:
+        """
+        Return quantities over the input as a figure, as ``fourbar plot``; requires matplotlib.
+
+        Of none: rates, accelerations, loads. Options: ``speed``, ``acceleration``, ``mode``,
+        ``samples``, ``units`` ('mm,kN'), ``title``, ``width``.
+        """
+        figure: Figure = from_lab('plot', 'a plot', self, *quantities, **options)
+        return figure
+
+    def table(self, *quantities: str, **options: Any) -> DataFrame:
+        """
+        Return quantities over the input as a frame, as ``fourbar table``; requires pandas.
+
+        Of none: all. Options: ``speed``, ``acceleration``, ``mode``, ``samples``, ``units``, or
+        ``speeds`` (low, high): what the drive must give.
+        """
+        frame: DataFrame = from_lab('table', 'a frame', self, *quantities, **options)
+        return frame
 
     @cached_property
     def as_json(self) -> str:

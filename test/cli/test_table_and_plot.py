@@ -266,7 +266,7 @@ def test_a_plot_has_ticks_each_90_degrees_symbols_and_extrema():
     assert ticks == [0.0, 90.0, 180.0, 270.0, 360.0]
     assert [axis.get_ylabel() for axis in figure.axes] == [
         'force [N]', 'angular velocity [rad/s]', 'angle [deg]']
-    assert [axis.get_legend().get_texts()[0].get_text() for axis in figure.axes] == [
+    assert [axis.texts[0].get_text() for axis in figure.axes] == [
         '$F_{41}$', r'$\omega_4$', r'$\theta_4$']
     assert all(len(points.get_xdata()) >= 2 for _, points in (axis.lines for axis in figure.axes))
 

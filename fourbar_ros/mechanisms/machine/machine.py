@@ -40,7 +40,7 @@ DRIVERS = (CRANK, SLIDE, CYLINDER)
 NO_BODY = Body(0.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Machine(Mechanism):
     """
     One driven link and dyads, each between two points that move already.

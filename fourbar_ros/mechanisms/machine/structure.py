@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms import parts
@@ -217,7 +218,7 @@ LINKS_OF_DYADS = {
 def names_of(layout: Layout) -> dict[str, Any]:
     """Return the facts of :class:`.Mechanism` that follow from a layout, by name."""
     turning = layout.turning()
-    links = tuple(_links(layout))
+    links, fields = tuple(_links(layout)), motion_fields(layout)
     coordinates = {'crank': coordinate(BASE if layout.ground else CRANK_LINK),
                    'slide': travel(SLIDER_LINK)}
     if layout.driver == CYLINDER:
@@ -225,15 +226,20 @@ def names_of(layout: Layout) -> dict[str, Any]:
     shown = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
     shown.update((travel(link), f'{link} slides') for link in layout.slides())
     driven = coordinates[layout.driver]
-    return {
+    names = {
         'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
         'PARTS': shown, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
         'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
-        'MOTION': parts.record_type('MachineMotion', motion_fields(layout)),
+        'MOTION': parts.record_type('MachineMotion', fields),
         'LOADS': parts.record_type('MachineLoads', load_fields(layout)),
         'BODIES': parts.record_type('MachineBodies', layout.moving),
         'EXTERNAL': parts.record_type('MachineExternal', layout.moving),
         'QUANTITIES': tuple(_quantities(layout, driven))}
+    from fourbar_ros.mechanisms.quantities import fields_of  # it imports mechanisms
+    meanings = fields_of(SimpleNamespace(**names), driven)
+    names['MOTION'] = parts.documented(names['MOTION'], meanings, fields.index('rate'))
+    names['LOADS'] = parts.documented(names['LOADS'], meanings)
+    return names
 
 
 def _links(layout: Layout) -> list[parts.Link]:

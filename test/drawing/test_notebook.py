@@ -1,0 +1,213 @@
+# Copyright 2026 fourbar_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""At a prompt, in a notebook and on paper: texts, tables and figures of what a person asks for."""
+import csv
+import io
+import pydoc
+import re
+import subprocess
+import sys
+
+from fourbar_lab.drawing.figure import COLOURS, CURVES, save
+from fourbar_ros import find_extrema, FourBar, InvalidParameter, load_scene, Loads
+from fourbar_ros.bag.overview import info
+from fourbar_ros.cli.main import main
+from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.mechanisms.load_table import LOADS
+from fourbar_ros.notebook import LONGEST
+from fourbar_ros.scene.files import shipped
+import numpy as np
+import pytest
+from support import bags, ROOT
+from support.scenes import PAPER, RODS
+
+PAPER_SCENE = load_scene('paper')
+
+
+@pytest.fixture
+def run():
+    pytest.importorskip('scipy')
+    from fourbar_ros.dynamics import simulate
+    scene = load_scene('motor')
+    return simulate(scene.dynamics.system(scene.linkage), 0.1, 1e-6)
+
+
+def test_texts_are_short_and_tables_whole(run, tmp_path):
+    bags.run(tmp_path, 'run', {**PAPER, **RODS}, [(0.01 * k, 25.0, 0.0) for k in range(1, 9)])
+    shown = [run, info(tmp_path / 'run'), find_extrema(PAPER_SCENE.linkage, (), 25.0)]
+    for name in shipped():
+        scene = load_scene(name)
+        low, high = scene.linkage.input_ranges[0]
+        inputs = np.linspace(low, high, 7)[1:-1]
+        shown += [scene, scene.linkage, scene.linkage.motion(inputs),
+                  scene.linkage.motion(float(inputs[1]))]
+        if scene.linkage.has_loads:
+            shown += [scene.linkage.loads(inputs, 1.0)]
+    for each in shown:
+        text = repr(each)
+        lines = text.splitlines()
+        assert text and (len(text) <= LONGEST if len(lines) == 1 else len(lines) <= 10), text
+    for each in shown[:20]:
+        assert '<table>' in each._repr_html_()
+    every = shown[2]
+    assert every._repr_html_().count('<tr>') == len(every) + 1 and list(every) == every
+
+
+def test_a_repr_makes_the_same_linkage_again():
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, mode=1)
+    assert eval(repr(linkage)) == linkage
+
+
+def test_help_says_unit_and_meaning_of_each_load():
+    text = pydoc.plain(pydoc.render_doc(Loads))
+    for name in Loads._fields:
+        entry = re.search(rf'^ \|  {name}\n \|      \[([^]]+)\] (.+)$', text, re.M)
+        assert entry and entry[1] == LOADS[name].unit and len(entry[2]) > 8, name
+    machine = load_scene('watt').linkage
+    for kind in (*KINDS.values(), machine):
+        for name in kind.LOADS._fields:
+            unit = 'N m' if name.endswith(('torque', 'moment', 'couple')) else (
+                'W' if name == 'driving_power' else 'N')
+            assert getattr(kind.LOADS, name).__doc__.startswith(f'[{unit}] '), (kind, name)
+    table = machine.loads(0.3, 25.0)._repr_html_()
+    assert 'x of the force of crank on coupler, at one_first' in table
+    assert f'{machine.loads(0.3, 25.0).one_first_x:.10g}' in table
+
+
+VERBS = [(['draw', 'paper', '--at', '60'], lambda: PAPER_SCENE.draw(60)),
+         (['draw', 'paper', '--at', '1.2rad', '--speed', '300rpm', '--title', 'T'],
+          lambda: PAPER_SCENE.draw('1.2rad', speed='300rpm', title='T')),
+         (['draw', 'paper', '--over', 'paths'], lambda: PAPER_SCENE.draw(over='paths')),
+         (['draw', 'paper', '--over', 'axis'], lambda: PAPER_SCENE.draw(over='axis')),
+         (['draw', 'paper', '--over', 'forces', '--mode', '1', '--width', '88mm'],
+          lambda: PAPER_SCENE.draw(over='forces', mode=1, width='88mm')),
+         (['plot', 'paper', 'f41', 'omega4', '--units', 'kN,rpm', '--title', ''],
+          lambda: PAPER_SCENE.plot('f41', 'omega4', units='kN,rpm', title=''))]
+
+
+@pytest.mark.parametrize('words, figure_of', VERBS, ids=lambda each: ' '.join(each)
+                         if isinstance(each, list) else '')
+def test_a_method_draws_what_its_verb_draws(words, figure_of, tmp_path):
+    pytest.importorskip('matplotlib')
+    files = tmp_path / 'verb.svg', tmp_path / 'method.svg'
+    assert main([*words, '-o', str(files[0])]) == 0
+    figure = figure_of()
+    save(figure, files[1])
+    assert files[0].read_text() == files[1].read_text()
+    assert figure._repr_svg_().startswith('<svg')
+
+
+def test_a_frame_is_the_table_of_its_verb(capsys):
+    pytest.importorskip('pandas')
+    for words, frame in (
+            (['f41', 'theta4', '--samples', '9'], PAPER_SCENE.table('f41', 'theta4', samples=9)),
+            (['--speeds', '1', '60rpm'], PAPER_SCENE.table(speeds=(1.0, '60rpm')))):
+        assert main(['table', 'paper', *words, '-o', '-']) == 0
+        head, *rows = csv.reader(io.StringIO(capsys.readouterr().out))
+        assert list(frame.columns) == head
+        assert frame.to_numpy().tolist() == [[float(cell) for cell in row] for row in rows]
+
+
+@pytest.mark.parametrize('call, said', [
+    (lambda: PAPER_SCENE.draw(), 'at'), (lambda: PAPER_SCENE.draw('5kg'), 'at'),
+    (lambda: PAPER_SCENE.draw(over='all'), "over = 'all'"),
+    (lambda: PAPER_SCENE.plot('f41', units='parsec'), 'units'),
+    (lambda: PAPER_SCENE.plot('f41', speed='1m'), 'speed')])
+def test_a_wrong_option_is_named(call, said):
+    with pytest.raises(InvalidParameter, match=said):
+        call()
+
+
+def test_without_the_package_a_line_says_what_to_install():
+    code = ('import sys\nsys.modules["matplotlib"] = sys.modules["pandas"] = None\n'
+            'from fourbar_ros import load_scene\nscene = load_scene("paper")\n'
+            'print(scene._repr_html_())\n'
+            'for call in (lambda: scene.draw(60), lambda: scene.table("f41")):\n'
+            '    try:\n        call()\n    except Exception as error:\n        print(error)\n')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
+                          timeout=300, check=False)
+    assert done.stdout.splitlines() == [
+        'None', 'a drawing requires matplotlib: pip install matplotlib',
+        'a frame requires pandas: pip install pandas'], done
+
+
+def size_of(file):
+    """Return width and height of the page of a PDF [mm], and its text."""
+    text = file.read_bytes().decode('latin-1')
+    left, low, right, high = map(float, re.search(r'/MediaBox \[([^]]+)\]', text)[1].split())
+    return 25.4 / 72.0 * (right - left), 25.4 / 72.0 * (high - low), text
+
+
+@pytest.mark.parametrize('words', [['draw', 'stephenson', '--at', '60'],
+                                   ['draw', 'klann', '--over', 'paths'],
+                                   ['plot', 'paper', 'f41_x', 'f21_x', 'f32_x', 'f43_x', 'f41',
+                                    'f21', 'f32', 'f43', 'omega4']])
+def test_a_pdf_fits_its_column_and_embeds_fonts_of_type_42(words, tmp_path):
+    pytest.importorskip('matplotlib')
+    file = tmp_path / 'column.pdf'
+    assert main([*words, '--width', '88mm', '-o', str(file)]) == 0
+    width, height, text = size_of(file)
+    assert width == pytest.approx(88.0, abs=1e-3) and 25.0 < height < 400.0
+    assert '/Type3' not in text and '/FontFile2' in text and '/CIDFontType2' in text
+
+
+def test_a_picture_too_narrow_for_its_texts_is_refused(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    file = tmp_path / 'narrow.pdf'
+    assert main(['draw', 'watt', '--at', '60', '--width', '30mm', '-o', str(file)]) == 1
+    assert 'mm, and its width is 30 mm' in capsys.readouterr().err and not file.exists()
+
+
+def test_eight_curves_differ_without_colour():
+    """Dashes, or a lightness that differs by a quarter of the way from black to white."""
+    shares = np.array([[int(colour[i:i + 2], 16) for i in (1, 3, 5)] for colour in COLOURS])
+    lightness = shares @ [0.299, 0.587, 0.114] / 255.0
+    for i in range(8):
+        for k in range(i):
+            assert (CURVES['linestyle'][i] != CURVES['linestyle'][k]
+                    or abs(lightness[i] - lightness[k]) > 0.25), (i, k)
+    assert lightness.max() < 0.65           # on white paper
+
+
+def test_curves_are_labelled_at_their_ends_in_their_order():
+    pytest.importorskip('matplotlib')
+    figure = PAPER_SCENE.plot('f41', 'f21', 'f32', 'f43')
+    axis, = figure.axes
+    labels = sorted(axis.texts, key=lambda text: text.xyann[1])
+    assert [label.xy[1] for label in labels] == sorted(label.xy[1] for label in labels)
+    heights = [label.xyann[1] for label in labels]
+    assert len(heights) == 4 and min(np.diff(heights)) > 0.05 and heights[-1] < 1.05
+    for label in labels:
+        line, = [line for line in axis.lines if line.get_label() == label.get_text()]
+        assert label.xy == tuple(line.get_xydata()[-1])
+
+
+def test_a_force_is_labelled_at_its_own_arrow():
+    """No tip of another arrow is nearer; of Stephenson F_C stood at the tip of F_D."""
+    pytest.importorskip('matplotlib')
+    for name, at in (('stephenson', 60.0), ('stephenson', 200.0), ('watt', 100.0), ('paper', 60)):
+        axes = load_scene(name).draw(at).axes[0]
+        tips = [np.array(text.xy) for text in axes.texts if getattr(text, 'arrow_patch', None)]
+        labels = [text for text in axes.texts if re.fullmatch(r'\$F_[^$]+\$', text.get_text())]
+        nearest = [int(np.argmin([np.hypot(*(tip - text.get_position())) for tip in tips]))
+                   for text in labels]
+        assert len(set(nearest)) == len(labels) > 1, name
+
+
+def test_the_notebook_of_the_tutorial_runs(tmp_path):
+    """In a kernel of Jupyter; each picture and table is there."""
+    pytest.importorskip('matplotlib')
+    pytest.importorskip('pandas')
+    nbclient, nbformat = pytest.importorskip('nbclient'), pytest.importorskip('nbformat')
+    pytest.importorskip('ipykernel')
+    notebook = nbformat.read(ROOT / 'docs/tutorial.ipynb', as_version=4)
+    nbclient.NotebookClient(notebook, timeout=600, startup_timeout=600,
+                            resources={'metadata': {'path': str(tmp_path)}}).execute()
+    outputs = [output.data for cell in notebook.cells if cell.cell_type == 'code'
+               for output in cell.outputs if 'data' in output]
+    kinds = [next((kind for kind in ('image/svg+xml', 'text/html') if kind in data), '')
+             for data in outputs]
+    assert kinds == ['text/html', 'image/svg+xml', 'text/html', 'image/svg+xml', 'text/html',
+                     'text/html']
+    assert '<svg' in outputs[0]['text/html'] and 'crank-rocker' in outputs[0]['text/html']
+    assert size_of(tmp_path / 'column.pdf')[0] == pytest.approx(88.0, abs=1e-3)
