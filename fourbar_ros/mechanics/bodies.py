@@ -121,11 +121,8 @@ def field_of(gravity: Gravity) -> tuple[Scalar, Scalar]:
 
 
 def unchecked(kind: type[_Kind], *values: Scalar, **by_name: Scalar) -> _Kind:
-    """
-    Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks.
-
-    All are given, in the order of the fields or by name.
-    """
+    """Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks."""
+    # All are given, in the order of the fields or by name.
     made = object.__new__(kind)
     for name, value in (*zip([field.name for field in fields(kind)], values), *by_name.items()):
         object.__setattr__(made, name, value)

@@ -84,14 +84,11 @@ class Needs(NamedTuple):
 
 
 def needs_of(body: Body, unit: Scalar, gravity: Gravity, applied: Applied, link: Any) -> Needs:
-    """
-    Return what the joints must give a link, (N1) and (N2), about its first joint.
-
-    ``unit``: a power of two [m] in which lengths are about one, so that no square of a length
-    overflows; moments are in N unit. ``applied`` includes no weight; ``gravity``: a field (x, y)
-    [m/s^2], or the motion of the base. ``link``: its :class:`.LinkMotion`, lengths in ``unit``, as
-    seen from a base that moves.
-    """
+    """Return what the joints must give a link, (N1) and (N2), about its first joint."""
+    # unit: a power of two [m] in which lengths are about one, so that no square of a length
+    # overflows; moments are in N unit. applied includes no weight; gravity: a field (x, y)
+    # [m/s^2], or the motion of the base. link: its LinkMotion, lengths in unit, as seen from a
+    # base that moves.
     # what hangs on data alone comes first: for a step of floats it is computed once
     mass, along, across = body.mass * unit, body.cg_along / unit, body.cg_across / unit
     inertia = body.inertia / unit + mass * (along * along + across * across)

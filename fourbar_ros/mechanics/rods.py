@@ -33,7 +33,6 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
 
 
 def _uniform(numbers_of: Callable[..., tuple[float, ...]], **values: float) -> Body:
-    """Return the body of positive dimensions; refuse those of which mass or inertia overflows."""
     sizes = [finite(name, value, 'must be a positive number', above=0.0)
              for name, value in values.items()]
     try:

@@ -27,13 +27,10 @@ if TYPE_CHECKING:
 
 def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[int, ...] | None,
              with_loads: bool) -> list[Array]:
-    """
-    Return fields of motion, or of motion and loads, as arrays of the inputs' common shape.
-
-    Samples where the links cannot close, outside the stroke, or at angles so far that floats are 4
-    rad apart, are NaN but for the position. ``inputs``: position, rate, acceleration; complex for
-    a derivative by a complex step. ``wanted``: indices of the fields; None: all.
-    """
+    """Return fields of motion, or of motion and loads, as arrays of the inputs' common shape."""
+    # Samples where the links cannot close, outside the stroke, or at angles so far that floats are
+    # 4 rad apart, are NaN but for the position. inputs: position, rate, acceleration; complex for
+    # a derivative by a complex step. wanted: indices of the fields; None: all.
     arrays, shape = _inputs(mechanism.input_coordinate, inputs)
     position = arrays[0]
     is_known = _is_known(mechanism, position)
@@ -91,11 +88,7 @@ def _inputs(names: Sequence[str], values: Sequence[ArrayLike]
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
 def order_of(trace: Trace, wanted: tuple[int, ...]
              ) -> tuple[list[int], list[int], list[int], dict[int, list[int]]]:
-    """
-    Return the indices of some results, and of the operations they need: of data alone, of inputs.
-
-    And what is not needed any more: {index of an operation: indices that it needs as the last}.
-    """
+    """Return (indices of results, operations on data alone, on inputs, last uses by index)."""
     results = flat(trace.results)
     indices = [results[i] for i in wanted]
     steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
@@ -111,13 +104,10 @@ def order_of(trace: Trace, wanted: tuple[int, ...]
 
 def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
                    wanted: Sequence[int] | None = None) -> Function:
-    """
-    Return (position, rate, acceleration) -> fields of motion, and of loads, as a list.
-
-    Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy.
-    ``data``: columns for the :attr:`constants` of many mechanisms like this.
-    ``wanted``: indices of the fields, by default all; the rest is not computed, it is NaN.
-    """
+    """Return (position, rate, acceleration) -> fields of motion, and of loads, as a list."""
+    # Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy. data:
+    # columns for the constants of many mechanisms like this. wanted: indices of the fields, by
+    # default all; the rest is not computed, it is NaN.
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else tuple(wanted)

@@ -18,11 +18,7 @@ STROKE = 'must be [lowest, highest] of the driven joint, two finite numbers'
 
 
 def checked(mechanism: MechanismGeometry) -> dict[str, Any]:
-    """
-    Return {name of a field: its value, as the numbers and records that a mechanism computes with}.
-
-    Raises InvalidParameter for impossible values, such as lengths that are not positive.
-    """
+    """Return {field: checked value}, the numbers and records a mechanism computes with."""
     values: dict[str, Any] = _lengths(mechanism)
     if mechanism.input not in mechanism.INPUTS:
         raise InvalidParameter('input', mechanism.input,
@@ -42,7 +38,6 @@ def checked(mechanism: MechanismGeometry) -> dict[str, Any]:
 
 
 def friction_of(mechanism: MechanismGeometry) -> Any:
-    """Return the friction of a mechanism as checked pairs (joint, friction)."""
     if isinstance(mechanism.friction, tuple) and not mechanism.friction:
         return ()
     from fourbar_ros.mechanisms.friction import checked_friction  # few mechanisms have any
@@ -68,7 +63,6 @@ def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
 
 
 def check_stroke(mechanism: MechanismGeometry) -> None:
-    """Refuse a wrong stroke, and one in which the links cannot close anywhere."""
     stroke = mechanism.stroke
     if stroke is None:
         return
@@ -83,7 +77,6 @@ def check_stroke(mechanism: MechanismGeometry) -> None:
 
 
 def checked_gravity(gravity: Any) -> Gravity:
-    """Return a field of gravity as two floats, or a base of floats."""
     if isinstance(gravity, UnknownBase):
         return gravity
     if isinstance(gravity, Base):
@@ -93,7 +86,6 @@ def checked_gravity(gravity: Any) -> Gravity:
 
 def two_numbers(name: str, pair: Any,
                 allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
-    """Return two numbers as a tuple of floats."""
     try:
         x, y = pair
     except (TypeError, ValueError):

@@ -19,13 +19,9 @@ def discriminant_of_loop(a1: float, a2: float, a3: float, a4: float) -> tuple[fl
 
 
 def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
-    """
-    Return the complex angles x between a1 and a4 at which a2 and a3 are in line, or A meets O4.
-
-    Real ones are the ends of the ranges, to the last bit. The first
-    from cos^2(x/2) = -s1 / (4 a1 a4), the next from sin^2(x/2) = -s2 / (4 a1 a4), the last from
-    q = 0.
-    """
+    """Return the complex angles from a4 to a1 at which a2 and a3 are in line, or A meets O4."""
+    # Real ones are the ends of the ranges, to the last bit: cos^2(x/2) = -s1 / (4 a1 a4),
+    # sin^2(x/2) = -s2 / (4 a1 a4); the last is q = 0.
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
     root = 2.0 * sqrt(a1 * a4)
     s1, c1, s2, c2 = discriminant_of_loop(a1, a2, a3, a4)
@@ -38,12 +34,9 @@ def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]
 
 
 def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
-    """
-    Return the ranges (low, high) of the angle between a1 and a4 [rad].
-
-    One range (-pi, pi) when a1 turns fully, one through 0 or one through pi (high > pi), or two.
-    At an end that is no full turn, a2 and a3 are in line (toggle).
-    """
+    """Return the ranges (low, high) of the angle between a1 and a4 [rad]."""
+    # One range (-pi, pi) when a1 turns fully, one through 0 or one through pi (high > pi), or two.
+    # At an end that is no full turn, a2 and a3 are in line (toggle).
     s1, c1, s2, c2 = discriminant_of_loop(*scaled((a1, a2, a3, a4)))
     far = 2.0 * atan2(sqrt(c1), sqrt(-s1)) if s1 < 0.0 else pi
     near = 2.0 * atan2(sqrt(-s2), sqrt(c2)) if s2 < 0.0 else 0.0
@@ -70,11 +63,8 @@ def reach(p: float, r: float, e: float) -> tuple[float, float]:
 
 
 def slide_ranges(p: float, r: float, e: float) -> Ranges:
-    """
-    Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high.
-
-    At their ends the rods p and r are in line: toggles.
-    """
+    """Return the ranges of s [m] in which p e^{ix} + r e^{ib} = s + i e, from low to high."""
+    # At their ends the rods p and r are in line: toggles.
     near, far, *_ = [z.real for z in singular_slides(p, r, e)]
     return ((-far, -near), (near, far)) if near else ((-far, far),)
 
@@ -89,11 +79,8 @@ def singular_slides(p: float, r: float, e: float) -> list[complex]:
 
 
 def rod_ranges(a1: float, a2: float, e: float) -> Ranges:
-    """
-    Return the ranges [rad] of a crank a1 whose rod a2 reaches a line in the distance e.
-
-    (-pi, pi) of one that turns fully. At other ends the rod is square to the line: toggles.
-    """
+    """Return the ranges [rad] of a crank a1 whose rod a2 reaches a line in the distance e."""
+    # (-pi, pi) of one that turns fully. At other ends the rod is square to the line: toggles.
     a1, a2, e = scaled((a1, a2, e))
     below, above = exact_sum((a2, -e, -a1)), exact_sum((a2, e, -a1))    # a2 -+ n at x = -+ pi/2
     low = atan2(e - a2, sqrt(-below * exact_sum((a2, -e, a1)))) if below < 0.0 else None
@@ -104,11 +91,8 @@ def rod_ranges(a1: float, a2: float, e: float) -> Ranges:
 
 
 def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
-    """
-    Return the complex angles of such a crank at which the rod is square to the line.
-
-    sin x = (e +- a2)/a1, also beyond +-1, where x is +-pi/2 + i arcosh.
-    """
+    """Return the complex angles of such a crank at which the rod is square to the line."""
+    # sin x = (e +- a2)/a1, also beyond +-1, where x is +-pi/2 + i arcosh.
     angles = []
     for r in (a2, -a2):
         side = 1.0 if e + r > 0.0 else -1.0
@@ -123,21 +107,15 @@ def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
 
 
 def bar_ranges(a1: float, a4: float, h: float) -> Ranges:
-    """
-    Return the ranges [rad] of a crank a1 whose pin reaches a bar, h from its pivot a4 away.
-
-    (-pi, pi) of one that turns fully, else one through pi, at whose ends the pin is at the foot.
-    """
+    """Return the ranges [rad] of a crank a1 whose pin reaches a bar, h from its pivot a4 away."""
+    # (-pi, pi) of one that turns fully, else one through pi, at whose ends the pin is at the foot.
     low = singular_angles_of_bar(a1, a4, h)[0].real
     return ((low, 2.0 * pi - low),) if low else ((-pi, pi),)
 
 
 def singular_angles_of_bar(a1: float, a4: float, h: float) -> list[complex]:
-    """
-    Return the complex angles of such a crank at which its pin is at the foot or at the pivot.
-
-    l = 0 and q = 0 of (B1) in :mod:`fourbar_ros.mechanisms.slides`, linear in tan^2(x/2).
-    """
+    """Return the complex angles of such a crank with its pin at the foot or at the pivot."""
+    # l = 0 and q = 0 of (B1) in slides.py, linear in tan^2(x/2).
     a1, a4, h = scaled((a1, a4, h))
     near, far = reach(a1, a4, h)
     pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))

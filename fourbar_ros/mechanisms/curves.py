@@ -136,12 +136,9 @@ def vector(x: Scalar | Array, y: Scalar | Array) -> Array:
 
 
 def point_of(link: LinkMotion, along: Scalar, across: Scalar = 0.0) -> MovingPoint:
-    """
-    Return place, velocity and acceleration of a point of a link, slides Eq. (6).
-
-    ``link``: a LinkMotion; if it has derivatives by the input in place of rates, so has the point.
-    ``along``, ``across`` [m]: from the first joint of the link along it, and to its left.
-    """
+    """Return place, velocity and acceleration of a point of a link, slides Eq. (6)."""
+    # link: a LinkMotion; if it has derivatives by the input in place of rates, so has the point.
+    # along, across [m]: from the first joint of the link along it, and to its left.
     cosine, sine, omega, alpha = link.cosine, link.sine, link.omega, link.alpha
     x, y = along * cosine - across * sine, along * sine + across * cosine
     square = omega * omega

@@ -62,7 +62,6 @@ class Attachment:
         check_quantities(self)
 
     def on(self, link: LinkMotion) -> MovingPoint:
-        """Return the motion of the point from that of its link."""
         return point_of(link, self.along, self.across)
 
 
@@ -151,11 +150,7 @@ class TorsionSpring:
         return self.first, self.second
 
     def deflection(self, n: NumberType, links: LinkMotions) -> Scalar:
-        """
-        Return the angle of the second link from the first, less the free angle, in (-pi, pi].
-
-        It comes from sines and cosines of the directions, so no angle has to be unwrapped.
-        """
+        """Return the angle from the first link to the second, less the free one, in (-pi, pi]."""
         cosine, sine = _turned(links[self.first], links[self.second])
         cos_0, sin_0 = self.free_direction
         angle: Scalar = n.atan2(sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0)
@@ -197,7 +192,6 @@ class TableForce:
         return self.table.slope(self._counted(s))
 
     def _counted(self, s: Any) -> Any:
-        """Return s as it counts in the table."""
         middle = self.middle
         if middle is None:
             return s
@@ -308,7 +302,6 @@ class Way:
         return gap.x * x + gap.y * y
 
     def grows(self, links: LinkMotions) -> Scalar:
-        """Return a number with the sign of its rate."""
         origin = links[self.origin.link]
         gap, (x, y) = _apart(self.origin, self.point, links), _along(self.unit_vector, origin)
         return gap.v_x * x + gap.v_y * y + origin.omega * (gap.y * x - gap.x * y)
@@ -335,7 +328,6 @@ class Distance:
         return length
 
     def grows(self, links: LinkMotions) -> Scalar:
-        """Return a number with the sign of its rate."""
         gap = _apart(self.origin, self.point, links)
         return gap.x * gap.v_x + gap.y * gap.v_y
 
@@ -411,21 +403,16 @@ class PositionForce:
 
     @property
     def is_one_way(self) -> bool:
-        """Return whether it acts only while s grows, or falls."""
         return self.when != BOTH
 
     def position(self, n: NumberType, links: LinkMotions, input_position: Scalar) -> Scalar:
-        """Return the position s in a pose at an input."""
         return input_position if isinstance(self.over, str) else self.over.of(n, links)
 
     def _push(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar,
               direction: Scalar) -> tuple[Scalar, Scalar, Scalar, MovingPoint]:
-        """
-        Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so.
-
-        ``direction``: in which the links move over that in which ``rate`` and they are given, its
-        size the share of a force one way.
-        """
+        """Return F, the unit vector along which it acts, of a couple (0, 0), and what moves so."""
+        # direction: in which the links move over that in which rate and they are given, its size
+        # the share of a force one way.
         size = self.factor * n.call(self.value, self.position(n, links, position))
         if self.is_one_way:
             grows = rate if isinstance(self.over, str) else self.over.grows(links)
@@ -451,11 +438,8 @@ class PositionForce:
 
     def forces(self, n: NumberType, links: LinkMotions, position: Scalar, rate: Scalar,
                share: Scalar) -> list[ForceOnLink]:
-        """
-        Return the force on its link, and on a second one, at an input and its rate.
-
-        ``share``: of it that acts if it acts one way, 1 but at a rate within the slip speed.
-        """
+        """Return the force on its link, and on a second one, at an input and its rate."""
+        # share: of it that acts if it acts one way, 1 but at a rate within the slip speed.
         size, x, y, _ = self._push(n, links, position, rate, share)
         is_couple = self.unit_vector is None and self.apart_from is None
         on_link = [(self.point, size)]
@@ -476,11 +460,8 @@ class PositionForce:
         return max(1, round(self.value.table.span / tau))
 
     def fitted(self, mechanism: MechanismGeometry) -> PositionForce:
-        """
-        Return the force on a mechanism: ``value`` is a TableForce or a UserForce.
-
-        Raises InvalidParameter for a table that does not fit the mechanism.
-        """
+        """Return the force on a mechanism: ``value`` is a TableForce or a UserForce."""
+        # Raises InvalidParameter for a table that does not fit the mechanism.
         table = self.value.table if isinstance(self.value, TableForce) else self.value
         if not isinstance(table, ForceTable):
             return self if isinstance(table, UserForce) else replace(self, value=UserForce(table))
@@ -492,12 +473,9 @@ class PositionForce:
 
 
 def _require_fitting(table: ForceTable, is_angle: bool, counts_turns: bool) -> None:
-    """
-    Refuse a table whose period or range does not fit the position over which it is given.
-
-    A table over a length cannot be periodic. Over an angle its period must be a part of a turn.
-    Over the input of a crank that turns fully, turns are counted, and it may be several turns.
-    """
+    """Refuse a table whose period or range does not fit the position over which it is given."""
+    # A table over a length cannot be periodic. Over an angle its period must be a part of a turn.
+    # Over the input of a crank that turns fully, turns are counted, and it may be several turns.
     turns = table.span / tau
     if table.is_periodic:
         if not is_angle:
@@ -533,7 +511,6 @@ def _require_kind(name: str, value: Any, kind: type) -> None:
 
 
 def _require_two_links(element: Spring | TorsionSpring) -> None:
-    """Refuse a spring with both ends on one link, on which it would do nothing."""
     first, second = element.links
     if first == second:
         raise InvalidParameter('second', second, 'must be on another link than the first')
@@ -546,7 +523,6 @@ def _apart(first: Attachment, second: Attachment, links: LinkMotions) -> MovingP
 
 
 def _turned(first: LinkMotion, second: LinkMotion) -> tuple[Scalar, Scalar]:
-    """Return cosine and sine of the angle of the second link from the first."""
     return (first.cosine * second.cosine + first.sine * second.sine,
             first.cosine * second.sine - first.sine * second.cosine)
 
@@ -558,17 +534,13 @@ def _along(unit: tuple[float, float], axes: LinkMotion) -> tuple[Scalar, Scalar]
 
 
 def _damped(element: Spring | TorsionSpring, n: NumberType, links: LinkMotions) -> Scalar:
-    """Return the pull of a spring with that of its damper."""
     pull, growth, square = element.tension(n, links)
     return pull + element.damping * growth / square if element.has_damping else pull
 
 
 def links_of(elements: Sequence[Element]) -> list[str]:
-    """
-    Return the moving links that elements name.
-
-    Each once, in a fixed order: a formula recorded in another process has the same lines.
-    """
+    """Return the moving links that elements name."""
+    # Each once, in a fixed order: a formula recorded in another process has the same lines.
     return sorted({link for element in elements for link in element.links} - {GROUND})
 
 
@@ -595,18 +567,14 @@ def structure_of(elements: Sequence[Element]) -> Hashable:
 
 
 def turns_of(elements: Sequence[Element]) -> int:
-    """Return after how many turns of a crank forces repeat: two of a four-stroke engine."""
     return lcm(*[element.turns for element in elements if isinstance(element, PositionForce)])
 
 
 def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
                  ) -> Callable[[NamedFields], Any]:
-    """
-    Return the function motion -> what acts on each link: its constant force and all elements.
-
-    The forces of elements on a link act at the point of its constant force; those on the ground
-    are left out. Numbers are of the type ``n``, and not checked to be finite.
-    """
+    """Return motion -> what acts on each link: its constant force and all elements."""
+    # The forces of elements on a link act at the point of its constant force; those on the ground
+    # are left out. Numbers are of the type n, and not checked to be finite.
     loaded, driven = links_of(mechanism.elements), mechanism.input_coordinate
 
     def applied(motion: NamedFields) -> Any:
@@ -625,12 +593,8 @@ def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
 
 
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[ForceOnLink]) -> Applied:
-    """
-    Return the external force that does the same as a constant force and more forces on its link.
-
-    It acts at the point of the constant force, which is fixed to the link: the moments of the
-    others about that point are added.
-    """
+    """Return the external force that does the same as a constant one and more on its link."""
+    # It acts at the point of the constant force: moments of the others about that point are added.
     point = point_of(link, constant.along, constant.across)
     couple, force_x, force_y = 0.0, 0.0, 0.0
     for force in acting:                  # in a loop: sum() rounds otherwise from Python 3.12 on

@@ -52,7 +52,6 @@ class Formula:
     mechanism: Mechanism = field(compare=False, repr=False)      # any of the structure
 
     def make(self, n: NumberType, data: Constants) -> Function:
-        """Return (position, rate, acceleration) -> motion, or (motion, loads)."""
         motion_of = self.mechanism.motion_formula(n, data)
         if not self.with_loads:
             return motion_of
@@ -65,7 +64,6 @@ class Formula:
 
 
 def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constants]:
-    """Return the formula of a mechanism, and the data it is made for."""
     structure, data = mechanism.structure, mechanism.constants
     if not with_loads:
         data = data.of_motion
@@ -79,7 +77,6 @@ def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constan
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def trace_of(formula: Formula) -> Trace:
-    """Return the trace of a formula, which serves all mechanisms of its structure."""
     return Trace(formula.make, 3, formula_of(formula.mechanism, formula.with_loads)[1])
 
 
@@ -98,14 +95,11 @@ class Recorded(NamedTuple):
 
 
 def trace_for(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float]]:
-    """
-    Return the trace of a mechanism's motion, or motion and loads, and its data.
-
-    A switch of a trace chooses between two formulas by lengths alone and is on at change points
-    only. Other mechanisms take the trace without: it is shorter, and refuses no pose for a step
-    that only the other formula needs. Kinds know the sums of lengths that are 0 at change points
-    (``margins``, with ``MARGIN_SIGNS``); of a machine the switches themselves are computed.
-    """
+    """Return the trace of a mechanism's motion, or motion and loads, and its data."""
+    # A switch of a trace chooses between two formulas by lengths alone and is on at change points
+    # only. Other mechanisms take the trace without: it is shorter, and refuses no pose for a step
+    # that only the other formula needs. Kinds know the sums of lengths that are 0 at change points
+    # (margins, with MARGIN_SIGNS); of a machine the switches themselves are computed.
     formula, data = formula_of(mechanism, with_loads)
     trace, values = trace_of(formula), numbers_of(data)
     is_change_point = (0.0 in mechanism.margins if mechanism.MARGIN_SIGNS
@@ -114,7 +108,6 @@ def trace_for(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float
 
 
 def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
-    """Return the trace of a mechanism's motion, or motion and loads, and its own constants."""
     trace, values = trace_for(mechanism, with_loads)
     constants = trace.constants(values)
     return Recorded(trace, constants, frozenset([
@@ -125,13 +118,9 @@ _lines = lru_cache(maxsize=MOST_STRUCTURES)(lines_of)
 
 
 def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
-    """
-    Return (position, rate, acceleration) -> motion, or (motion, loads), of floats, as tuples.
-
-    A Python function written from the trace: the operations of the formulas in their order, so
-    with their bits, but without the calls between them. It is compiled once for a structure.
-    Out of reach it raises ValueError; no other checks.
-    """
+    """Return (position, rate, acceleration) -> motion, or (motion, loads), tuples of floats."""
+    # The operations of the formulas in their order, so with their bits, compiled once for a
+    # structure. Out of reach the line raises ValueError; no other checks.
     trace, values = trace_for(mechanism, with_loads)
     zeros = frozenset[int]() if not mechanism.LEAVES_OUT_ZEROS else (
         recorded(mechanism, with_loads).zeros

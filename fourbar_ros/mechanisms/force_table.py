@@ -67,7 +67,6 @@ class ForceTable:
     is_linear: bool = False
 
     def __post_init__(self) -> None:
-        """Convert both columns to floats, and refuse a table that is no function."""
         for name in ('places', 'values'):
             column = np.ravel(np.asarray(getattr(self, name), dtype=object)).tolist()
             object.__setattr__(self, name, tuple([
@@ -148,7 +147,6 @@ class ForceTable:
         return coefficients, x - start
 
     def _value(self, x: Any, number: Any) -> Any:
-        """Return the value at x, a ``number``: a float or a Decimal."""
         if self.is_periodic:
             first = number(self.places[0])
             x = first + (x - first) % number(self.span)
@@ -164,11 +162,8 @@ class ForceTable:
 
     @cached_property
     def pieces(self) -> list[list[float]]:
-        """
-        Return the coefficients of the pieces, highest power first, each with its start.
-
-        The first piece and the last are the constants beyond the ends.
-        """
+        """Return the coefficients of the pieces, highest power first, each with its start."""
+        # The first piece and the last are the constants beyond the ends.
         pieces: list[list[float]] = self._columns.T.tolist()
         return pieces
 

@@ -299,7 +299,6 @@ class MovingJointFourBar(FourBarLinks):
 
     @property
     def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
-        """Return the symbol of the torque: of crank on coupler, of coupler on output link."""
         return 'T_{12}' if self.input == parts.JOINT_A else 'T_{23}'
 
     def driven_otherwise(self) -> tuple[FourBar, ...]:

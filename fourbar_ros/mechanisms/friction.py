@@ -35,7 +35,6 @@ NOT_NEGATIVE = 'must be a finite number, zero or more'
 
 
 def _check(record: Any) -> None:
-    """Keep all numbers of a record as floats; refuse negative ones."""
     for field in fields(record):
         value = getattr(record, field.name)
         if field.name != 'length' or value != inf:
@@ -79,7 +78,6 @@ class JointFriction:
     length: float = inf
 
     def __post_init__(self) -> None:
-        """Check the numbers and store them as floats."""
         _check(self)
         if not self.length:
             raise InvalidParameter('length', self.length, 'must be positive')
@@ -113,11 +111,9 @@ class DriveFriction:
 
     @property
     def structure(self) -> tuple[bool]:
-        """Return in what its formula differs besides numbers: is there a slip speed."""
         return (self.slip_speed > 0.0,)
 
     def __post_init__(self) -> None:
-        """Check the numbers and store them as floats."""
         _check(self)
 
 
@@ -125,11 +121,8 @@ Friction = tuple[tuple[str, JointFriction | DriveFriction], ...]      # (name of
 
 
 def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
-    """
-    Return {joint, or 'drive': its friction} as pairs; InvalidParameter names what is wrong.
-
-    ``reactions``: of the mechanism, one at each joint.
-    """
+    """Return {joint, or 'drive': its friction} as pairs; InvalidParameter names what is wrong."""
+    # reactions: of the mechanism, one at each joint.
     if not isinstance(friction, (Mapping, Iterable)):
         raise InvalidParameter('friction', friction, 'must be a mapping {joint: JointFriction}')
     given = dict(friction)
@@ -156,12 +149,9 @@ def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
 
 
 def direction_of(n: NumberType, rate: Scalar, slip_speed: Scalar | None) -> Scalar:
-    """
-    Return the direction of the input: the sign of its rate, between -1 and 1 within a slip speed.
-
-    (J4) With x = rate / slip_speed it is x (3 - x^2) / 2, and so is the size of dry friction over
-    that of Coulomb, the same for all joints: of one degree of freedom they stick together.
-    """
+    """Return the sign of the rate of the input, between -1 and 1 within a slip speed, (J4)."""
+    # With x = rate / slip_speed (J4) is x (3 - x^2) / 2, and so is the size of dry friction over
+    # that of Coulomb, the same for all joints: of one degree of freedom they stick together.
     if slip_speed is None:
         return sign_of(n, rate)
     x = rate / slip_speed
@@ -171,7 +161,6 @@ def direction_of(n: NumberType, rate: Scalar, slip_speed: Scalar | None) -> Scal
 
 
 def sign_of(n: NumberType, x: Scalar) -> Scalar:
-    """Return the sign of a number: 1, -1 or 0."""
     sign: Scalar = n.where(x.real > 0.0, 1.0, n.where(x.real < 0.0, -1.0, 0.0))
     return sign
 
@@ -179,7 +168,6 @@ def sign_of(n: NumberType, x: Scalar) -> Scalar:
 # --- what it does to a mechanism -----------------------------------------------------------------
 
 def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
-    """Return the bounds of the drive that holds a mechanism, as :meth:`.Mechanism.holding`."""
     still = mechanism.with_friction([
         (name, replace(friction, viscous=0.0, **({'slip_speed': 0.0} if name == DRIVE else {})))
         for name, friction in mechanism.friction])
@@ -197,7 +185,6 @@ def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
 
 def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
                   within: tuple[float, float] | None) -> Ranges:
-    """Return where it locks, as :meth:`.Mechanism.locked_ranges`: ranges wider than a sample."""
     from fourbar_ros.mechanisms.pieces import samples_of_range  # pieces ask for friction too
     ranges = list[tuple[float, float]]()
     for low, high in mechanism.input_ranges:
@@ -233,12 +220,9 @@ def _is_locked(mechanism: Mechanism, position: ArrayLike, rate: float, accelerat
 
 
 def edges_of(mechanism: Mechanism, data: Constants, rates: tuple[Any, Any]) -> list[Function]:
-    """
-    Return functions of complex inputs, by what they need: :attr:`.Told.edges` of all joints.
-
-    Loads or their slopes jump where one is zero. ``data``: of the mechanism, or columns for many
-    mechanisms like this; ``rates``: rate and acceleration of the input, or columns.
-    """
+    """Return functions of complex inputs, by what they need: :attr:`.Told.edges` of all joints."""
+    # Loads or their slopes jump where one is zero. data: of the mechanism, or columns for many
+    # mechanisms like this; rates: rate and acceleration of the input, or columns.
     trace = _trace_of_edges(formula_of(mechanism, True)[0])
     known = trace.numbers(numbers_of(data))
     orders = [order_of(trace, (k,)) for k in range_of(trace)]

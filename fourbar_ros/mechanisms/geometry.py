@@ -55,11 +55,8 @@ class MechanismGeometry(StatedMechanism):
 
     @property
     def numbers_of_lengths(self) -> tuple[str, ...]:
-        """
-        Return the name of each number of ``constants.lengths``, '' for what is no length.
-
-        Generated code can change those lengths at run time.
-        """
+        """Return the name of each number of ``constants.lengths``, '' for what is no length."""
+        # Generated code can change those lengths at run time.
         return self.length_names
 
     @cached_by_lengths
@@ -79,7 +76,6 @@ class MechanismGeometry(StatedMechanism):
 
     @property
     def description(self) -> str:
-        """Return a short text: kind, type, input."""
         return f'{self.TITLE}, {self.classification}, driven at its {self.input}'
 
     @property
@@ -155,7 +151,6 @@ class MechanismGeometry(StatedMechanism):
         return self.OUTPUTS[self.input]
 
     def link(self, name: str) -> parts.Link:
-        """Return the :class:`Link` of a name; InvalidParameter if there is none."""
         for link in self.LINKS:
             if link.name == name:
                 return link
@@ -276,12 +271,9 @@ class MechanismGeometry(StatedMechanism):
 
     @property
     def reaches(self) -> Function | None:
-        """
-        Return a function input -> whether results may be given there; None if they always may.
-
-        They may not outside the stroke, nor so near to a limit that is a change point that
-        accelerations are noise. Inputs are floats or arrays, real or complex.
-        """
+        """Return input -> whether results may be given there; None if they always may."""
+        # They may not outside the stroke, nor so near to a flat limit that accelerations are
+        # noise. Inputs are floats or arrays, real or complex.
         stroke, flats = self.cut, set(self.flat_limits)
         if not stroke and not flats:
             return None
@@ -352,7 +344,6 @@ class MechanismGeometry(StatedMechanism):
             object.__setattr__(self, name, value)
 
     def _check_fit(self) -> None:
-        """Refuse a stroke, springs and forces that do not fit; keep them as they act here."""
         checks.check_stroke(self)
         if self.elements:
             from fourbar_ros.mechanisms.elements import fitted  # few mechanisms have any
@@ -370,11 +361,9 @@ class MechanismGeometry(StatedMechanism):
         return self if self.stroke is None else self._copy(stroke=None)
 
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
-        """Return the same mechanism with other :attr:`lengths`."""
         return replace(self, **dict(zip(self.length_names, lengths)))
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
-        """Return its :attr:`constants` with other lengths, of any numbers."""
         return self.constants._replace(lengths=tuple(lengths))
 
     def with_external(self: _Self, external: External) -> _Self:

@@ -89,11 +89,7 @@ def mean_rigid(mechanism: Mechanism) -> Rigid:
 
 
 def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFields:
-    """
-    Return loads whose shaking force and moment lack what a body of the simulator gives already.
-
-    It is fixed to the base, of the inertia ``carried``. Floats.
-    """
+    """Return loads without what a body of the simulator, of the inertia ``carried``, gives."""
     gravity = mechanism.gravity
     base = gravity if isinstance(gravity, Base) else Base(*(-g for g in field_of(gravity)))
     body = Body(carried.mass, cg_along=carried.x, cg_across=carried.y, inertia=carried.inertia)

@@ -86,11 +86,8 @@ class DrivenMachine(NamedTuple):
 
 def one_dyad(driver: str, frame: str, driven: str, dyad: str, links: tuple[str, str],
              first: int = 1) -> Layout:
-    """
-    Return the structure of a machine of one dyad.
-
-    ``first``: on which link the first of the dyad hangs: 1 the driven one, 0 the frame.
-    """
+    """Return the structure of a machine of one dyad."""
+    # first: on which link the first of the dyad hangs: 1 the driven one, 0 the frame.
     is_slide = driver == parts.SLIDE
     is_pair = dyad == 'RRR' or dyad in ('RRP', 'RPR') and not is_slide
     return Layout(driver, (frame, driven, *links), (Stage(
@@ -116,7 +113,6 @@ class Kind(Mechanism):
     BODIES, EXTERNAL, INPUTS = Bodies, External, {parts.CRANK: THETA1, parts.SLIDE: TRAVEL}
 
     def __post_init__(self) -> None:
-        """Check the parameters, keep them as numbers and records."""
         for name, value in checked(self).items():
             object.__setattr__(self, name, value)
         self._require_closing()
@@ -139,7 +135,6 @@ class Kind(Mechanism):
 
     @cached_by_lengths
     def classification(self) -> str:
-        """Return the type by name: which links turn fully; 'change point' if a margin is zero."""
         if 0.0 in self.margins:
             return 'change point'
         return self.CLASSES[tuple([1 if margin > 0.0 else -1 for margin in self.margins])]
@@ -227,11 +222,8 @@ class Kind(Mechanism):
 
     def _links(self, lengths: Lengths, motion: Any, per_unit: Scalar = 1.0,
                are_ratios: bool = False) -> dict[str, LinkMotion]:
-        """
-        Return the motion of the three links; ``lengths`` are ``per_unit`` times those in [m].
-
-        ``are_ratios``: per unit of the input, without accelerations.
-        """
+        """Return the motion of three links; ``lengths`` are ``per_unit`` times those in [m]."""
+        # are_ratios: per unit of the input, without accelerations.
         rates: dict[Coordinate, tuple[Scalar, Scalar]]
         if are_ratios:
             rates = {self.input_coordinate: (1.0, 0.0), **{
@@ -284,7 +276,6 @@ class Kind(Mechanism):
 
     def joint_loads(self, n: NumberType, constants: Constants, m: Any,
                     told: list[Any] | None = None) -> list[Scalar]:
-        """Return the loads of the machine by the names of the kind."""
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         by_name = dict(zip(self.length_names, lengths))

@@ -120,7 +120,6 @@ class HalfAngle(NamedTuple):
 
     @classmethod
     def of(cls, cosine: Scalar, sine: Scalar) -> HalfAngle:
-        """Return the half angle of this cosine and sine."""
         return cls(sine, cosine, sine * sine, cosine * cosine, sine * cosine)
 
 
@@ -148,12 +147,9 @@ class LoopMotion(NamedTuple):
 
 def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
                 of_cosine: Scalar) -> tuple[Scalar, Scalar]:
-    """
-    Return sine and cosine of half an angle, the same after a turn if a crank swings through flat.
-
-    ``of_sine``: below zero if it swings through the zero of the sine, so that the cosine is
-    positive; ``of_cosine``: if through that of the cosine.
-    """
+    """Return sine and cosine of x/2, the same after a turn of a crank that swings through flat."""
+    # of_sine: below zero if it swings through the zero of the sine, so that the cosine is
+    # positive; of_cosine: if through that of the cosine.
     where, (s, c) = n.where, half
     turn = where(of_sine.real < 0.0, where(c.real < 0.0, -1.0, 1.0),
                  where(of_cosine.real < 0.0, where(s.real < 0.0, -1.0, 1.0), 1.0))
@@ -162,12 +158,9 @@ def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
 
 def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle,
          can_lie_flat: bool = True) -> LoopMotion:
-    """
-    Return the motion of a loop of crank a1, coupler a2, output a3 and ground a4, its ``lengths``.
-
-    ``half``: of the crank's angle x. ``sign``: of R, the assembly mode. ``can_lie_flat``: else k
-    is 1 whatever the lengths.
-    """
+    """Return the motion of a loop of crank a1, coupler a2, output a3, ground a4: ``lengths``."""
+    # half: of the angle x of the crank; sign: of R, the assembly mode; can_lie_flat: else k is 1
+    # whatever the lengths.
     fabs, where, unit = n.fabs, n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
     A1, A2, B1, B2, C1, C2, D1, D2 = bilinear_factors(a1, a2, a3, a4, n.exact_sum)

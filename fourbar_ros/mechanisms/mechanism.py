@@ -61,7 +61,6 @@ class Mechanism(MechanismGeometry):
 
     @cached_by_lengths
     def _motion_line(self) -> tuple[Function, Function]:
-        """Return the line of the motion, and the function that makes a record of it."""
         return line_of(self, with_loads=False), self.MOTION._make
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
@@ -70,11 +69,8 @@ class Mechanism(MechanismGeometry):
 
     def loads_formula(self, n: NumberType, constants: Constants,
                       told: list[Any] | None = None) -> Function:
-        """
-        Return (fields of MOTION) -> fields of LOADS for constants of a number type.
-
-        ``told``: takes what joints with friction tell, each a :class:`.Told`.
-        """
+        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
+        # told: takes what joints with friction tell, each a Told.
         joint_loads = self.make_joint_loads(n, constants, told)
 
         def loads(fields: Iterable[Any]) -> Any:
@@ -127,12 +123,10 @@ class Mechanism(MechanismGeometry):
 
     @cached_by_lengths
     def record_of_motion(self) -> Recorded:
-        """Return the trace of the motion, and this mechanism's constants in it."""
         return recorded(self, False)
 
     @cached_property
     def record_with_loads(self) -> Recorded:
-        """Return the trace of motion and loads, and this mechanism's constants in it."""
         return recorded(self, True)
 
     @cached_property
@@ -160,7 +154,6 @@ class Mechanism(MechanismGeometry):
 
     @property
     def why_no_loads(self) -> str:
-        """Return for a user why there are no loads; '' if there are."""
         try:
             self.require_loads()
         except errors.FourBarError as error:
@@ -168,28 +161,20 @@ class Mechanism(MechanismGeometry):
         return ''
 
     def require_loads(self) -> None:
-        """Raise MissingBodies or UnknownBaseMotion where there are no loads."""
         if self.bodies is None:
             raise errors.MissingBodies
         if isinstance(self.gravity, UnknownBase):
             raise errors.UnknownBaseMotion
 
     def prepare(self) -> Function:
-        """
-        Return the function of one sample; called early, the first sample need not wait for it.
-
-        Tracing and compiling the first mechanism of a structure takes some 10 ms. ArithmeticError
-        or ValueError where numbers overflow.
-        """
+        """Return the function of one sample; tracing and compiling a new structure takes 10 ms."""
+        # ArithmeticError or ValueError where numbers overflow.
         return (self._step_line if self.has_loads else self._motion_line)[0]
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
-        """
-        Return the same links with another coordinate as the input, one for each assembly mode.
-
-        Where the input turns back at a toggle that coordinate goes on, so simulation changes to it
-        there. Nothing if no other coordinate is known.
-        """
+        """Return the same links with another input, one for each mode; () if none is known."""
+        # Where the input turns back at a toggle that coordinate goes on, so simulation changes to
+        # it there.
         for name in self.INPUTS:
             if name != self.input:
                 free = replace(self, input=name, mode=OPEN, stroke=None, elements=())
@@ -272,11 +257,8 @@ class Mechanism(MechanismGeometry):
 
     def friction_in(self, n: NumberType, constants: Constants, unit: Scalar,
                     told: list[Any] | None, rate: Scalar) -> MachineFriction:
-        """
-        Return the friction of its joints, for loads at a rate of the input.
-
-        ``unit``: of lengths [m]; ``told``: takes what the joints tell.
-        """
+        """Return the friction of its joints, for loads at a rate of the input."""
+        # unit: of lengths [m]; told: takes what the joints tell.
         # few mechanisms have friction
         from fourbar_ros.mechanisms.friction import direction_of
         from fourbar_ros.mechanisms.machine.solve import friction as solve
@@ -306,11 +288,8 @@ class Mechanism(MechanismGeometry):
         return constants.friction[-1].slip_speed if self.slip_speed else None
 
     def with_slip_speed(self: _Self, slip_speed: float) -> _Self:
-        """
-        Return the same mechanism with a slip speed, where what acts has a direction.
-
-        That is friction, and forces over a position that act one way. One that has it keeps it.
-        """
+        """Return the same mechanism with a slip speed, where what acts has a direction."""
+        # That is friction, and forces over a position that act one way. One that has it keeps it.
         if self.slip_speed or not self.has_direction:
             return self
         from fourbar_ros.mechanisms.friction import DriveFriction  # few mechanisms have any
@@ -319,7 +298,6 @@ class Mechanism(MechanismGeometry):
         return self.with_friction({**friction, DRIVE: replace(of_drive, slip_speed=slip_speed)})
 
     def joint_in_layout(self, joint: str) -> str:
-        """Return the name that the :class:`.Layout` of its machine has for a joint."""
         return joint
 
     def holding(self, position: ArrayLike) -> tuple[Any, Any]:
@@ -360,7 +338,6 @@ class Mechanism(MechanismGeometry):
 
     @property
     def drive_load(self) -> str:
-        """Return the name of the load that is the drive's torque or force."""
         return 'driving_force' if self.is_driven_by_slide else 'driving_torque'
 
     def inertia(self, position: ArrayLike) -> Any:
@@ -443,7 +420,6 @@ class Mechanism(MechanismGeometry):
                                       'so fast that its square overflows')
 
     def _why_no_loads(self, motion: Sequence[float]) -> errors.FourBarError:
-        """Return the error for a motion of which a load is not finite."""
         fields = self.MOTION._make(motion)
         position, rate, _ = (getattr(fields, name) for name in self.input_coordinate)
         told = list[Any]()
@@ -473,7 +449,6 @@ class Mechanism(MechanismGeometry):
 
     def _only(self, fields: Iterable[str], inputs: tuple[ArrayLike, ArrayLike, ArrayLike],
               with_loads: bool) -> tuple[Any, ...]:
-        """Return the fields of these names alone, as a tuple in their order."""
         if isinstance(fields, Iterable) and not isinstance(fields, str):
             fields = tuple(fields)
         wanted, needs_loads = _indices_of(self.MOTION, self.LOADS if with_loads else None, fields)
@@ -493,7 +468,6 @@ class Mechanism(MechanismGeometry):
 @cache
 def _indices_of(motion: NamedFields, loads: NamedFields,
                 fields: Any) -> tuple[tuple[int, ...], bool]:
-    """Return the indices of fields among those of motion and loads, and if any is a load."""
     known = motion._fields + (loads._fields if loads else ())
     for name in fields if isinstance(fields, tuple) else (fields,):
         if name not in known or not isinstance(fields, tuple):

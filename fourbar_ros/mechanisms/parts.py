@@ -28,11 +28,8 @@ def mode_number(mode: int) -> int:
 
 
 def clipped(ranges: Ranges, bounds: tuple[float, float], turn: float) -> Ranges:
-    """
-    Return the parts of ranges of the input that lie between two bounds, from low to high.
-
-    ``turn``: by which ranges are moved to come there [rad]; inf of a slide.
-    """
+    """Return the parts of ranges of the input that lie between two bounds, from low to high."""
+    # turn: by which ranges are moved to come there [rad]; inf of a slide.
     parts, (begin, end) = list[tuple[float, float]](), bounds
     for low, high in ranges:
         for count in ((0,) if turn == inf else
@@ -78,12 +75,9 @@ NamedFields = Any
 @cache
 def record_type(name: str, fields: tuple[str, ...], shown: int | None = None,
                 texts: tuple[str, ...] = ()) -> Any:
-    """
-    Return the type of this name with these fields, the same one each time.
-
-    ``shown``: how many of them, from the first on, text and tab completion show; None: all.
-    ``texts``: unit and meaning of each field, for ``help``.
-    """
+    """Return the type of this name with these fields, the same one each time."""
+    # shown: how many of them, from the first on, text and tab completion show; None: all.
+    # texts: unit and meaning of each field, for help().
     base: Any = namedtuple(name, fields)       # type: ignore[misc]  # noqa: PYI024
     for field, text in zip(fields, texts):
         getattr(base, field).__doc__ = text

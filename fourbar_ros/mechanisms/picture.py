@@ -100,7 +100,6 @@ class Force(NamedTuple):
 
 def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = None
             ) -> list[Primitive]:
-    """Return the primitives of a mechanism in a pose, with points that are fixed to its links."""
     diagram = diagram_of(mechanism, motion)
     arms = [Arm(name, *(point_motion(mechanism, motion, link, *position).place
                         for position in ((0.0, 0.0), (along, 0.0), (along, across))))
@@ -110,7 +109,6 @@ def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = N
 
 
 def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
-    """Return the forces [N] at the joints whose fields of the loads a diagram names."""
     return [Force(name, joint, diagram.joints[joint],
                   np.array([getattr(loads, f'{name}_x'), getattr(loads, f'{name}_y')]))
             for name, joint in diagram.forces.items()]
@@ -144,12 +142,9 @@ _GUIDE = np.array([(-0.7, -0.11), (0.7, -0.11)])
 
 @singledispatch
 def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
-    """
-    Return the diagram of a mechanism in one pose.
-
-    Each kind has a function below. This one draws machines: bars from joint to joint of each link,
-    blocks on slides.
-    """
+    """Return the diagram of a mechanism in one pose."""
+    # Each kind has a function below. This one draws machines: bars from joint to joint of each
+    # link, blocks on slides.
     machine = cast('Machine', mechanism)
     layout, joints = machine.layout, _joints_of(machine, motion)
     ground = layout.ground              # its index among the links
@@ -215,12 +210,8 @@ def _joints_of(machine: Machine, motion: NamedFields) -> dict[str, Array]:
 
 
 def _third_sides(machine: Machine, motion: NamedFields, joints: Mapping[str, Array]) -> list[Bar]:
-    """
-    Return the sides of links with three joints and more that do not begin at the first joint.
-
-    They close the triangle of such a link, whose other sides are drawn from its first joint.
-    ``motion`` is of a single pose; ``joints`` are its points by name, shape (2,) each.
-    """
+    """Return the sides of links of three and more joints that do not begin at the first joint."""
+    # motion is of a single pose; joints are its points by name, shape (2,) each.
     corners: dict[str, list[Array]] = {link: [] for link in machine.layout.links}
     corners[machine.layout.driven].append(joints[BASE])
     for stage, dyad in zip(machine.layout.stages, machine.stages):

@@ -64,7 +64,6 @@ class Pieces(NamedTuple):
 
 
 def pieces_of(mechanism: Mechanism) -> Pieces:
-    """Return the ends of pieces and the branch points that the elements of a mechanism bring."""
     coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
     ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
     for low, high in _ranges(mechanism) if coordinates else ():
@@ -107,12 +106,9 @@ def _values(mechanism: Mechanism, of: Callable[[Mapping[str, LinkMotion], Any], 
 
 
 def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
-    """
-    Return the pieces of a mechanism with friction at a rate and an acceleration of the input.
-
-    Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
-    where what a guide bears does.
-    """
+    """Return the pieces of a mechanism with friction at a rate and acceleration of the input."""
+    # Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
+    # where what a guide bears does.
     from fourbar_ros.mechanisms.friction import edges_of  # few mechanisms have any
     ends, branch_points = mechanism.pieces or Pieces((), ())
     edges, found = edges_of(mechanism, mechanism.constants, rates), list(ends)
@@ -120,7 +116,6 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
         x = _samples(mechanism, low, high)
         for edge in edges:
             def values(x: Array, _: Array, edge: Function = edge) -> tuple[Array, Array]:
-                """Return an edge and its slope at inputs."""
                 with np.errstate(all='ignore'):
                     s = np.broadcast_to(edge(x + 1j * STEP), x.shape)
                 return s.real, s.imag / STEP
@@ -169,7 +164,6 @@ def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
 
 
 def _coordinates(element: Element) -> Iterator[Coordinate]:
-    """Yield the coordinates over which an element is not smooth."""
     if isinstance(element, Spring):
         if element.has_length:
             yield Coordinate(lambda moving, _: element.tension(ARRAY, moving)[2], np.empty(0), inf,
@@ -201,13 +195,10 @@ Curves = Callable[[Array, Array], tuple[Array, Array]]
 
 def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkMotions],
                   count: int, turns: int, edges: Sequence[Function] = ()) -> Array:
-    """
-    Return the ends of pieces of many mechanisms whose cranks turn fully, (mechanisms, most).
-
-    They lie in order from 0 to so many ``turns``, NaN beyond the last. ``elements``: on all of
-    them, with columns of numbers, shape (count, 1); ``links_at``: inputs, shape (count, any),
-    complex -> motions of the links; ``edges``: such inputs -> as :func:`.edges_of`.
-    """
+    """Return the ends of pieces of many mechanisms whose cranks turn fully, (mechanisms, most)."""
+    # They lie in order from 0 to so many turns, NaN beyond the last. elements: on all of them,
+    # with columns of numbers, shape (count, 1); links_at: inputs, shape (count, any), complex ->
+    # motions of the links; edges: such inputs -> as edges_of().
     cycle, found, of_found = tau * turns, list[Array](), list[Array]()
     rows = np.repeat(np.arange(count), SAMPLES * turns)
     x = np.tile(0.3 + np.linspace(0.0, cycle, SAMPLES * turns), count)
@@ -217,7 +208,6 @@ def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkM
                              *((EDGE, edge) for edge in edges)]:
         def values(x: Array, row: Array, coordinate: Coordinate = coordinate,
                    edge: Function | None = edge) -> tuple[Array, Array]:
-            """Return a coordinate and its slope at inputs of mechanisms."""
             row, column, grid = as_grid(x, row, count)
             with np.errstate(all='ignore'):
                 z = grid + 1j * STEP
@@ -252,11 +242,8 @@ def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkM
 
 def _turning_points(values: Curves, x: Array, row: Array, slope: Array
                     ) -> tuple[Array, Array, Array]:
-    """
-    Return where a coordinate turns back between rising inputs of rows, with a slope at each.
-
-    And its second derivative there, and the row.
-    """
+    """Return where a coordinate turns back between rising inputs of rows, with a slope at each."""
+    # And its second derivative there, and the row.
     before = np.flatnonzero(((slope[1:] >= 0.0) != (slope[:-1] >= 0.0)) & (row[1:] == row[:-1]))
     low, high, row = x[before], x[before + 1], row[before]
 

@@ -24,14 +24,12 @@ if TYPE_CHECKING:
 
 
 def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFields:
-    """Return the :class:`LinkFields` of a link in one sample of a motion."""
     moved = mechanism.link_motion(motion, link)
     return LinkFields(atan2(moved.sine, moved.cosine), moved.omega, moved.alpha, *moved[:6])
 
 
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
                across: float) -> Function:
-    """Return a function motion -> fields of :class:`PointMotion`, for a point fixed to a link."""
     hypot, where = n.hypot, n.where
 
     def point(motion: NamedFields) -> tuple[Scalar, ...]:
@@ -48,12 +46,9 @@ def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
 
 
 def with_any_lengths(mechanism: Mechanism, lengths: Sequence[Any]) -> Mechanism:
-    """
-    Return a copy whose lengths are numbers of any type, not checked, for motions of its points.
-
-    These take lengths from its attributes (a1, a2, ...). A machine has none: there they follow
-    from its motion.
-    """
+    """Return a copy with unchecked lengths of any type of number, for motions of its points."""
+    # These take lengths from its attributes (a1, a2, ...). A machine has none: there they follow
+    # from its motion.
     copied = copy(mechanism)
     for name, length in zip(mechanism.length_names, lengths):
         if hasattr(mechanism, name):

@@ -33,11 +33,8 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()
                   ) -> Ranges:
-    """
-    Return the ranges of the input [rad or m], cut at flat positions and ends of pieces.
-
-    ``ends``: those of friction, within a cycle; ``ranges``: others than those of the mechanism.
-    """
+    """Return the ranges of the input [rad or m], cut at flat positions and ends of pieces."""
+    # ends: those of friction, within a cycle; ranges: others than those of the mechanism.
     parts = list[tuple[float, float]]()
     flats = {*mechanism.flat_inputs}
     if ranges and not mechanism.is_driven_by_slide:
@@ -56,11 +53,8 @@ def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Rang
 
 
 def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array, Array]:
-    """
-    Return inputs and weights of a mean over the input, ``points`` in each of its ranges.
-
-    ``ranges``: parts of the input [rad or m] instead, each without a toggle inside.
-    """
+    """Return inputs and weights of a mean over the input, ``points`` in each of its ranges."""
+    # ranges: parts of the input [rad or m] instead, each without a toggle inside.
     if mechanism.turns_fully and not ranges and not (mechanism.pieces and mechanism.pieces.ends):
         start = 0.5 if mechanism.flat_inputs else 0.0       # beside their poles
         return (mechanism.cycle * (np.arange(points) + start) / points,

@@ -67,7 +67,6 @@ class OfDrive(NamedTuple):
         return (rate if self.rate is None else self.rate), self.acceleration
 
     def values(self, linkage: Mechanism, position: ArrayLike, rate: float) -> Array:
-        """Return its values at inputs, where the input has a rate."""
         links, rates = self.links(linkage), self.rates(rate)
         value = np.asarray(self.quantity.of(*(
             links.step(position, *rates) if self.is_load
@@ -132,12 +131,9 @@ POSITIONS = {quantity.name: quantity for quantity in (
 
 
 def known_quantities(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
-    """
-    Return {name: Quantity} of the rates, accelerations and loads of a mechanism, or of its class.
-
-    Without the rates of the input ``driven``, which are given, and without the driving force of a
-    crank or the driving torque of a slide.
-    """
+    """Return {name: Quantity} of rates, accelerations and loads of a mechanism or its class."""
+    # Without the rates of the input driven, and without the driving force of a crank or the
+    # driving torque of a slide.
     if driven not in mechanism.INPUTS:
         raise InvalidParameter('driven', driven, f'must be one of {", ".join(mechanism.INPUTS)}')
     coordinate = mechanism.INPUTS[driven]
@@ -179,21 +175,16 @@ def of_drive(mechanism: Mechanism, driven: str = CRANK) -> dict[str, OfDrive]:
 
 
 def by_name(mechanism: Mechanism, more: Sequence[Asked] = ()) -> dict[str, Named]:
-    """Return {name: quantity} of all that may be asked for, ``more`` too."""
     driven = mechanism.input
     return {**positions(mechanism, driven), **known_quantities(mechanism, driven),
             **of_drive(mechanism, driven), **{quantity.name: quantity for quantity in more}}
 
 
 def fields_of(mechanism: Any, driven: Coordinate | None = None) -> dict[str, Quantity]:
-    """
-    Return {field of motion or loads: what it is}, in their order; numbers in between are left out.
-
-    ``mechanism``: one, or what states its names, a kind, with the ``driven`` coordinate.
-
-    Later entries are more exact: of a load its unit alone, then of a reaction its joint, then what
-    a quantity says of itself.
-    """
+    """Return {field of motion or loads: what it is}, in order, without numbers in between."""
+    # mechanism: one, or what states its names, a kind, with the driven coordinate. Later entries
+    # are more exact: of a load its unit alone, then of a reaction its joint, then what a quantity
+    # says of itself.
     known: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
     driven = driven or mechanism.input_coordinate
     for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
@@ -224,18 +215,14 @@ def is_published(quantity: Named) -> bool:
 
 
 def is_position(quantity: Named) -> bool:
-    """Return whether this is a position among the fields of a motion."""
     return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
 def select(names: Sequence[str], mechanism: Mechanism,
            more: Sequence[Asked] = ()) -> list[Named]:
-    """
-    Return the quantities of these names; of no names all but positions and those of the drive.
-
-    Loads are left out where the mechanism has none. ``more``: quantities that may be
-    named too, as those of the points of a scene, and that are part of "all" too.
-    """
+    """Return the quantities of these names; of none all but positions and those of the drive."""
+    # Loads are left out where the mechanism has none. more: quantities that may be named too, as
+    # those of the points of a scene, and that are part of "all" too.
     if not names:
         every = *known_quantities(mechanism, mechanism.input).values(), *more
         return [quantity for quantity in every if mechanism.has_loads or not quantity.is_load]

@@ -59,7 +59,6 @@ MARGINS_OF_TRIANGLE = ((-1, 1, -1), (1, -1, -1))
 
 
 def require_reach(linkage: Kind) -> None:
-    """Raise InvalidParameter unless p and r together reach over the offset e."""
     (p, r, e), (p_name, r_name, _) = linkage.lengths, linkage.length_names
     if exact_sum((p, r, -abs(e))) <= 0.0:
         raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
@@ -161,7 +160,6 @@ class SliderCrank(Kind):
         return condition
 
     def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
-        """Yield up to two poses where the slider of a driven crank turns back."""
         unit = number_types.power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         folded, stretched = closed_forms.reach(a1, a2, e)
@@ -283,7 +281,6 @@ class InvertedSlider(Kind):
         return a1 - a4 * cosine, a4 * sine
 
     def stalls(self, side: float) -> Iterator[InvertedDeadPoint]:
-        """Yield up to two poses where the bar of a driven crank turns back."""
         a1, a4, h = number_types.scaled(self.lengths)
         for sign in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - sign * a1        # a4 sin y
@@ -295,7 +292,6 @@ class InvertedSlider(Kind):
     def corrected(self, n: NumberType, constants: Constants, m: parts.NamedFields,
                   needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
                   ) -> Mapping[str, Scalar]:
-        """Return the force between bar and block of a driven slide, from moments."""
         if self.input == CRANK:
             return {}
         (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)
@@ -419,7 +415,6 @@ class ScotchYoke(Kind):
         return condition
 
     def stalls(self, side: float) -> tuple[YokeDeadPoint, ...]:
-        """Return where the yoke of a driven crank turns back."""
         return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
                 else ())
 

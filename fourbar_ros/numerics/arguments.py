@@ -23,13 +23,10 @@ NOT_SO_FAR = f'must be less than {FARTHEST:.3g} rad in size: floats there are 4 
 
 def finite(name: str, value: Any, allowed: str = 'must be a finite number', least: float = -inf,
            above: float = -inf) -> float:
-    """
-    Return a finite number as a float, if it is at least ``least`` and more than ``above``.
-
-    Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values,
-    texts, times, complex numbers and None are not. Otherwise raises InvalidParameter with the
-    ``name`` and ``allowed``, the rule in words.
-    """
+    """Return a finite number as a float, if it is at least ``least`` and more than ``above``."""
+    # Integers, fractions, numpy's numbers and arrays without dimensions are numbers; truth values,
+    # texts, times, complex numbers and None are not. Otherwise raises InvalidParameter with the
+    # name and allowed, the rule in words.
     if type(value) is float and isfinite(value) and value >= least and value > above:
         return value                       # as most are; asking what else it may be takes longer
     is_masked: Any = np.ma.is_masked       # numpy gives it no types
@@ -56,11 +53,8 @@ def rate_of_input(name: str, value: Any) -> float:
 
 
 def array(name: str, value: Any, with_complex: bool = False) -> Array:
-    """
-    Return real numbers as an array of doubles, masked ones as NaN; else raise InvalidParameter.
-
-    With ``with_complex``, complex ones (of a complex step) as an array of complex doubles.
-    """
+    """Return real numbers as an array of doubles, masked ones as NaN, or InvalidParameter."""
+    # with_complex: complex ones, of a complex step, as complex doubles.
     if isinstance(value, np.ma.MaskedArray):
         masked: Any = value
         value = (masked.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
@@ -91,11 +85,8 @@ def _kind_of(value: Any) -> str:
 
 
 def records(name: str, value: Any, kind: type, whole: Any) -> Any:
-    """
-    Return records of one kind, as bodies, as a ``whole``: a NamedTuple of as many fields.
-
-    Raises InvalidParameter if their number or kind is another one.
-    """
+    """Return records of one kind, as bodies, as a ``whole``: a NamedTuple of as many fields."""
+    # Raises InvalidParameter if their number or kind is another one.
     items = tuple(value) if isinstance(value, Iterable) else ()
     if len(items) != len(whole._fields) or not all(isinstance(item, kind) for item in items):
         raise InvalidParameter(name, value,

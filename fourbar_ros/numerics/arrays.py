@@ -31,11 +31,8 @@ def rank_of(key: Array) -> Array:
 
 
 def as_grid(x: Array, row: Array, count: int) -> tuple[Array, Array, Array]:
-    """
-    Return numbers in a table of ``count`` rows, where each stands, its row and its column.
-
-    (row, column, table): columns that a row does not have are 1. ``row`` is sorted.
-    """
+    """Return numbers in a table of ``count`` rows, where each stands, its row and its column."""
+    # (row, column, table): columns that a row does not have are 1. row is sorted.
     column = rank_of(row)
     grid = np.ones((count, int(column.max(initial=0)) + 1))
     grid[row, column] = x

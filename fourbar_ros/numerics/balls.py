@@ -30,15 +30,12 @@ def arb_settings(bits: int, terms: int) -> Iterator[None]:
 
 
 def taylor_pairs() -> dict[str, Function]:
-    """
-    Return the table of pairs of ``flint.arb_series``: a Taylor series, and one over a whole piece.
-
-    The first is about the middle of a piece of the input; coefficient k of the second holds
-    f^(k)/k! on all of the piece, so its last one is Lagrange's bound of what the first leaves out.
-    Constants are pairs of balls. A comparison gives whether it holds in the middle, by which
-    formulas choose between forms that are both right, as they take |x| where the sign changes
-    nothing; and whether it does on all of the piece.
-    """
+    """Return the table of pairs of ``flint.arb_series``: a Taylor series, one over a piece."""
+    # The first is about the middle of a piece of the input; coefficient k of the second holds
+    # f^(k)/k! on all of the piece, so its last one is Lagrange's bound of what the first leaves
+    # out. Constants are pairs of balls. A comparison gives whether it holds in the middle, by
+    # which formulas choose between forms that are both right, and whether it does on all of the
+    # piece.
     from flint import arb, arb_series
 
     nan = arb.nan()
@@ -74,7 +71,6 @@ def taylor_pairs() -> dict[str, Function]:
         return v if first(v[0]).mid() >= 0 else (-v[0], -v[1])
 
     def exact(terms: Any) -> Any:
-        """Return a sum of lengths, zero where it is no more than the rounding of decimals."""
         total, size = sum(terms, arb(0)), sum(map(abs, terms), arb(0))
         return arb(0) if abs(total.mid()) <= SNAP * size.mid() else total
 

@@ -34,7 +34,6 @@ def quarter_turn() -> Decimal:
 
 
 def _arctangent(n: int) -> Decimal:
-    """Return the arc tangent of 1/n by its series."""
     terms = range(1, int(DIGITS / math.log10(n)) + 20, 2)
     return sum([(2 - k % 4) / (Decimal(k) * n**k) for k in terms], Decimal(0))
 
@@ -90,11 +89,8 @@ DECIMALS: Table = {
 
 def in_decimals(trace: Trace, data: Sequence[float], indices: Sequence[int]
                 ) -> Callable[..., list[Decimal]]:
-    """
-    Return the function inputs -> numbers at some indices of a trace, all of them decimals.
-
-    To be made and called within the context :data:`MANY_DIGITS`.
-    """
+    """Return the function inputs -> numbers at some indices of a trace, all of them decimals."""
+    # To be made and called within the context MANY_DIGITS.
     order = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
     known = [None if number is None else Decimal(number) for number in trace.numbers(data)]
     run(trace, [i for i in order if i not in trace.varies], DECIMALS, known)

@@ -22,15 +22,12 @@ SAFETY = 64.0
 
 def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
                  x: Array) -> Array:
-    """
-    Return the root of a function in each bracket, to the last bits of x, all together.
-
-    Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
-    The last step is not looked at again: its error is about its square over the width of the
-    bracket. A root that is found stays where it is until all are. ``function``: (x, row) -> f, and
-    the step f/f' (NaN: not known, so halve); ``xa``, ``xb``, ``fa``, ``x``: where f changes its
-    sign, its value at the first of them, and a first guess.
-    """
+    """Return the root of a function in each bracket, to the last bits of x, all together."""
+    # Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
+    # The last step is not looked at again: its error is about its square over the width of the
+    # bracket. A root that is found stays where it is until all are. function: (x, row) -> f, and
+    # the step f/f' (NaN: not known, so halve); xa, xb, fa, x: where f changes its sign, its value
+    # at the first of them, and a first guess.
     # A zero at an end may not be where the sign changes: it counts as positive.
     x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))
     positive: Array = fa >= 0.0
@@ -52,11 +49,8 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
 
 
 def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
-    """
-    Return the neighbouring floats between which ``is_before`` turns from true to false.
-
-    It is true at ``low`` and false at ``high``, which may be the larger one.
-    """
+    """Return the neighbouring floats between which ``is_before`` turns from true to false."""
+    # It is true at low and false at high, which may be the larger one.
     while True:
         middle = 0.5 * (low + high)
         if not min(low, high) < middle < max(low, high):

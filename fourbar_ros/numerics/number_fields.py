@@ -49,7 +49,6 @@ class NumberField(NamedTuple):
 
 
 def quantity(default: Any = MISSING, **properties: Any) -> Any:
-    """Return a field of a dataclass that is a :class:`NumberField` of these fields."""
     return field(default=default, metadata={NumberField: NumberField(**properties)})
 
 
@@ -61,6 +60,5 @@ def quantities_of(record: Any) -> Iterator[tuple[str, Any, NumberField]]:
 
 
 def check_quantities(record: Any) -> None:
-    """Convert the quantities of a frozen record to floats; raises InvalidParameter."""
     for name, _, quantity_field in quantities_of(record):
         object.__setattr__(record, name, quantity_field.check(name, getattr(record, name)))

@@ -143,7 +143,6 @@ def direction_in(n: NumberType, angle: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def _choose_in_arrays(condition: bool | Array, if_true: Any, if_false: Any) -> Any:
-    """Choose element by element; of tuples, item by item."""
     if isinstance(condition, (bool, np.bool_)):
         return if_true if condition else if_false
     if isinstance(if_true, tuple):
@@ -152,11 +151,8 @@ def _choose_in_arrays(condition: bool | Array, if_true: Any, if_false: Any) -> A
 
 
 def hypot_of_arrays(x: Values, y: Values, out: Array | None = None) -> Array:
-    """
-    Return sqrt(x^2 + y^2) of arrays, written to ``out`` if given.
-
-    By the formula, and by the slower np.hypot only where a square may overflow or underflow.
-    """
+    """Return sqrt(x^2 + y^2) of arrays, written to ``out`` if given."""
+    # By the formula, and by the slower np.hypot only where a square may overflow or underflow.
     length = np.asarray(np.sqrt(x * x + y * y, out=out))
     if length.size and length.min() > 1e-140 and length.max() < 1e150:
         return length
@@ -181,7 +177,6 @@ def angle_of_complex(y: Any, x: Any) -> Any:
 
 
 def hypot_of_complex(x: Any, y: Any) -> Any:
-    """Return sqrt(x^2 + y^2) of real or complex arrays."""
     return (np.sqrt(x * x + y * y) if np.iscomplexobj(x) or np.iscomplexobj(y)
             else hypot_of_arrays(x, y))
 
@@ -193,17 +188,13 @@ ARRAY = NumberType(np.sin, np.cos, np.sqrt, angle_of_complex, hypot_of_complex,
 
 
 def power_of_two_of_arrays(*lengths: Array) -> Array:
-    """Return the same as :func:`power_of_two` for arrays of lengths, element by element."""
     return np.asarray(np.ldexp(1.0, np.frexp(reduce(np.maximum, map(np.abs, lengths)))[1]))
 
 
 def converted(record: Any, convert: Callable[[Any], Any]) -> Any:
-    """
-    Return a nested record with ``convert(value)`` for each number.
-
-    Dataclasses are copied without their checks, as other numbers than floats would not pass them.
-    Names, truths and functions, as a table of forces, stay.
-    """
+    """Return a nested record with ``convert(value)`` for each number."""
+    # Dataclasses are copied without their checks, as other numbers than floats would not pass
+    # them. Names, truths and functions, as a table of forces, stay.
     if isinstance(record, (tuple, list)):
         values = [converted(value, convert) for value in record]
         return record._make(values) if hasattr(record, '_make') else tuple(values)
@@ -238,6 +229,5 @@ def numbers_of(record: Any) -> list[float]:
 
 @cache
 def _names_of(kind: type[Any]) -> tuple[str, ...]:
-    """Return the names of the fields of a dataclass, none of another type or of a function."""
     is_record = is_dataclass(kind) and not any('__call__' in vars(base) for base in kind.__mro__)
     return tuple([field.name for field in fields(kind)]) if is_record else ()

@@ -45,17 +45,13 @@ def turns_back(f: Array, rise: Array) -> Array:
 
 def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
                        gaps: Array = NO_GAPS) -> tuple[Array, Array]:
-    """
-    Return in which intervals between samples the sign changes, and which may have more roots.
-
-    Hermite's cubic through two samples has as many roots as its Bernstein coefficients change
-    sign, or less by two. One root is plain; where there could be more, also if the inner
-    coefficients were a little smaller, the interval needs a closer look. Where one sample is so
-    small for its slope that the sign changes in an interval without a root, so do both intervals
-    beside it. ``f``, ``rise``, shape (n, m): at equal steps, and a third of what f rises in one at
-    its slope. ``is_closed``: after the last sample comes the first; ``gaps``: indices of intervals
-    that are left out.
-    """
+    """Return in which intervals the sign changes, and which may have more roots."""
+    # Hermite's cubic through two samples has as many roots as its Bernstein coefficients change
+    # sign, or less by two. One root is plain; where there could be more, also if the inner
+    # coefficients were a little smaller, the interval needs a closer look. Where one sample is so
+    # small for its slope that the sign changes in an interval without a root, so do both beside
+    # it. f, rise, shape (n, m): at equal steps, and a third of what f rises in one at its slope;
+    # is_closed: after the last sample comes the first; gaps: indices of intervals left out.
     if is_closed:
         f, rise = (np.concatenate((v, v[:1])) for v in (f, rise))
     positive = f >= 0.0
@@ -76,12 +72,9 @@ def changes_and_doubts(f: Array, rise: Array, is_closed: bool,
 
 
 def rises(f: Array, is_closed: bool, gaps: Array = NO_GAPS) -> Array:
-    """
-    Return a third of what sampled functions, shape (n, m), rise in a step at each sample.
-
-    From five samples each. For f = 0, 3, 6, 9, ... all are 1. ``gaps``: indices of samples after
-    which functions are not smooth; of a closed path the last is one of them.
-    """
+    """Return a third of what sampled functions, shape (n, m), rise in a step at each sample."""
+    # From five samples each. For f = 0, 3, 6, 9, ... all are 1. gaps: indices of samples after
+    # which functions are not smooth; of a closed path the last is one of them.
     if gaps.size:
         return np.concatenate([rises(part, False) for part in np.split(f, gaps + 1) if len(part)])
     if is_closed:
@@ -98,18 +91,13 @@ def _beyond(f: Array) -> Array:
 
 
 def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Array]:
-    """
-    Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several.
-
-    Each interval is cut in :data:`PARTS`, and where |f| then has a minimum between equal signs,
-    halved on.
-    ``function(x, row)`` evaluates the rows given; ``which``: the index of the interval.
-
-    Example: f = (x - 0.52)^2 - 1e-4 on (0, 1) is positive at every eighth, and least at 0.5, 3e-4.
-    It is evaluated halfway to both neighbours, at 0.4375 and 0.5625, then around 0.5 at 0.46875
-    and 0.53125, 3e-5 and the least so far, then around 0.53125 at 0.515625: -8e-5. So the roots
-    0.51 and 0.53 lie in (0.5, 0.515625) and (0.515625, 0.53125).
-    """
+    """Return brackets (which, xa, xb, fa, fb) of the roots in intervals that may have several."""
+    # Each interval is cut in PARTS, and where |f| then has a minimum between equal signs, halved
+    # on. function(x, row) evaluates the rows given; which: the index of the interval.
+    # Example: f = (x - 0.52)^2 - 1e-4 on (0, 1) is positive at every eighth, and least at 0.5,
+    # 3e-4. It is evaluated halfway to both neighbours, at 0.4375 and 0.5625, then around 0.5 at
+    # 0.46875 and 0.53125, 3e-5 and the least so far, then around 0.53125 at 0.515625: -8e-5. So
+    # the roots 0.51 and 0.53 lie in (0.5, 0.515625) and (0.515625, 0.53125).
     # one part more on either side: a minimum may be at an end
     x = xa + (xb - xa) * (np.arange(-1, PARTS + 2)[:, None] / PARTS)
     x[-2] = xb
@@ -144,12 +132,9 @@ def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
 
 
 def _may_touch(xs: Array, fs: Array) -> Array:
-    """
-    Return whether the function may have roots between three samples of one sign.
-
-    The parabola through them comes down to half the middle one, or the middle one is so low
-    between the others that the error of the parabola's slope, unknown, may have hidden that.
-    """
+    """Return whether the function may have roots between three samples of one sign."""
+    # The parabola through them comes down to half the middle one, or the middle one is so low
+    # between the others that the error of the parabola's slope, unknown, may have hidden that.
     left, right = xs[1] - xs[0], xs[2] - xs[1]
     with np.errstate(invalid='ignore', over='ignore'):      # next to infinities
         slope_left, slope_right = (fs[1] - fs[0]) / left, (fs[2] - fs[1]) / right
@@ -162,13 +147,10 @@ def _may_touch(xs: Array, fs: Array) -> Array:
 
 def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
                   step_b: Values) -> Array:
-    """
-    Return a first guess of the root in each bracket from xa to xb, with values fa and fb.
-
-    The inverse of f is interpolated with values and slopes (Hermite): a mean of the points of
-    Newton's method from both ends, x - step, and of the secant. Without steps (NaN), or where that
-    is outside, the secant's point.
-    """
+    """Return a first guess of the root in each bracket from xa to xb, with values fa and fb."""
+    # The inverse of f is interpolated with values and slopes (Hermite): a mean of the points of
+    # Newton's method from both ends, x - step, and of the secant. Without steps (NaN), or where
+    # that is outside, the secant's point.
     part = fa / (fa - fb)
     rest = 1.0 - part
     secant = xa + part * (xb - xa)
@@ -178,14 +160,11 @@ def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
 
 def find_brackets(function: Function, x: Function, f: Array, rise: Array, is_closed: bool,
                   period: float = 2.0 * pi, gaps: Array = NO_GAPS) -> Sequence[Array]:
-    """
-    Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions, hidden ones too.
-
-    ``function``: (x, row) -> f of the rows given, or a positive multiple. ``x``: (i, row) -> where
-    sample i of the row is [rad], which begins again after ``period``, and a third of what x rises
-    in a step there. ``f``, ``rise``, ``is_closed``, ``gaps``: as in :func:`changes_and_doubts`;
-    the interval after the last sample counts as the last.
-    """
+    """Return brackets (i, row, xa, xb, fa, guess) of all roots of sampled functions."""
+    # function: (x, row) -> f of the rows given, or a positive multiple; x: (i, row) -> where
+    # sample i of the row is [rad], which begins again after period, and a third of what x rises in
+    # a step there. f, rise, is_closed, gaps: as in changes_and_doubts(); the interval after the
+    # last sample counts as the last.
     changes, doubtful = changes_and_doubts(f, rise, is_closed, gaps)
     i, row = np.nonzero(changes | doubtful)
     is_plain = ~doubtful[i, row]

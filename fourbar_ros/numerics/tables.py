@@ -23,13 +23,10 @@ Table = Mapping[str, Function]
 
 def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
         done: Mapping[int, Sequence[int]] = MappingProxyType({})) -> list[Any]:
-    """
-    Evaluate the steps of a trace at the indices ``order`` with the operations of a table.
-
-    ``values``: by index, those that are known already; the results are written into it. ``done``:
-    by index, those that nobody needs after it: arrays are given back while they are in the cache.
-    A function that is no formula is called, or what the table's 'call' makes of it.
-    """
+    """Evaluate the steps of a trace at the indices ``order`` with the operations of a table."""
+    # values: by index, those that are known already; the results are written into it. done: by
+    # index, those that nobody needs after it: arrays are given back while they are in the cache. A
+    # function that is no formula is called, or what the table's 'call' makes of it.
     steps, known, call = trace.steps, values.__getitem__, table.get('call')
     for index in order:
         step = steps[index]
@@ -85,14 +82,10 @@ def slope_of(function: Function, x: Any) -> Any:
 
 
 def rounding_bound(trace: Trace, place: int, x: Array) -> Array:
-    """
-    Return a bound of the rounding error of one result of a trace of one input, at many inputs.
-
-    It is the sum of eps times each number that the result is made of, times the derivative of the
-    result by it: of literals, the data, and of each operation; a function that is no formula may
-    have its size as ``largest``. So a result that is smaller may be zero. The input counts as
-    exact.
-    """
+    """Return a bound of the rounding error of a result of a trace of one input, at inputs x."""
+    # The sum of eps times each number that the result is made of, times the derivative of the
+    # result by it: of literals, the data, and of each operation; a function that is no formula may
+    # have its size as largest. The input counts as exact.
     order, steps = trace.needed([place]), trace.steps
     values = [x if step.operation == 'input' else
               np.float64(step.value) if step.operation == 'constant' else None for step in steps]

@@ -78,7 +78,6 @@ class Number:
 
     @property
     def real(self) -> Number:
-        """Return itself: recorded numbers are real."""
         return self
 
     def __bool__(self) -> bool:
@@ -170,12 +169,9 @@ class Trace:
         self.results: NestedIndices = converted(formula(*inputs), self._index)
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
-        """
-        Write down an operation on numbers of this trace and floats; return its result.
-
-        Nothing is written for factors and terms 0.0 and 1.0 that stand in the formula; what must
-        be NaN where a number is not real adds the difference of that number and itself.
-        """
+        """Write down an operation on numbers of this trace and floats; return its result."""
+        # Nothing is written for factors and terms 0.0 and 1.0 that stand in the formula; what must
+        # be NaN where a number is not real adds the difference of that number and itself.
         if len(values) == 2:
             i = int(isinstance(values[0], Number))
             literal = values[i]
@@ -188,12 +184,9 @@ class Trace:
         return Number(self, self._add(operation, tuple([self._index(v) for v in values]), value))
 
     def _add(self, operation: str, indices: tuple[int, ...], value: Any = None) -> int:
-        """
-        Append an operation on the results at some indices, and return its index.
-
-        Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y becomes
-        -(x y). No bit changes.
-        """
+        """Append an operation on the results at some indices, and return its index."""
+        # Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y
+        # becomes -(x y). No bit changes.
         without = [step.arguments[0] if (step := self.steps[index]).operation == 'neg' else None
                    for index in indices]
         if operation == 'neg' and without[0] is not None:
@@ -233,7 +226,6 @@ class Trace:
     # --- known facts about it -------------------------------------------------------------------
 
     def part(self, i: int) -> NestedIndices:
-        """Return the indices of result ``i`` of a formula with several: motion, loads."""
         assert not isinstance(self.results, int), 'the formula returns one number'
         return self.results[i]
 
@@ -246,11 +238,8 @@ class Trace:
 
     @cached_property
     def switches(self) -> frozenset[int]:
-        """
-        Return the indices of conditions of data alone that choose between numbers of inputs.
-
-        In formulas of linkages each is true for change points only.
-        """
+        """Return the indices of conditions of data alone that choose between numbers of inputs."""
+        # In formulas of linkages each is true for change points only.
         return frozenset([step.arguments[0] for index, step in enumerate(self.steps)
                           if step.operation == 'where' and index in self.varies
                           and step.arguments[0] not in self.varies])
@@ -266,12 +255,9 @@ class Trace:
 
     @cached_property
     def unswitched(self) -> Trace:
-        """
-        Return the trace for data by which all switches are false, of the same indices.
-
-        Without the numbers that a true switch would choose: most mechanisms are no change points,
-        and their code is as if these had no formulas of their own.
-        """
+        """Return the trace for data by which all switches are false, of the same indices."""
+        # Without the numbers that a true switch would choose: most mechanisms are no change
+        # points, and their code is as if these had no formulas of their own.
         # x - x stays, which arrays need to be NaN out of reach
         simple = self.simplified({**self.literals(), **dict.fromkeys(self.switches, 0.0)},
                                  keeps_nan=True)
@@ -288,11 +274,8 @@ class Trace:
 
     def constants(self, data: Sequence[float],
                   indices: Iterable[int] | None = None) -> list[float | None]:
-        """
-        Return, by index, the values that depend on data alone, for some data; else None.
-
-        ``indices``: of those that are computed, in order; by default all.
-        """
+        """Return, by index, the values that depend on data alone, for some data; else None."""
+        # indices: of those that are computed, in order; by default all.
         values = self.numbers(data)
         for index in range(len(values)) if indices is None else indices:
             if index >= self.count + self.size and index not in self.varies:
@@ -302,12 +285,9 @@ class Trace:
         return values
 
     def needed(self, indices: Iterable[int], with_refusals: bool = False) -> list[int]:
-        """
-        Return the indices of all steps that some results need, in order.
-
-        ``with_refusals``: and of those that refuse some arguments, as the formula with floats
-        does even where no result needs them.
-        """
+        """Return the indices of all steps that some results need, in order."""
+        # with_refusals: and of those that refuse some arguments, as the formula with floats does
+        # even where no result needs them.
         needed: set[int] = set()
         left = list(indices)
         if with_refusals:
@@ -334,14 +314,11 @@ class Trace:
 
     def simplified(self, known: Mapping[int, float], end: int | None = None,
                    keeps_nan: bool = False) -> Trace:
-        """
-        Return the same trace, with the same indices, without what known numbers make needless.
-
-        ``known``: {index: value}. Operations on known numbers become constants; products and sums
-        with zero, factors of one and choices with a known condition are replaced by an argument.
-        An operation that refuses its arguments stays, and so do all from index ``end`` on; with
-        ``keeps_nan`` also x - x, which is NaN where x is.
-        """
+        """Return the trace, with the same indices, without what known numbers make needless."""
+        # known: {index: value}. Operations on known numbers become constants; products and sums
+        # with zero, factors of one and choices with a known condition are replaced by an argument.
+        # An operation that refuses its arguments stays, and so do all from index end on; with
+        # keeps_nan also x - x, which is NaN where x is.
         simple = object.__new__(Trace)
         simple.steps, simple.count, simple.size = list(self.steps), self.count, self.size
         simple._index_of = {}
@@ -378,7 +355,6 @@ class Trace:
 
 
 def _key(step: Step) -> Hashable:
-    """Return a key that is equal for two steps of the same result; 0.0 is not -0.0."""
     if step.operation == 'constant':
         return step.operation, float(step.value).hex()
     arguments = sorted(step.arguments) if step.operation in COMMUTES else step.arguments
@@ -386,13 +362,10 @@ def _key(step: Step) -> Hashable:
 
 
 def _passed(operation: str, arguments: Sequence[int], values: Mapping[int, float]) -> int | None:
-    """
-    Return the index of the argument that is the result of an operation which does nothing.
-
-    With the known ``values`` by index: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x,
-    and a choice is what its known condition takes, or what it gives either way. None if it is
-    none of these, and where all is known: then it is computed.
-    """
+    """Return the index of the argument that is the result of an operation which does nothing."""
+    # With the known values by index: x + 0 is x, 1 x is x, 0 x is that 0, x - 0 and x / 1 are x,
+    # and a choice is what its known condition takes, or what it gives either way. None if it is
+    # none of these, and where all is known: then it is computed.
     if operation == 'where':
         condition, if_true, if_false = arguments
         if if_true == if_false or values.get(condition):

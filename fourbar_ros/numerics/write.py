@@ -129,11 +129,8 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
 
 @lru_cache(maxsize=KEPT)
 def compiled(text: str, name: str) -> Function:
-    """
-    Return the function ``make`` of a text, which comes from this file alone.
-
-    The last 64 texts are kept, compiled, and as files for tracebacks, which name the formula.
-    """
+    """Return the function ``make`` of a text, which comes from this file alone."""
+    # The last 64 texts are kept, compiled, and as files for tracebacks, which name the formula.
     file, names = f'<{name}, line {next(_line_numbers)}>', {'__builtins__': dict[str, Any]()}
     exec(compile(text, file, 'exec'), names)
     if len(_files) == KEPT:

@@ -39,13 +39,10 @@ ARRAYS: dict[str, Function] = {
 @lru_cache(maxsize=512)
 def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
             ) -> Callable[[Sequence[Array], Sequence[Any]], list[Array]]:
-    """
-    Return the function (inputs, constants) -> results ``wanted`` of a trace of three inputs.
-
-    Inputs and results are arrays of shape (n,), computed chunk by chunk; results have memory of
-    their own. ``constants``: by index, from :meth:`.Trace.constants`. ``zeros``: indices of what
-    does not depend on the inputs and is zero.
-    """
+    """Return the function (inputs, constants) -> results ``wanted`` of a trace of three inputs."""
+    # Inputs and results are arrays of shape (n,), computed chunk by chunk; results have memory of
+    # their own. constants: by index, from constants(). zeros: indices of what does not depend on
+    # the inputs and is zero.
     simple = trace.simplified(dict.fromkeys(zeros, 0.0))
     full, indices = [[results[i] for i in wanted]
                      for results in (flat(trace.results), flat(simple.results))]
@@ -88,14 +85,10 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
 
 def array_statements(trace: Trace, results: Sequence[int],
                      indices: Sequence[int]) -> tuple[list[str], list[type], list[Function]]:
-    """
-    Return the statements of the steps at ``indices``, the types of their buffers b0, b1, ...
-
-    And the functions f0, f1, ... that are no formulas, as a table of forces.
-
-    A result is written to its row r0, r1, ...; another step gets a buffer that no later step reads
-    any more, or a new one. A known value is v and its index.
-    """
+    """Return the statements of the steps at ``indices``, the types of their buffers b0, b1, ..."""
+    # And the functions f0, f1, ... that are no formulas, as a table of forces.
+    # A result is written to its row r0, r1, ...; another step gets a buffer that no later step
+    # reads any more, or a new one. A known value is v and its index.
     last_use = {i: index for index in indices for i in trace.steps[index].arguments}
     names = {index: f'r{i}' for i, index in reversed([*enumerate(results)]) if index in indices}
     buffers, kinds, free, lines = dict[int, str](), list[type](), list[str](), list[str]()
@@ -129,12 +122,9 @@ def array_statements(trace: Trace, results: Sequence[int],
 
 
 def _carriers(trace: Trace, indices: Sequence[int], bits: Mapping[int, int]) -> list[int]:
-    """
-    Return, for each result, the ``bits`` of the roots and of the position that it depends on.
-
-    Out of range they are NaN, and so make the result NaN. Rate and acceleration do not count: a
-    result may multiply them by zero.
-    """
+    """Return, for each result, the ``bits`` of the roots and the position it depends on."""
+    # Out of range they are NaN, and so make the result NaN. Rate and acceleration do not count: a
+    # result may multiply them by zero.
     carried = list[int]()
     for index, step in enumerate(trace.steps):
         bit = bits[index] if index == 0 or step.operation == 'sqrt' else 0
@@ -146,11 +136,8 @@ def _carriers(trace: Trace, indices: Sequence[int], bits: Mapping[int, int]) -> 
 
 @cache
 def keep_memory() -> None:
-    """
-    Have blocks of up to 31 MB kept by the C library when they are freed, once and for all.
-
-    glibc gives each back to the system until it has seen one of that size freed; getting the pages
-    again takes as long as the formulas: motion and loads of 10 000 samples of a four-bar 0.34 us a
-    sample, without it 0.6 to 0.8. The block is never touched, so it costs nothing.
-    """
+    """Have blocks of up to 31 MB kept by the C library when they are freed, once and for all."""
+    # glibc gives each back to the system until it has seen one of that size freed; getting the
+    # pages again takes as long as the formulas: motion and loads of 10 000 samples of a four-bar
+    # 0.34 us a sample, without it 0.6 to 0.8. The block is never touched, so it costs nothing.
     np.empty(31 * 2**17)

@@ -110,7 +110,6 @@ class Dyad:
         self._require_directions(where)
 
     def _checked_dimensions(self, where: str) -> dict[str, float]:
-        """Return {name: value} of the dimensions of its kind, checked; others must be None."""
         wanted = DIMENSIONS[self.kind]
         for field in fields(self):
             value, is_dimension = getattr(self, field.name), field.default is None
@@ -154,7 +153,6 @@ class Dyad:
 
     @property
     def sign(self) -> float:
-        """Return the assembly mode as +1 (mode 2) or -1 (mode 1)."""
         return 1.0 if self.mode == OPEN else -1.0
 
 
@@ -185,7 +183,6 @@ class Cylinder(NamedTuple):
 
 
 def require_name(parameter: str, name: Any) -> None:
-    """Raise InvalidParameter unless ``name`` can be part of a field, a topic and a frame."""
     if not (isinstance(name, str) and re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name)
             and not name.endswith('_') and '__' not in name and not iskeyword(name)):
         raise InvalidParameter(parameter, name, 'must be a name: letters, digits and single '
@@ -193,7 +190,6 @@ def require_name(parameter: str, name: Any) -> None:
 
 
 def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
-    """Return a length [m] as a float, positive unless signed, whose square does not overflow."""
     result = finite(name, value) if is_signed else finite(
         name, value, 'a length must be a positive number', above=0.0)
     if not (SHORTEST < abs(result) < LONGEST or is_signed and result == 0.0):
@@ -203,7 +199,6 @@ def checked_length(name: str, value: Any, is_signed: bool = False) -> float:
 
 
 def checked_point(name: str, value: Any) -> Point:
-    """Return a point whose link is a text and whose place is two finite numbers."""
     try:
         link, along, across = Point(*value)
     except TypeError:
@@ -224,7 +219,6 @@ def checked_links(name: str, value: Any) -> tuple[str, str]:
 
 
 def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
-    """Return an assembly mode, 1 or 2 (of a dyad that ``has_one``, 2), as an int."""
     if isinstance(value, bool) or value not in ((OPEN,) if has_one else (CROSSED, OPEN)):
         raise InvalidParameter(name, value, 'must be 2: it has one assembly mode' if has_one
                                else 'must be 1 or 2')
@@ -232,7 +226,6 @@ def checked_mode(name: str, value: Any, has_one: bool = False) -> int:
 
 
 def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
-    """Return the checked cylinder of a machine; None if it has another drive."""
     if (cylinder is None) is (driven == CYLINDER):
         raise InvalidParameter('cylinder', cylinder, 'a machine has one if input is cylinder, '
                                'and only then')
@@ -261,7 +254,6 @@ def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
 
 
 def checked_dyads(values: Any, driven: str) -> tuple[Dyad, ...]:
-    """Return one dyad or more, as a tuple; none will do with a cylinder, which is one."""
     dyads = tuple(values) if isinstance(values, (tuple, list)) else ()
     may_be_none = driven == CYLINDER and values in ((), [])
     if not (dyads or may_be_none) or not all(isinstance(dyad, Dyad) for dyad in dyads):
@@ -270,11 +262,8 @@ def checked_dyads(values: Any, driven: str) -> tuple[Dyad, ...]:
 
 
 def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
-    """
-    Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}.
-
-    They are any numbers, even arrays, and not checked.
-    """
+    """Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}."""
+    # They are any numbers, even arrays, and not checked.
     changed: dict[str, Any] = {
         end: getattr(dyad, end)._replace(**{
             name: lengths[f'{dyad.name}.{end}.{name}'] for name in ('along', 'across')
@@ -289,11 +278,8 @@ def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
 
 
 def by_link(name: str, records: Any, kind: type, of_links: Any, default: Any) -> Any:
-    """
-    Return the records of links, {link: record} or a tuple, as one NamedTuple ``of_links``.
-
-    Each is a ``kind``, Body or Applied; links without one get the default. None stays None.
-    """
+    """Return the records of links, {link: record} or a tuple, as one NamedTuple ``of_links``."""
+    # Each is a kind, Body or Applied; links without one get the default. None stays None.
     if records is None:
         return None
     if not isinstance(records, Mapping):

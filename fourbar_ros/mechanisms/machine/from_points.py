@@ -33,11 +33,8 @@ class Drawing(NamedTuple):
 def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence[str]],
                  ground: Sequence[str], slides: Mapping[str, float] | None = None,
                  modes: Mapping[str, int] | None = None, **options: Any) -> Drawing:
-    """
-    Return a :class:`Drawing`; arguments and errors are those of :meth:`.Machine.from_points`.
-
-    Points in [m], shape (2,) each, directions of slides in [rad].
-    """
+    """Return a :class:`Drawing`; arguments and errors as of :meth:`.Machine.from_points`."""
+    # Points in [m], shape (2,) each, directions of slides in [rad].
     slides, modes, used = slides or {}, modes or {}, {name for link in links for name in link}
     for name in (*used, *ground, *slides, *modes):
         if name not in points:
@@ -118,7 +115,6 @@ def _next_dyad(waiting: Sequence[list[str]], joints: Mapping[str, Point],
 
 
 def _is_as_drawn(machine: Machine, start: float, dyad: Dyad, at: Mapping[str, complex]) -> bool:
-    """Return whether the inner pin of the last dyad is where it is drawn."""
     try:
         place = point_motion(machine, machine.motion(start), dyad.links[0],
                              dyad.length_1 or 0.0).place

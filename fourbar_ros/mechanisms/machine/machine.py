@@ -144,7 +144,6 @@ class Machine(Mechanism):
         return read_drawing(points, links, ground, slides, modes, **options).machine
 
     def __post_init__(self) -> None:
-        """Check the fields, in the order in which one part needs another; derive the layout."""
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
         self._set(dyads=description.checked_dyads(self.dyads, self.input),
@@ -166,7 +165,6 @@ class Machine(Mechanism):
         self._check_fit()
 
     def _require_closing(self) -> None:
-        """Raise InvalidParameter for the dyad that cannot be assembled at any input."""
         name = self._ranges.stopped
         if name:
             dyad = next(dyad for dyad in self.stages if dyad.name == name)
@@ -208,17 +206,13 @@ class Machine(Mechanism):
         return tuple([value for _, value in description.lengths_of(self.stages)])
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
-        """Return the same machine with other :attr:`lengths`; it may close nowhere."""
         by_name = dict(zip(self.length_names, lengths))
         return self._with_stages([description.with_lengths(dyad, by_name)
                                   for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
-        """
-        Return a copy with other dyads, which are not checked.
-
-        ``stages``: as :attr:`stages`, the dyads and, if one drives, first the cylinder as a dyad.
-        """
+        """Return a copy with other dyads, which are not checked."""
+        # stages: as stages, the dyads and, if one drives, first the cylinder as a dyad.
         if self.cylinder is None:
             return self._copy(stages=tuple(stages), dyads=tuple(stages))
         first = stages[0]
@@ -248,7 +242,6 @@ class Machine(Mechanism):
         return 1 + sum((dyad.mode - 1) << i for i, dyad in enumerate(self.stages))
 
     def in_mode(self, mode: int) -> Machine:
-        """Return the same machine with other modes of its dyads; it may close nowhere."""
         if mode == self.mode:
             return self
         modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
@@ -378,7 +371,6 @@ class Machine(Mechanism):
         return [end for bound in self.limits if bound for end in bound]
 
     def _stage_at(self, position: float) -> int:
-        """Return the index of the dyad at the limit next to an input."""
         end = min(self._ends, key=lambda end: abs(self.distance(position, end.x)))
         return [dyad.name for dyad in self.stages].index(end.dyad)
 
@@ -419,7 +411,6 @@ class Machine(Mechanism):
 
     @cached_property
     def constants(self) -> Constants:
-        """Return the lengths of each dyad for lengths, the modes of all for the mode."""
         return Constants(tuple([dyad.lengths for dyad in self.stages]), self.signs, self.bodies,
                          self.gravity, self.external, self.elements,
                          tuple([friction for _, friction in self.friction]))
@@ -431,13 +422,11 @@ class Machine(Mechanism):
 
     @property
     def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
-        """Return the fields of the direction in which a cylinder grows; None: a slide along x."""
         rod = self.cylinder and self.cylinder.links[0]
         return (f'cos_{rod}', f'sin_{rod}') if rod else None
 
     @property
     def TORQUE(self) -> str:        # type: ignore[override]  # noqa: N802
-        """Return the symbol of the torque, of the ground or of a link that moves on the crank."""
         return 'T' if self.layout.ground else 'T_{41}'
 
     @property
@@ -457,7 +446,6 @@ class Machine(Mechanism):
 
     @property
     def classification(self) -> str:
-        """Return the kinds of its dyads."""
         return ' + '.join(dyad.kind for dyad in self.dyads) or 'cylinder on a crank'
 
     def link_motions(self, motion: NamedFields, lengths: Any = None) -> dict[str, LinkMotion]:

@@ -43,12 +43,9 @@ class PairRange:
     """
 
     def __init__(self, stage: Stage, lengths: DyadLengths) -> None:
-        """
-        Compute the factors once, from the dyad's lengths with their ``shape``.
-
-        That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma where
-        the slide is zero, e, ...): see :func:`shaped`.
-        """
+        """Compute the factors once, from the dyad's lengths with their ``shape``."""
+        # That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma
+        # where the slide is zero, e, ...): see shaped().
         assert stage.pair is not None
         self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
         # sigma where the slide is zero, or the direction of the other link where the angle is
@@ -71,23 +68,18 @@ class PairRange:
         return [sign for sign, value in ((1.0, plus), (-1.0, minus)) if value == 0.0]
 
     def flatness(self, relative: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
-        """
-        Return the distance from a flat position, and the side, at an angle or slide of a pair.
-
-        Of an angle (sin x, cos x), of RRP (cos x, sin x), of a slide (sigma, 0).
-        """
+        """Return the distance from a flat position, and the side: (sin x, cos x), (sigma, 0)."""
+        # Of RRP with x from the normal: (cos x, sin x).
         if self.slides:
             return relative[0] + self._start, 0.0
         c, s = turned_by(relative[:2], self._start)
         return (c, s) if self.is_sine else (s, c)
 
     def assembly_margin(self, n: NumberType, ends: Ends) -> Scalar:
-        """
-        Return the product of the scaled factors of a pair that have toggles.
-
-        A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
-        s, both from the flat position. It is positive where the pair closes, zero at its toggles.
-        """
+        """Return the product of the scaled factors of a pair that have toggles."""
+        # A factor is plus cos^2(x/2) + minus sin^2(x/2) of an angle x, plus s^2 + minus of a slide
+        # s, both from the flat position. It is positive where the pair closes, zero at its
+        # toggles.
         sine, cosine = self.flatness(ends.relative)
         of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
         if not self.slides:
@@ -99,11 +91,8 @@ class PairRange:
         return product
 
     def square(self, n: NumberType, ends: Ends) -> Scalar:
-        """
-        Return |Q - P|^2 of RRR or RPR; the motion has poles where it is zero.
-
-        With a pin it is divided by (|a| + |g|)^2.
-        """
+        """Return |Q - P|^2 of RRR or RPR; the motion has poles where it is zero."""
+        # With a pin it is divided by (|a| + |g|)^2.
         (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
         if self.slides:
             return beside * beside + arm_2 * arm_2
@@ -112,12 +101,9 @@ class PairRange:
         return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
 
     def input_at(self, flat: float, is_driven: bool) -> float:
-        """
-        Return the input where a pair of the driven link and the ground lies flat [rad or m].
-
-        ``flat``: one of ``flats``; ``is_driven``: whether the driven link, not the ground, moves
-        in the pair's frame.
-        """
+        """Return the input where a pair of the driven link and the ground lies flat [rad or m]."""
+        # flat: one of flats; is_driven: whether the driven link, not the ground, moves in the
+        # pair's frame.
         if self.slides:
             return float(0.0 - self._start)
         angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
@@ -127,15 +113,12 @@ class PairRange:
 
 
 def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
-    """
-    Return the one or two factors of a pair's discriminant, positive where it closes.
-
-    Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d the distance of P and Q. Where
-    a pin joins the links, |a| and |g| add up to it at the angle pi and differ by it at 0: the
-    ``minus`` and the ``plus`` of a factor are its values there. With a slide d^2 = sigma^2 + e^2.
-    Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
-    change point.
-    """
+    """Return the one or two factors of a pair's discriminant, positive where it closes."""
+    # Of RRR they are (r1 + r2)^2 - d^2 and d^2 - (r1 - r2)^2, with d the distance of P and Q.
+    # Where a pin joins the links, |a| and |g| add up to it at the angle pi and differ by it at 0:
+    # the minus and the plus of a factor are its values there. With a slide d^2 = sigma^2 + e^2.
+    # Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
+    # change point.
     assert stage.pair is not None
     unit = number_types.power_of_two(*lengths.sizes[:1 + (stage.kind == 'RRR')],
                                      *lengths.shape[stage.pair.slides:2])
@@ -160,11 +143,7 @@ def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
 
 
 def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) -> Scalar:
-    """
-    Return a scalar that is positive where a dyad closes, zero at its toggles, by (X1) to (X3).
-
-    Of dyads whose carriers are not joined to each other.
-    """
+    """Return the margin of a dyad whose carriers are not joined to each other, (X1) to (X3)."""
     sizes = lengths.sizes
     if kind == 'PRP':
         (x1, y1), (x2, y2) = (turned(ends.first, *sizes[:2])[:2],
@@ -187,11 +166,8 @@ def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) 
 
 def margin_of_dyad(n: NumberType, stage: Stage, lengths: DyadLengths,
                    converted: DyadLengths | None = None) -> Measure:
-    """
-    Return ends -> assembly margin of a dyad.
-
-    ``converted``: its lengths as the number type has them, if it is not one of floats.
-    """
+    """Return ends -> assembly margin of a dyad."""
+    # converted: its lengths as the number type has them, if it is not one of floats.
     if stage.pair:
         return partial(PairRange(stage, lengths).assembly_margin, n)
     return partial(assembly_margin, n, stage.kind, converted or lengths)

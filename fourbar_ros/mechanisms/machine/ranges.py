@@ -74,7 +74,6 @@ class Limit(NamedTuple):
     is_flat: bool = False
 
     def turned(self, turns: float = 1.0) -> Limit:
-        """Return the same limit some turns of the crank later."""
         return self._replace(x=self.x + 2.0 * pi * turns)
 
 
@@ -96,15 +95,11 @@ class DyadRanges(NamedTuple):
 
 def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequence[float],
                 bounds: tuple[float, float], unit: float) -> DyadRanges:
-    """
-    Return where all dyads of a layout close; InvalidParameter if floats cannot tell.
-
-    A pair whose lengths make a change point, but that lies flat nowhere in the ranges, has no
-    branch that goes on: it has the side of its mode, as any other dyad.
-
-    ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``bounds``: where to
-    search the input of a driven slide [m]; ``unit``: in which inputs are about one [rad or m].
-    """
+    """Return where all dyads of a layout close; InvalidParameter if floats cannot tell."""
+    # A pair whose lengths make a change point, but that lies flat nowhere in the ranges, has no
+    # branch that goes on: it has the side of its mode, as any other dyad.
+    # layout, dyad_lengths, signs: as for motion_of(); bounds: where to search the input of a
+    # driven slide [m]; unit: in which inputs are about one [rad or m].
     search = _Search(layout, dyad_lengths, signs)
     if layout.driver == 'crank':
         limits: list[RangeEnds] = [None]
@@ -155,11 +150,8 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
 
 def flats_of_driven(pair_range: margins.PairRange, is_moving: bool, limits: Sequence[RangeEnds]
                     ) -> list[float]:
-    """
-    Return the inputs within ``limits`` at which a pair between frame and driven link lies flat.
-
-    ``is_moving``: whether the driven link, not the frame, moves in the pair's frame.
-    """
+    """Return the inputs within ``limits`` where a pair of frame and driven link lies flat."""
+    # is_moving: whether the driven link, not the frame, moves in the frame of the pair.
     turns = (0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)
     flats = [pair_range.input_at(direction, is_moving) for direction in pair_range.flats]
     return [x for x in flats if any(bound is None or bound[0].x < x + turn < bound[1].x
@@ -183,7 +175,6 @@ class _Path(NamedTuple):
                 else cls(bound[0].x, bound[1].x, False))
 
     def to_input(self, phi: Any) -> Any:
-        """Return the inputs at phi, real or complex."""
         return phi if self.is_closed else sine_between(self.low, self.high, phi)
 
     def start(self) -> Array:
@@ -241,11 +232,8 @@ class _Search:
         return self._machine[0]
 
     def split(self, bound: RangeEnds, dyad: int, turns: int) -> tuple[list[RangeEnds], _Sampled]:
-        """
-        Return the parts of a range in which a dyad closes, and the samples of its margin.
-
-        ``turns``: of a full turn, after which the dyad is again where it was.
-        """
+        """Return the parts of a range in which a dyad closes, and the samples of its margin."""
+        # turns: of a full turn, after which the dyad is again where it was.
         stage, lengths = self._machine[0].stages[dyad], self._machine[1][dyad]
         in_floats = make_along(REAL, *self._machine, dyad,
                                margins.margin_of_dyad(REAL, stage, lengths))
@@ -255,7 +243,6 @@ class _Search:
         is_open = value > 0.0
 
         def changes() -> list[Limit]:
-            """Return the inputs between samples where the dyad begins or ceases to close."""
             limits = []
             for i in np.flatnonzero(is_open[1:] != is_open[:-1]):
                 low, high = path.to_input(phi[i:i + 2]).tolist()
@@ -282,12 +269,9 @@ class _Search:
 
     def _minima(self, dyad: int, path: _Path, phi: Array, value: Array,
                 slope: Array) -> list[tuple[Array, tuple[float, ...]]]:
-        """
-        Return (samples of doubtful sign, limits) of each minimum of a margin that is nearly zero.
-
-        The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
-        whose roots are not in the range are left out: the signs of samples tell.
-        """
+        """Return (samples of doubtful sign, limits) of each minimum of a margin of about zero."""
+        # The limits are two inputs, equal at a double root, or none of a positive minimum. Minima
+        # whose roots are not in the range are left out: the signs of samples tell.
         minima, decided = list[tuple[float, Array]](), []       # phi, samples of doubtful sign
         for i in np.flatnonzero((slope[:-1] <= 0.0) & (slope[1:] > 0.0)):
             curve = (slope[i + 1] - slope[i]) / (phi[i + 1] - phi[i])
@@ -308,12 +292,9 @@ class _Search:
         return decided
 
     def _decided(self, dyad: int, x: float) -> tuple[float, ...]:
-        """
-        Return the limits of the input beside a minimum of a margin near x, by many digits, (X4).
-
-        None if it is positive, twice the same for a double root, else two roots, each rounded to
-        the side on which the dyad closes.
-        """
+        """Return the limits of the input beside a minimum of a margin near x by (X4)."""
+        # None if it is positive, twice the same for a double root, else two roots, each rounded to
+        # the side on which the dyad closes.
         layout, dyad_lengths, signs = self._machine
         data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
         trace = Trace(lambda n, converted: make_along(
@@ -353,12 +334,9 @@ class _Search:
             return tuple(limits)
 
     def _resolved(self, measure: margins.Measure, path: _Path, dyad: int) -> _Sampled:
-        """
-        Return a measure of the ends of a dyad, sampled so close that cubics hold between.
-
-        Pieces that :func:`_to_halve` names are halved, MOST_HALVINGS times at most; what is
-        doubtful then stays so. InvalidParameter if there are too many samples.
-        """
+        """Return a measure of the ends of a dyad, sampled so close that cubics hold between."""
+        # Pieces that _to_halve() names are halved, MOST_HALVINGS times at most; what is doubtful
+        # then stays so. InvalidParameter if there are too many samples.
         def function(poses: Poses) -> Any:
             return measure(poses.carry(dyad))
 
@@ -451,11 +429,9 @@ class _Search:
 
     def flats(self, pair_range: margins.PairRange, limits: Sequence[RangeEnds], dyad: int,
               turns: int) -> list[float]:
-        """
-        Return the inputs within ``limits`` where a pair away from the crank lies flat, in order.
-
-        Each to one float. InvalidParameter if it is of one direction, and passes the opposite one.
-        """
+        """Return the inputs within ``limits`` where a pair away from the crank lies flat."""
+        # Each to one float. InvalidParameter if it is of one direction, and passes the opposite
+        # one.
         stage, signs = self._machine[0].stages[dyad], pair_range.flats
         name, is_driven = stage.name, {stage.first, stage.second} == {0, 1}
         in_floats = make_along(REAL, *self._machine, dyad,
@@ -486,11 +462,8 @@ class _Search:
 
 def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
                 opens_last: bool) -> list[RangeEnds]:
-    """
-    Return the parts of a range in which a dyad closes, between every other pair of ends.
-
-    ``opens_first``, ``opens_last``: whether it closes at the first and at the last sample.
-    """
+    """Return the parts of a range in which a dyad closes, between every other pair of ends."""
+    # opens_first, opens_last: whether it closes at the first and at the last sample.
     if not ends:
         return [bound] if opens_first else []
     if bound is None:
@@ -507,13 +480,10 @@ def _open_parts(bound: RangeEnds, ends: list[Limit], opens_first: bool,
 
 def _to_halve(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
               width: Array) -> Array:
-    """
-    Return which pieces a cubic does not describe, or that may hide two roots.
-
-    Of any function that is sampled: margins, flatness, squared distances. ``ends``: values and
-    slopes at all samples; ``inner``: those in the middle of the pieces, which begin at samples
-    ``i`` and are ``width`` wide. Too narrow pieces and values that are noise are not halved.
-    """
+    """Return which pieces a cubic does not describe, or that may hide two roots."""
+    # Of any function that is sampled: margins, flatness, squared distances. ends: values and
+    # slopes at all samples; inner: those in the middle of the pieces, which begin at samples i and
+    # are width wide. Too narrow pieces and values that are noise are not halved.
     (value, slope), (middle_value, middle_slope) = ends, inner
     cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
     misfit = np.abs(middle_value - cubic)
@@ -528,11 +498,8 @@ def _to_halve(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
 
 
 def _least_size(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Array:
-    """
-    Return about the least |cubic| over pieces, zero if it changes its sign.
-
-    The cubics have values f0, f1 and slopes d0, d1 at the ends of pieces of a ``width``.
-    """
+    """Return about the least |cubic| over pieces, zero if it changes its sign."""
+    # The cubics have values f0, f1 and slopes d0, d1 at the ends of pieces of a width.
     # at equal steps, and where the slopes of both ends would meet at zero
     bend = np.where((d0 < 0.0) != (d1 < 0.0), d0 / np.where(d0 == d1, 1.0, d0 - d1), 0.5)
     t = np.concatenate((np.linspace(0.0, 1.0, 9)[:, None] + 0.0 * bend, bend[None]))
@@ -543,11 +510,8 @@ def _least_size(f0: Array, d0: Array, f1: Array, d1: Array, width: Array) -> Arr
 
 
 def _root(margin: Function, low: float, high: float, opens_low: bool) -> float:
-    """
-    Return the last input between low and high at which a dyad closes, one of two neighbours.
-
-    ``opens_low``: whether it closes at low, else at high.
-    """
+    """Return the last input between low and high at which a dyad closes, one of two neighbours."""
+    # opens_low: whether it closes at low, else at high.
     def closes(position: float) -> bool:
         try:
             return bool(margin(position) > 0.0)

@@ -41,7 +41,6 @@ class SeenFromLink:
 
     def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                  signs: Sequence[float], dyad: int, mode: int) -> None:
-        """Keep the structure, and which link of the dyad drives."""
         self._layout, self._dyad_lengths, self._signs = layout, dyad_lengths, signs
         self._dyad, self.mode = dyad, mode
         stage = layout.stages[dyad]
@@ -59,7 +58,6 @@ class SeenFromLink:
         hanging = hangings(n, self._layout, self._dyad_lengths, self._signs)
 
         def coefficients(position: Scalar) -> list[LinkMotion]:
-            """Return the curves of all links: crank, this dyad as it is driven, other dyads."""
             crank, first, second = inverse(position)
             poses, curves = Poses(hanging, Driven(crank, EXACT)), [crank]
             for i in range(len(hanging)):

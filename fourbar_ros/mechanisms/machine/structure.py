@@ -76,7 +76,6 @@ class Stage(NamedTuple):
 
     @property
     def can_lie_flat(self) -> bool:
-        """Return whether it is a pair whose branch goes on through flat positions."""
         return self.pair is not None and self.pair.can_lie_flat
 
     @property
@@ -85,7 +84,6 @@ class Stage(NamedTuple):
         return self.first if self.turns_first else self.second
 
     def slides(self) -> list[str]:
-        """Return the names of the links that slide, in the order of the joints."""
         return [self.links[i] for i in SLIDES[self.kind].values()]
 
     def joints(self) -> list[tuple[str, str]]:
@@ -130,11 +128,9 @@ class Layout(NamedTuple):
 
     @property
     def driven(self) -> str:
-        """Return the name of the driven link."""
         return self.links[1]
 
     def turning(self) -> set[str]:
-        """Return the names of the links that turn against the ground."""
         turns = [0, int(self.driven == CRANK_LINK)]     # equal numbers: they turn together
         for stage in self.stages:
             of_first, of_second, new = turns[stage.first], turns[stage.second], stage.link
@@ -143,7 +139,6 @@ class Layout(NamedTuple):
         return {name for name, turn in zip(self.links, turns) if turn != turns[self.ground]}
 
     def slides(self) -> list[str]:
-        """Return the names of the links that slide."""
         driven = [SLIDER_LINK] if self.driven == SLIDER_LINK else []
         return driven + [link for stage in self.stages for link in stage.slides()]
 
@@ -160,12 +155,10 @@ class Layout(NamedTuple):
 
 
 def coordinate(name: str) -> parts.Coordinate:
-    """Return the coordinate of the angle of a link or a pin."""
     return parts.Coordinate(f'theta_{name}', f'omega_{name}', f'alpha_{name}')
 
 
 def travel(link: str) -> parts.Coordinate:
-    """Return the coordinate of a link that slides."""
     return parts.Coordinate(f'slide_{link}', f'slide_{link}_velocity',
                             f'slide_{link}_acceleration')
 
@@ -193,7 +186,6 @@ def motion_fields(layout: Layout) -> tuple[str, ...]:
 
 @cache
 def load_fields(layout: Layout) -> tuple[str, ...]:
-    """Return the names of the fields of loads, see :func:`.loads.make_loads`."""
     fields: list[str] = []
     for name, is_slide in layout.joints():
         fields += (f'{name}_x', f'{name}_y', name)
@@ -298,7 +290,6 @@ def output_of(layout: Layout) -> parts.Output:
 
 
 def _outputs(layout: Layout, driven: parts.Coordinate) -> tuple[parts.Output, ...]:
-    """Return all outputs, the one that the machine is used for first."""
     turning = layout.turning()
     every = [output_of(layout),
              *(parts.Output(coordinate(link), f'ratio_{link}') for link in layout.moving

@@ -102,7 +102,6 @@ class Driven(NamedTuple):
 
 
 def between(at_p: Node, at_q: Node) -> Node:
-    """Return D = Q - P."""
     return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
             at_q[4] - at_p[4], at_q[5] - at_p[5])
 
@@ -192,7 +191,6 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> D
     per_sine = 1.0 / sin_g
 
     def split(x: Scalar, y: Scalar, tx: Scalar, ty: Scalar) -> tuple[Scalar, Scalar]:
-        """Return the parts of (x, y) along the slide t and along the slot c."""
         across = (y * tx - x * ty) * per_sine                                          # (D10)
         return x * tx + y * ty - across * cos_g, across
 

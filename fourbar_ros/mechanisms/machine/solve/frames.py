@@ -72,12 +72,9 @@ class Hanging(NamedTuple):
 
 def hangings(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
              signs: Sequence[Scalar]) -> list[Hanging]:
-    """
-    Return how the dyads hang, in their order.
-
-    A pair has a motion of its own: the general form would lose digits. ``dyad_lengths``: of each
-    dyad (:func:`.pairs.shaped`); ``signs``: its assembly mode as +-1.
-    """
+    """Return how the dyads hang, in their order."""
+    # A pair has a motion of its own: the general form would lose digits. dyad_lengths: of each
+    # dyad (shaped()); signs: its assembly mode as +-1.
     joints, hanging = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):
         both, pair = (stage.first, stage.second), stage.pair
@@ -95,11 +92,7 @@ def hangings(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
 
 
 def composed(frame: LinkMotion, inner: LinkMotion) -> LinkMotion:
-    """
-    Return the curve of a link from its ``inner`` one, as seen in a frame, and the frame's, (K1).
-
-    OnLink, direction and derivatives add up as of a body on a carrier that moves and turns.
-    """
+    """Return the curve of a link from its ``inner`` one, in a frame, and of the frame, (K1)."""
     x, y, c, s = inner.x, inner.y, frame.cosine, frame.sine
     turn, bend = frame.omega, frame.alpha
     a_x, a_y = (inner.a_x - 2.0 * turn * inner.v_y - bend * y - turn * turn * x,
@@ -155,12 +148,9 @@ def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
 
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
-    """
-    Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (K2).
-
-    ``sign``: of the sine of the angle from O1-base to O1-pin; ``lengths``: pin on the crank, base
-    on the frame, their distances from O1 for ``shape``.
-    """
+    """Return the crank, and the rod, at a length s of the cylinder that turns it [m], by (K2)."""
+    # sign: of the sine of the angle from O1-base to O1-pin; lengths: pin on the crank, base on the
+    # frame, their distances from O1 for shape.
     (along, across), (base_x, base_y), (rho, b) = lengths.p, lengths.q, lengths.shape
     per, per_rho, per_b = 1.0 / n.power_of_two(rho, b), 1.0 / rho, 1.0 / b
     of_pin = along * per_rho, -across * per_rho         # turned back from the crank
@@ -195,7 +185,6 @@ class Poses:
     """
 
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
-        """Start with the driven link (see :class:`.Driven`)."""
         self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half
         self.curves, self.dyads = {0: FIXED, 1: driven.curve}, dict[int, DyadMotion]()
         # {(link, link it is pinned to): direction of the first seen from the second}
@@ -270,12 +259,9 @@ class Poses:
         return curves
 
     def seen_from(self, ground: int, joints: Joints) -> list[LinkMotion]:
-        """
-        Return all curves as a link sees them, from that outward; the frame takes its index.
-
-        Each link as one that it is joined to sees it: differences of what the frame sees would
-        lose digits of small loads, all of them next to a toggle.
-        """
+        """Return all curves as a link sees them, from that outward; the frame takes its index."""
+        # Each link as one that it is joined to sees it: differences of what the frame sees would
+        # lose digits of small loads, all of them next to a toggle.
         seen, reached = {ground: FIXED}, [ground]
         for carrier in reached:
             for link, curve in self._joined_to(carrier, joints):

@@ -259,11 +259,8 @@ class MachineFriction:
 
     def _sizes(self, joints: Sequence[Rubbing],
                affine: Sequence[tuple[LinearForm, LinearForm]]) -> tuple[list[Any], Scalar]:
-        """
-        Return the sizes of the dry efforts of joints, and NaN where they lock, else 0.
-
-        ``affine``: what each feels as linear forms of all of these sizes.
-        """
+        """Return the sizes of the dry efforts of joints, and NaN where they lock, else 0."""
+        # affine: what each feels as linear forms of all of these sizes.
         at_none, *columns = [[(x.coefficient(name), y.coefficient(name)) for x, y in affine]
                              for name in (CONSTANT, *[joint.name for joint in joints])]
         return solved(self._n, [self._law(joint.name, joint.slide is not None)
@@ -271,17 +268,13 @@ class MachineFriction:
             :None if any(self._dry[joint.name] for joint in joints) else -1])[:2]
 
     def _tell(self, joints: Sequence[tuple[Rubbing, Felt]], locks: Scalar) -> None:
-        """Tell of joints that are solved together, and of what they feel."""
         edges = [edge for joint, felt in joints for edge in (joint.moving, *self._edges(
             joint.name, joint.slide is not None, felt))]
         self._told.append(Told([joint.name for joint, _ in joints], locks, edges))
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
-        """
-        Return the drive with the friction of the driven joint and of the drive itself.
-
-        ``first``, ``second``: what that joint feels.
-        """
+        """Return the drive with the friction of the driven joint and of the drive itself."""
+        # first, second: what that joint feels.
         is_slide, by_joint = self._layout.driver == SLIDE, self._by_joint
         if BASE in by_joint and self._layout.driver != CYLINDER:
             friction = by_joint[BASE]
@@ -298,7 +291,6 @@ class MachineFriction:
         return drive
 
     def _size_at_base(self, is_slide: bool, felt: Felt) -> Scalar:
-        """Return the size of the dry effort of the driven joint."""
         self._told.append(Told([BASE], 0.0, self._edges(BASE, is_slide, felt)))
         return _dot(self._law(BASE, is_slide)(felt), felt)
 
@@ -398,7 +390,6 @@ class OpenFriction(MachineFriction):
 
 def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]
            ) -> DyadForces:
-    """Return the forces of a dyad with what friction adds at its joints."""
     for effort, of in zip(efforts, joints):
         if of.joint == BASE:
             continue
@@ -413,15 +404,12 @@ def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbi
 def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Sequence[Felt],
            columns: Sequence[Sequence[Felt]], shares: Sequence[float], by_minors: bool = True,
            near: Sequence[Felt] | None = None) -> tuple[list[Scalar], Scalar, list[Felt]]:
-    """
-    Return the sizes of efforts by (J3), NaN where they lock, else 0, and what is felt then.
-
-    ``laws``: of each joint what it feels -> slopes of (J1); ``at_none``: what each feels without
-    efforts; ``columns``: by effort what each feels of an effort of one; ``shares``: of the
-    friction, in each iteration; ``by_minors``: for up to four joints, by cofactors and with all
-    principal minors, else by pivots, of which all must be positive; ``near``: what is felt, about,
-    from where two iterations are enough.
-    """
+    """Return the sizes of efforts by (J3), NaN where they lock, else 0, and what is felt then."""
+    # laws: of each joint what it feels -> slopes of (J1); at_none: what each feels without
+    # efforts; columns: by effort what each feels of an effort of one; shares: of the friction, in
+    # each iteration; by_minors: for up to four joints, by cofactors and with all principal minors,
+    # else by pivots, of which all must be positive; near: what is felt, about, from where two
+    # iterations are enough.
     felt, sizes, matrix = list(near or at_none), [0.0] * len(laws), list[list[Scalar]]()
     before, solution = sizes, partial(_solution, n) if by_minors else _without_pivots
     for share in shares:
@@ -497,7 +485,6 @@ def _reduced(matrix: Matrix, right: Sequence[Scalar]) -> list[list[Scalar]]:
 
 
 def _without_pivots(matrix: Matrix, right: Sequence[Scalar]) -> list[Scalar]:
-    """Return the solution of linear equations."""
     solution = [0.0] * len(matrix)
     for k, row in reversed(list(enumerate(_reduced(matrix, right)))):
         rest = row[-1]

@@ -95,16 +95,13 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
                 unit: Scalar = 1.0, lengths_of_reversed: Mapping[str, Scalar] = NONE_REVERSED,
                 borne: Collection[str] = (), friction: MachineFriction | None = None
                 ) -> tuple[Scalar, ...]:
-    """
-    Return the fields of :func:`.structure.load_fields`.
-
-    ``curves``, ``needs``: of the moving links by name, curves at unit rate of the input;
-    ``slides``, ``sines``: of each dyad; ``unit``: of lengths [m], so that moments are in N unit.
-    ``lengths_of_reversed``: of links that the machine takes from their other joint on.
-    ``borne``: links on first joints that the ground holds, if that moves in the frame. The force
-    that such a link needs is borne there; it is left out of all forces of joints, where a weight
-    on O1 would spoil those at A. ``friction``: of the joints, if any has.
-    """
+    """Return the fields of :func:`.structure.load_fields`."""
+    # curves, needs: of the moving links by name, curves at unit rate of the input; slides, sines:
+    # of each dyad; unit: of lengths [m], so that moments are in N unit. lengths_of_reversed: of
+    # links that the machine takes from their other joint on. borne: links on first joints that the
+    # ground holds, if that moves in the frame. The force that such a link needs is borne there; it
+    # is left out of all forces of joints, where a weight on O1 would spoil those at A. friction:
+    # of the joints, if any has.
     drive = shake_x = shake_y = shaking_moment = 0.0
     of_ground = Needs(Vector(0.0, 0.0), 0.0)
     for link, (force, moment) in needs.items():
@@ -176,12 +173,9 @@ def borne_at(layout: Layout, stage: Stage, forces: Mapping[str, Vector]) -> dict
 
 def arm_of(stage: Stage, lengths: DyadLengths, which: int, slides: Sequence[Scalar]
            ) -> tuple[Scalar, Scalar]:
-    """
-    Return the arm of a force of a dyad: where a link of it begins on the link it hangs on.
-
-    (along, across) from the first joint of that one. Differences of places on the ground would
-    lose digits far from O1. ``which``: 0 the first of its links, 1 the second.
-    """
+    """Return the arm of a force of a dyad: where a link of it begins on the link it hangs on."""
+    # (along, across) from the first joint of that one. Differences of places on the ground would
+    # lose digits far from O1. which: 0 the first of its links, 1 the second.
     for k, (link, (carrier, start, (c, s))) in enumerate(slides_of(stage, lengths)):
         if (link, carrier) == (stage.link + which, (stage.first, stage.second)[which]):
             return start[0] + slides[k] * c, start[1] + slides[k] * s

@@ -34,13 +34,10 @@ EXACT: Errors = (0.0, 0.0)
 
 def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, second: Errors,
               moved: DyadMotion) -> tuple[Errors, Errors]:
-    """
-    Return (error of the first joint [m], of the angle [rad]) of both links of a dyad.
-
-    A bound, by (V1) to (V4), of how far relative errors of the lengths move and turn them.
-    ``first``, ``second``: errors of the links it hangs on. First joints are P and Q of RRR and
-    RPR, P and B of RRP and RPP, B of PRP.
-    """
+    """Return (error of the first joint [m], of the angle [rad]) of both links of a dyad."""
+    # A bound, by (V1) to (V4), of how far relative errors of the lengths move and turn them.
+    # first, second: errors of the links it hangs on. First joints are P and Q of RRR and RPR, P
+    # and B of RRP and RPP, B of PRP.
     fabs, (reach_p, reach_q), sizes = n.fabs, lengths.reach, lengths.sizes
     at_p = first[0] + reach_p * (1.0 + first[1])
     at_q = second[0] + reach_q * (1.0 + second[1])
@@ -66,11 +63,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
 def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
               signs: Sequence[Scalar], position: Scalar, rate: Scalar,
               acceleration: Scalar) -> tuple[Scalar, ...]:
-    """
-    Return the fields of :func:`.structure.motion_fields`: links, slides, pins, angles, curves.
-
-    ``dyad_lengths``, ``signs``: as for :func:`.frames.pose_of`.
-    """
+    """Return the fields of :func:`.structure.motion_fields`; arguments as of :func:`.pose_of`."""
     driven = driven_link(n, layout, dyad_lengths, signs, position)
     pose = pose_of(n, layout, dyad_lengths, signs, driven)
     curves, dyad_motions = [*pose.curves.values()], [*pose.dyads.values()]
@@ -94,7 +87,6 @@ def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     fields, square = dict[str, Scalar](), rate * rate
 
     def add(names: Coordinate, value: Scalar, slope: Scalar, bend: Scalar) -> None:
-        """Add a coordinate, its rate and acceleration, from its derivatives by the input."""
         fields.update(zip(names, (value, slope * rate, slope * acceleration + bend * square)))
 
     for link, curve in zip(layout.moving, curves[1:]):

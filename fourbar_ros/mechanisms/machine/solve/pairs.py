@@ -99,7 +99,6 @@ class Joints:
                 self.slides[link, carrier] = start, direction
 
     def pin(self, link: int, frame: int) -> OnBoth:
-        """Return where two links are pinned to each other, on the first and on the second."""
         return (self.pins[link, frame] if (link, frame) in self.pins
                 else self.pins[frame, link][::-1])
 
@@ -117,11 +116,8 @@ class Joints:
 
 def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
                is_cosine_positive: bool) -> HalfAngle:
-    """
-    Return half of an angle that does not turn fully, without cancellation, (P1).
-
-    The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
-    """
+    """Return half of an angle that does not turn fully, without cancellation, (P1)."""
+    # The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
     where, is_ahead, is_left = n.where, cos_x.real > 0.0, sin_x.real > 0.0
     size = 1.0 + n.fabs(cos_x)
     large = 0.5 * size
@@ -176,14 +172,11 @@ def not_zero(n: NumberType, length: Scalar) -> Scalar:
 
 def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
            ) -> list[DyadLengths]:
-    """
-    Return the lengths of all dyads with what follows from them once and for all.
-
-    That is ``reach``, and of a pair ``shape``: with a pin (|a|, |g|, cosine and sine of half the
-    angle from g to a, of g), of RRP (|a|, distance of the line from O, cosine and sine of half the
-    angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
-    slide is zero, e, its cosine and sine).
-    """
+    """Return the lengths of all dyads with what follows from them once and for all."""
+    # That is reach, and of a pair shape: with a pin (|a|, |g|, cosine and sine of half the angle
+    # from g to a, of g), of RRP (|a|, distance of the line from O, cosine and sine of half the
+    # angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
+    # slide is zero, e, its cosine and sine).
     joints, with_shapes = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
@@ -207,11 +200,8 @@ def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple
 
 def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
-    """
-    Return how RRR moves as coupler and output link of a 4R linkage.
-
-    The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
-    """
+    """Return how RRR moves as coupler and output link of a 4R linkage."""
+    # The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
     angle = ends.relative
     a1, a4, half_0, *of_g = lengths.shape
     first, of_0 = stage.turns_first, turned_by(half_0, half_0)
@@ -239,11 +229,8 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
 
 def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
-    """
-    Return how RRP moves as rod and block of a slider-crank.
-
-    The frame has the line of the block; the crank is a, from the pin O to P on the moving link.
-    """
+    """Return how RRP moves as rod and block of a slider-crank."""
+    # The frame has the line of the block; the crank is a, from the pin O to P on the moving link.
     angle = ends.relative
     (a1, e, half_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), turned_by(half_0, half_0)
@@ -303,11 +290,8 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
               ends: Ends) -> DyadMotion:
-    """
-    Return how RRR moves as crank and coupler of a slider-crank.
-
-    Its slider drives: that link on which the dyad hangs that slides in the second one.
-    """
+    """Return how RRR moves as crank and coupler of a slider-crank."""
+    # Its slider drives: that link on which the dyad hangs that slides in the second one.
     slide = ends.relative
     (shift, e, *line), first = lengths.shape, stage.turns_first
     on_moving, on_frame = lengths.sizes if first else lengths.sizes[::-1]
