@@ -15,10 +15,13 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 def node(context):
     """Return the node, its scene found."""
+    further = LaunchConfiguration('params_file').perform(context)
     return [Node(
         package='fourbar_ros', executable='fourbar_node', output='screen',
         name=LaunchConfiguration('name'), namespace=LaunchConfiguration('namespace'),
-        parameters=[str(find(LaunchConfiguration('scene').perform(context))), {
+        respawn=LaunchConfiguration('respawn').perform(context) == 'true', respawn_delay=1.0,
+        parameters=[str(find(LaunchConfiguration('scene').perform(context))), *filter(
+            None, further.split(',')), {
             'use_sim_time': ParameterValue(LaunchConfiguration('use_sim_time'), value_type=bool)}],
         arguments=['--ros-args', '--log-level', LaunchConfiguration('log_level')])]
 
@@ -28,11 +31,16 @@ def generate_launch_description():
     return LaunchDescription([
         DeclareLaunchArgument('scene', default_value='paper',
                               description='a parameter file, or a name of fourbar list'),
+        DeclareLaunchArgument('params_file', default_value='',
+                              description='further parameter files, divided by commas: what they '
+                                          'give replaces that of the scene'),
         DeclareLaunchArgument('name', default_value='fourbar', description='name of the node'),
         DeclareLaunchArgument('namespace', default_value='',
                               description='namespace of the node and its topics'),
         DeclareLaunchArgument('use_sim_time', default_value='false', choices=['true', 'false'],
                               description='follow /clock'),
+        DeclareLaunchArgument('respawn', default_value='false', choices=['true', 'false'],
+                              description='start the node again if it ends'),
         DeclareLaunchArgument('log_level', default_value='info',
                               choices=['debug', 'info', 'warn', 'error', 'fatal'],
                               description='least severity that is logged'),

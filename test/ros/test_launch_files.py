@@ -18,6 +18,7 @@ from fourbar_msgs.msg import Motion
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import load
 import pytest
+from rcl_interfaces.srv import GetParameters
 from support import ROOT
 from support.harness import PATIENCE
 from support.power import power
@@ -71,9 +72,11 @@ def of_python(file, given):
     def text(value):
         return value.perform(context) if isinstance(value, Configuration) else value
     for node in started:
-        file, others = node.parameters
+        *files, others = node.parameters
+        assert node.respawn == (given.get('respawn') == 'true')
         yield [*map(text, node.arguments), '--ros-args', '-r', f'__ns:={text(node.namespace)}',
-               '-r', f'__node:={text(node.name)}', '--params-file', file,
+               '-r', f'__node:={text(node.name)}',
+               *(word for file in files for word in ('--params-file', str(file))),
                *(part for name, value in others.items() for part in ('-p',
                                                                      f'{name}:={text(value)}'))]
 
@@ -94,6 +97,25 @@ def of_yaml(file, given):
         yield [*node.get('args', '').split(), '--ros-args',
                *(part for rule in rules for part in ('-r', rule)), '--params-file',
                parameters['from'].replace('$(dirname)', str(file.parent))]
+
+
+def test_further_parameter_files_replace_what_the_scene_gives(client, monkeypatch, tmp_path):
+    for module, made in stand_ins().items():
+        monkeypatch.setitem(sys.modules, module, made)
+    for name, value in ('first', 2.0), ('second', 3.0):
+        (tmp_path / f'{name}.yaml').write_text(
+            f'/**: {{ros__parameters: {{drive: {{speed: {value}}}}}}}')
+    command, = of_python(ROOT / 'launch/fourbar.launch.py', {
+        'params_file': f'{tmp_path}/first.yaml,{tmp_path}/second.yaml', 'respawn': 'true',
+        'namespace': '/'})
+    process = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', *command],
+                               cwd=tmp_path)
+    try:
+        (speed,) = client.ask(GetParameters, names=['drive.speed']).values
+        assert speed.double_value == 3.0
+    finally:
+        process.terminate()
+        assert process.wait(PATIENCE) == 0
 
 
 @pytest.mark.parametrize('name', LAUNCHED)

@@ -2,13 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """A live change is made beside the stream: no input waits for it."""
 from itertools import count
-from math import isnan
+from math import inf, isnan
 
 from fourbar_ros import Base
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import pytest
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.msg import LoggerLevel
+from rcl_interfaces.srv import (
+    DescribeParameters,
+    GetLoggerLevels,
+    SetLoggerLevels,
+    SetParameters,
+)
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import Imu, JointState
 from support.harness import set_parameters
@@ -179,3 +185,40 @@ def test_messages_are_packed_anew_only_for_another_frame_or_structure(change):
         assert writer_of(OUTPUTS[name], other, other.layout, writer) is writer
         again = writer_of(OUTPUTS[name], longer, longer.layout, writer)
         assert (again is writer) is (name == 'loads')    # the state has the change-point margin
+
+
+def test_descriptors_have_the_limits_of_the_table_and_a_refusal_says_them(run_node, client):
+    run_node({**LOADED, 'drive.source': 'timer'})
+    described = {each.name: each for each in client.ask(DescribeParameters, names=[
+        'drive.rate', 'linkage.a1', 'pictures.rate', 'drive.speed', 'linkage.mode',
+        'linkage.offset', 'drive.top_speed']).descriptors}
+    limits = {name: [(limit.from_value, limit.to_value) for limit in (
+        *each.floating_point_range, *each.integer_range)] for name, each in described.items()}
+    assert limits == {'drive.rate': [(0.001, 5000.0)], 'linkage.a1': [],
+                      'pictures.rate': [(0.0, inf)], 'drive.speed': [],
+                      'linkage.mode': [(1, 2)], 'linkage.offset': [],
+                      'drive.top_speed': []}       # may be not given: NaN
+    for name, value, words in (
+            ('drive.rate', 5001.0, 'drive.rate = 5001.0: must lie in [0.001, 5000]'),
+            ('pictures.rate', -1.0, 'pictures.rate = -1.0: must'),
+            ('linkage.mode', 3, 'linkage.mode = 3: must')):
+        (answer,) = set_parameters(client, {name: value})
+        assert not answer.successful and answer.reason.startswith(words), answer.reason
+    (answer,) = set_parameters(client, {'drive.rate': 5000.0})
+    assert answer.successful, answer.reason
+
+
+def test_the_level_of_the_log_is_set_by_a_service(run_node, client):
+    run_node(LOADED)
+    debug = LoggerLevel.LOG_LEVEL_DEBUG
+    (answer,) = client.ask(SetLoggerLevels, levels=[LoggerLevel(name='fourbar', level=debug)]
+                           ).results
+    assert answer.successful, answer.reason
+    (level,) = client.ask(GetLoggerLevels, names=['fourbar']).levels
+    assert level.level == debug
+
+
+def test_evaluate_lists_what_a_scene_has_by_name_and_unit(run_node, client):
+    run_node(LOADED)
+    values = {each.name: each.unit for each in client.call('evaluate', position=0.5).values}
+    assert values['theta4'] == 'rad' and values['f41'] == 'N' and values['driving_torque'] == 'N m'

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
-from math import inf
+from math import copysign, inf, isnan
 from pathlib import Path
 import time
 from typing import Any, TYPE_CHECKING, Union
@@ -30,6 +30,7 @@ if TYPE_CHECKING:      # only the scenes that want it
     from fourbar_ros.ros.node.topic_input import TopicInput
 
 PAUSE = 5e-5           # [s] between two pieces of a change
+UNLIMITED = 1e9        # a limit of a parameter from here on is no slider's
 LOOK = 0.1             # [s] between two looks whether the node stops
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
@@ -48,7 +49,8 @@ class FourBarNode(GuardedNode):
         if further:     # set here: a namespace on the command line would override it
             full = '/'.join(filter(None, (namespace.strip('/'), further)))
             kwargs['cli_args'] = ['--ros-args', '-r', f'__ns:=/{full}']
-        super().__init__(name, automatically_declare_parameters_from_overrides=True, **kwargs)
+        super().__init__(name, automatically_declare_parameters_from_overrides=True,
+                         enable_logger_service=True, **kwargs)
         scene = scene_of(self, arguments)
         # nothing is created before all is checked: a node that hears its own answers is refused
         self._check(scene)
@@ -240,13 +242,21 @@ def let_inputs_pass() -> None:
 
 
 def descriptor(parameter: Parameter) -> msg.ParameterDescriptor:
-    """Return the ROS descriptor of a parameter: type, text with unit, limits, whether fixed."""
+    """
+    Return the ROS descriptor of a parameter: type, text with unit, limits, whether fixed.
+
+    What may be left out, as NaN, has no limits there: rclpy finds NaN beyond them.
+    """
     unit = f' [{parameter.unit}]' if parameter.unit else ''
-    ranges = []
-    if parameter.type == 'integer' and parameter.high < inf:
-        ranges = [msg.IntegerRange(from_value=int(parameter.low), to_value=int(parameter.high))]
+    low, high = (limit if abs(limit) < UNLIMITED else copysign(inf, limit) for limit in (
+        max(parameter.low, 0.0) if parameter.positive else parameter.low, parameter.high))
+    integers, floats = [], []
+    if parameter.type == 'integer' and high < inf:
+        integers = [msg.IntegerRange(from_value=int(low), to_value=int(high))]
+    elif parameter.type == 'double' and max(low, -high) > -inf and not isnan(parameter.default):
+        floats = [msg.FloatingPointRange(from_value=low, to_value=high)]
     return msg.ParameterDescriptor(
         name=parameter.name, type=_ROS_TYPES[parameter.type], read_only=not parameter.live,
-        integer_range=ranges, description=parameter.text + unit,
+        integer_range=integers, floating_point_range=floats, description=parameter.text + unit,
         dynamic_typing=parameter.type in ('strings', 'doubles'),  # an empty list is one of bytes
         additional_constraints=parameter.allowed)

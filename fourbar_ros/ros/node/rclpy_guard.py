@@ -141,16 +141,18 @@ def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParamete
 
     A client sends 3 as an integer, 40mm as a string, and an empty list as one of bytes; rclpy
     refuses them for a parameter of doubles. ``values``: of the scene. InvalidParameter for a text
-    that is no number.
+    that is no number, and for a number beyond the limits.
     """
     declared, types = find_parameter(parameter.name), RosParameter.Type
     if not declared or not declared.live:       # rclpy refuses what is fixed
         return parameter
     kind = declared.type
     is_empty = parameter.type_.name.endswith('_ARRAY') and not len(parameter.value)
-    if kind == 'double' and parameter.type_ in (types.INTEGER, types.STRING):
+    if kind == 'double' and parameter.type_ in (types.DOUBLE, types.INTEGER, types.STRING):
         return RosParameter(parameter.name, types.DOUBLE,
                             check_value(declared, parameter.value, values))
+    if kind == 'integer' and parameter.type_ is types.INTEGER:      # says more than rclpy's range
+        check_value(declared, parameter.value, values)
     if kind == 'doubles' and (
             is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
         numbers = check_value(declared, list(parameter.value), values)
