@@ -703,7 +703,7 @@ def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state
 
     def edges_at(time: float, state: Sequence[float]) -> Sequence[float]:
         try:
-            edges: Sequence[float] = resisting(time, state)[-1].edges
+            edges: Sequence[float] = resisting(time, state).resistance.edges
             return edges
         except (FourBarError, ArithmeticError):      # no step of the integrator ends there
             return ()

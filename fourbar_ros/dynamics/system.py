@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
-from typing import Any
+from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
-from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.equation import Equation, Resistance
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import InvalidParameter, Locked
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
@@ -28,6 +28,17 @@ from fourbar_ros.numerics.number_types import Function
 State = Sequence[float]
 SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
 NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
+
+
+class Resisted(NamedTuple):
+    """The parts of (E9), with friction and forces one way, at a state."""
+
+    rate: float               # w
+    source_change: State      # derivatives of the source's states
+    couples: float            # T + C - D w
+    push: float               # Q - D w - J'/2 w^2 + T
+    inertia: float            # J
+    resistance: Resistance    # R
 
 
 class System:
@@ -163,21 +174,17 @@ class System:
 
         def with_resistance(time: float, state: State) -> tuple[float, ...]:
             assert resisting is not None
-            rate, change, couples, push, inertia, resistance = resisting(time, state)
-            return (rate, (push - resistance.effort) / inertia, *change,
-                    resistance.friction * rate, (couples - resistance.effort) * rate)
+            at = resisting(time, state)
+            effort, friction = at.resistance.effort, at.resistance.friction
+            return (at.rate, (at.push - effort) / at.inertia, *at.source_change,
+                    friction * at.rate, (at.couples - effort) * at.rate)
         return (conservative if self.is_conservative else with_resistance if resisting else driven)
 
     def make_resisting(self, coordinate: MotionCoordinate) -> Function:
-        """
-        Return (time, state) -> the parts of (E9) with friction and forces one way.
-
-        That is w, the derivatives of the source's states, T + C - D w, the push as of
-        :func:`.make_resistance`, J and its :class:`.Resistance`. Raises Locked.
-        """
+        """Return (time, state) -> :class:`Resisted`, which raises Locked."""
         terms_of, resistance = coordinate.equation.full_terms, coordinate.equation.resistance
 
-        def resisting(time: float, state: State) -> tuple[Any, ...]:
+        def resisting(time: float, state: State) -> Resisted:
             position, rate = state[:2]
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
@@ -186,5 +193,5 @@ class System:
             resists = resistance(position, rate, push, inertia)
             if resists.friction != resists.friction:
                 raise self.locked(position)
-            return rate, change, torque + couples, push, inertia, resists
+            return Resisted(rate, change, torque + couples, push, inertia, resists)
         return resisting
