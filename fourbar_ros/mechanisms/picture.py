@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import singledispatch
-from math import hypot
+from math import copysign, hypot
 from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.mechanisms.curves import point_of, vector
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 ORIGIN = np.zeros(2)      # O1, and the pole of polygons
 X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
-BEYOND = 0.14      # length of the bar drawn beyond its block, over the size of the mechanism
+BEYOND = 0.14      # length of the bar drawn beyond its block, over crank and frame
+SAME = 1e-9        # points of a link that are nearer, over their distance, are one
 Points = Mapping[str, tuple[str, float, float]]      # {name: (link, along, across)}
 
 
@@ -46,6 +47,51 @@ class Block(NamedTuple):
     point: Array
     direction: Array
     is_guided: bool = False
+
+
+class Length(float):
+    """A length [m] that knows the parameter of a scene which it is: a page follows it."""
+
+    name: str
+
+    def __new__(cls, name: str, value: float) -> Length:
+        """Return the value of a parameter."""
+        length = super().__new__(cls, value)
+        length.name = name
+        return length
+
+
+class LinkPoint(NamedTuple):
+    """A point that is fixed to a link or to the ground [m]."""
+
+    link: str
+    along: float = 0.0
+    across: float = 0.0
+
+
+class Slide(NamedTuple):
+    """A block at a joint that slides along a direction of a link; ``is_guided``: on the ground."""
+
+    joint: str
+    link: str
+    direction: tuple[float, float] = (1.0, 0.0)
+    is_guided: bool = False
+
+
+class Outline(NamedTuple):
+    """
+    What is drawn of a mechanism, by points of its links; from it follow diagrams and pages.
+
+    ``plates`` are links of three points and more; bars are (start, end, width).
+    """
+
+    joints: Mapping[str, tuple[LinkPoint, ...]]     # {name: the point of each link there}
+    ground: tuple[str, ...]
+    bars: tuple[tuple[LinkPoint, LinkPoint, float], ...]
+    blocks: tuple[Slide, ...]
+    forces: Mapping[str, str]
+    angles: Mapping[str, str]
+    plates: tuple[tuple[LinkPoint, ...], ...] = ()
 
 
 class Diagram(NamedTuple):
@@ -140,42 +186,27 @@ _GUIDE = np.array([(-0.7, -0.11), (0.7, -0.11)])
 
 # --- diagrams ------------------------------------------------------------------------------------
 
-@singledispatch
 def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
-    """Return the diagram of a mechanism in one pose."""
-    # Each kind has a function below. This one draws machines: bars from joint to joint of each
-    # link, blocks on slides.
-    machine = cast('Machine', mechanism)
-    layout, joints = machine.layout, _joints_of(machine, motion)
-    ground = layout.ground              # its index among the links
-    pivots = [] if machine.input == SLIDE or ground > 0 else [BASE]
-    rods, arms, blocks = [], [], []
-    for stage, dyad in zip(layout.stages, machine.stages):
-        names, slides = dict(stage.joints()), SLIDES[stage.kind]
-        pivots += [names[joint] for joint in ('first', 'second', 'inner')
-                   if joint not in slides and ground in stage.ends(joint)]
-        rods += [Bar(joints[names[joint]], joints[names['inner']])
-                 for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
-        # from the first joint of a link to the points of it at which the dyad hangs
-        arms += [Bar(_point(machine, motion, end.link), _point(machine, motion, *end))
-                 for end in (dyad.first, dyad.second)
-                 if end.link != GROUND and (end.along, end.across) != (0.0, 0.0)]
-        for joint, i in slides.items():
-            link = stage.links[i]
-            direction = X if link == GROUND else vector(getattr(motion, f'cos_{link}'),
-                                                        getattr(motion, f'sin_{link}'))
-            blocks.append(Block(joints[names[joint]], direction,
-                                joint != 'first' and ground in stage.ends(joint)))
-    if machine.input == SLIDE:
-        blocks.append(Block(joints[BASE], X, is_guided=True))
-    first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
-                    for link in machine.LINKS}
-    angles = {coordinate.position: first_joints.get(
-        coordinate.position.removeprefix('theta_'), BASE)
-        for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
-    return Diagram(joints, tuple(pivots),
-                   (*rods, *arms, *_third_sides(machine, motion, joints)), tuple(blocks),
-                   {name: name for name in joints}, angles)
+    """Return the diagram of a mechanism in one pose; the sides of a plate are bars."""
+    outline = outline_of(mechanism, motion)
+
+    def locate(point: LinkPoint) -> Array:
+        link, along, across = point
+        if link == GROUND:
+            return np.array((along, across))
+        x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
+        return vector(x, y)
+
+    joints = {name: locate(points[0]) for name, points in outline.joints.items()}
+    sides = [(start, end, 1.0) for first, *others in outline.plates
+             for start, end in (*((first, other) for other in others), *zip(others, others[1:]))]
+    blocks = []
+    for joint, link, direction, is_guided in outline.blocks:
+        turned = locate(LinkPoint(link, *direction)) - locate(LinkPoint(link))
+        blocks.append(Block(joints[joint], turned, is_guided))
+    return Diagram(joints, outline.ground, tuple([
+        Bar(locate(start), locate(end), width) for start, end, width in (*outline.bars, *sides)]),
+        tuple(blocks), outline.forces, outline.angles)
 
 
 # {kind of dyad: {joint: index of the link that is drawn from there to the inner joint}}, rods and
@@ -184,106 +215,140 @@ RODS = {'RRR': {'first': 0, 'second': 1}, 'RRP': {'first': 0}, 'RPR': {'second':
         'RPP': {'second': 1}, 'PRP': {}}
 
 
-def _point(mechanism: Mechanism, motion: NamedFields, link: str, along: float = 0.0,
-           across: float = 0.0) -> Array:
-    """Return a point of a link or of the ground in one pose, shape (2,) [m]."""
-    if link == GROUND:
-        return np.array((along, across))
-    x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
-    return vector(x, y)
+@singledispatch
+def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
+    """Return what is drawn of a mechanism; only the side of a bar with a block is of the pose."""
+    # Each kind has a function below. This one draws machines: bars from joint to joint of each
+    # link, plates, blocks on slides.
+    machine = cast('Machine', mechanism)
+    layout, ground = machine.layout, machine.layout.ground      # its index among the links
+    base = LinkPoint(layout.driven)
+    joints: dict[str, tuple[LinkPoint, ...]] = {BASE: (base,)}
+    pivots = list[str]()
+    if machine.input != SLIDE and ground == 0:
+        joints, pivots = {BASE: (base, LinkPoint(GROUND))}, [BASE]
+    bars, blocks = list[tuple[LinkPoint, LinkPoint, float]](), list[Slide]()
+    # points of each link, by which it is stated, and where they are on it
+    corners: dict[str, list[tuple[LinkPoint, LinkPoint]]] = {link: [] for link in layout.links}
 
+    def corner(link: str, stated: LinkPoint, along: float = 0.0, across: float = 0.0) -> None:
+        size = hypot(along, across) + machine.input_unit
+        if all(hypot(along - on.along, across - on.across) > SAME * size
+               for _, on in corners[link]):
+            corners[link].append((stated, LinkPoint(link, along, across)))
 
-def _joints_of(machine: Machine, motion: NamedFields) -> dict[str, Array]:
-    """Return {joint: its point [m]} in one pose; a slide is where its block is."""
-    points = {BASE: _point(machine, motion, machine.layout.driven)}
-    for stage, dyad in zip(machine.layout.stages, machine.stages):
-        ends, slides = {'first': dyad.first, 'second': dyad.second}, SLIDES[stage.kind]
-        for joint, name in stage.joints():
+    corner(layout.driven, base)
+    for stage, dyad in zip(layout.stages, machine.stages):
+        names, slides, (first, second) = dict(stage.joints()), SLIDES[stage.kind], stage.links
+        joints |= dict.fromkeys(names.values(), ())         # in their order
+        group, ends = f'dyads.{dyad.name}', {'first': 'first', 'second': 'second'}
+        if dyad not in machine.dyads:
+            group, ends = 'cylinder', {'first': 'pin', 'second': 'base'}
+        lengths = [Length(f'{group}.length_{i}', length or 0.0)
+                   for i, length in enumerate((dyad.length_1, dyad.length_2), 1)]
+        pivots += [names[joint] for joint in ('first', 'second', 'inner')
+                   if joint not in slides and ground in stage.ends(joint)]
+        for joint, link in zip(('first', 'second'), stage.links):
+            carrier = getattr(dyad, joint)
+            held = LinkPoint(carrier.link, *(
+                Length(f'{group}.{ends[joint]}.{field}', getattr(carrier, field))
+                for field in ('along', 'across')))
             if joint in slides:
-                points[name] = _point(machine, motion, stage.links[slides[joint]])
-            elif joint in ends:
-                points[name] = _point(machine, motion, *ends[joint])
-            else:                   # the end of a rod, or where the two carriages of PRP meet
-                along = 0.0 if stage.kind == 'PRP' else cast('float', dyad.length_1)
-                points[name] = _point(machine, motion, stage.links[0], along)
-    return points
-
-
-def _third_sides(machine: Machine, motion: NamedFields, joints: Mapping[str, Array]) -> list[Bar]:
-    """Return the sides of links of three and more joints that do not begin at the first joint."""
-    # motion is of a single pose; joints are its points by name, shape (2,) each.
-    corners: dict[str, list[Array]] = {link: [] for link in machine.layout.links}
-    corners[machine.layout.driven].append(joints[BASE])
-    for stage, dyad in zip(machine.layout.stages, machine.stages):
-        names, slides = dict(stage.joints()), SLIDES[stage.kind]
-        for joint, link, carrier in (('first', stage.links[0], dyad.first),
-                                     ('second', stage.links[1], dyad.second)):
-            if joint not in slides:
-                corners[link].append(joints[names[joint]])
-            corners[carrier.link].append(_point(machine, motion, *carrier))
-        block = slides.get('inner')             # which of the links, where the inner joint slides
-        for i, link in enumerate(stage.links):
-            if block is None or i == block:     # the block is no corner of the bar it slides on
-                corners[link].append(joints[names['inner']])
+                joints[names[joint]] = (LinkPoint(link),)
+                corner(carrier.link, held, carrier.along, carrier.across)
+                continue
+            # the first joint of its link follows all lengths
+            joints[names[joint]] = (LinkPoint(link), held)
+            corner(link, LinkPoint(link))
+            corner(carrier.link, LinkPoint(link), carrier.along, carrier.across)
+        along = 0.0 if stage.kind == 'PRP' else lengths[0]
+        inner = [LinkPoint(first, along), LinkPoint(second)]
+        if stage.kind == 'RRR':
+            inner[1] = LinkPoint(second, lengths[1])
+        if 'inner' in slides:
+            inner = [LinkPoint(stage.links[slides['inner']])]
+        else:
+            corner(first, inner[0], along)
+            if stage.kind == 'RRR':
+                corner(second, inner[1], lengths[1])
+        joints[names['inner']] = tuple(inner)
+        bars += [(joints[names[joint]][0], inner[0], 1.0) for joint, i in RODS[stage.kind].items()
+                 if stage.links[i] != GROUND]
+        blocks += [Slide(names[joint], stage.links[i],
+                         is_guided=joint != 'first' and ground in stage.ends(joint))
+                   for joint, i in slides.items()]
+    if machine.input == SLIDE:
+        blocks.append(Slide(BASE, layout.driven, is_guided=True))
     del corners[GROUND]
-    sides = []
-    for points in corners.values():
-        beyond = [point for point in points[1:] if np.hypot(*(point - points[0])) > 0.0]
-        sides += [Bar(start, end) for start, end in zip(beyond, beyond[1:])
-                  if np.hypot(*(start - end)) > 0.0]
-    return sides
+    plates = [tuple([stated for stated, _ in points]) for points in corners.values()]
+    bars += [(*plate, 1.0) for plate in plates if len(plate) == 2]
+    first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
+                    for link in machine.LINKS}
+    angles = {coordinate.position: first_joints.get(
+        coordinate.position.removeprefix('theta_'), BASE)
+        for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
+    return Outline(joints, tuple(pivots), tuple(dict.fromkeys(bars)), tuple(blocks),
+                   {name: name for name in joints}, angles,
+                   tuple([plate for plate in plates if len(plate) > 2]))
 
 
-@diagram_of.register(FourBarLinks)
-def _four_bar(mechanism: FourBarLinks, motion: Any) -> Diagram:
-    a = _point(mechanism, motion, 'crank', mechanism.a1)
-    b = _point(mechanism, motion, 'output', mechanism.a3)
-    o4 = _point(mechanism, motion, 'output')
-    return Diagram({'O_1': ORIGIN, 'A': a, 'B': b, 'O_4': o4}, ('O_1', 'O_4'),
-                   (Bar(ORIGIN, a), Bar(a, b), Bar(o4, b)), (),
+CRANK, OUTPUT = LinkPoint('crank'), LinkPoint('output')
+
+
+def _crank(mechanism: Any) -> dict[str, tuple[LinkPoint, ...]]:
+    return {'O_1': (LinkPoint(GROUND), CRANK),
+            'A': (LinkPoint('crank', Length('linkage.a1', mechanism.a1)), LinkPoint('coupler'))}
+
+
+@outline_of.register(FourBarLinks)
+def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
+    a2, a3, a4 = (Length(f'linkage.{name}', getattr(mechanism, name))
+                  for name in ('a2', 'a3', 'a4'))
+    joints = _crank(mechanism) | {
+        'B': (LinkPoint('output', a3), LinkPoint('coupler', a2)),
+        'O_4': (LinkPoint(GROUND, a4), OUTPUT)}
+    a, b = joints['A'][0], joints['B'][0]
+    return Outline(joints, ('O_1', 'O_4'), ((CRANK, a, 1.0), (a, b, 1.0), (OUTPUT, b, 1.0)), (),
                    {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
                    {'theta1': 'O_1', 'theta4': 'O_4'})
 
 
-@diagram_of.register(SliderCrank)
-def _slider_crank(mechanism: SliderCrank, motion: Any) -> Diagram:
-    a = _point(mechanism, motion, 'crank', mechanism.a1)
-    b = _point(mechanism, motion, 'output')
-    return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(ORIGIN, a), Bar(a, b)),
-                   (Block(b, X, is_guided=True),),
+@outline_of.register(SliderCrank)
+def _slider_crank(mechanism: SliderCrank, motion: Any) -> Outline:
+    joints = _crank(mechanism) | {'B': (OUTPUT,)}
+    a = joints['A'][0]
+    return Outline(joints, ('O_1',), ((CRANK, a, 1.0), (a, OUTPUT, 1.0)),
+                   (Slide('B', GROUND, is_guided=True),),
                    {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
 
 
-@diagram_of.register(ScotchYoke)
-def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Diagram:
-    a = _point(mechanism, motion, 'crank', mechanism.a1)
-    b = _point(mechanism, motion, 'output')
+@outline_of.register(ScotchYoke)
+def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
+    joints = _crank(mechanism) | {'B': (OUTPUT,)}
     # the slot of the yoke reaches over the whole travel of the block, and to the guide
-    slot = [b, *(b + (end - mechanism.offset) * Y
-                 for end in (-1.1 * mechanism.a1, 1.1 * mechanism.a1))]
-    low, _, high = sorted(slot, key=lambda point: float(point[1]))
-    return Diagram({'O_1': ORIGIN, 'A': a, 'B': b}, ('O_1',), (Bar(low, high), Bar(ORIGIN, a)),
-                   (Block(b, X, is_guided=True), Block(a, Y)),
+    low, _, high = sorted((0.0, *(end * mechanism.a1 - mechanism.offset for end in (-1.1, 1.1))))
+    return Outline(joints, ('O_1',), ((LinkPoint('output', 0.0, low), LinkPoint(
+        'output', 0.0, high), 1.0), (CRANK, joints['A'][0], 1.0)),
+                   (Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
                    {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
 
 
-@diagram_of.register(InvertedSlider)
-def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Diagram:
-    """Return the diagram of a bar with its block at A, or of a cylinder with its rod."""
-    a = _point(mechanism, motion, 'crank', mechanism.a1)
-    o4 = _point(mechanism, motion, 'output')
-    bar = mechanism.link_motion(motion, 'output').direction
-    foot, sense = a - motion.slide * bar, np.sign(motion.slide) * bar
-    bars, blocks = [Bar(ORIGIN, a), Bar(o4, foot)], []
+@outline_of.register(InvertedSlider)
+def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
+    """Return the outline of a bar with its block at A, or of a cylinder with its rod."""
+    joints = _crank(mechanism) | {
+        'O_4': (LinkPoint(GROUND, Length('linkage.a4', mechanism.a4)), OUTPUT)}
+    a, foot = joints['A'][0], LinkPoint('output', 0.0, mechanism.offset)
+    bars, blocks = [(CRANK, a, 1.0), (OUTPUT, foot, 1.0)], []
     if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
         low, high = sorted(map(abs, mechanism.input_ranges[-1]))
         tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
-        end = foot + min(tube, 0.98 * abs(motion.slide)) * sense
-        bars += [Bar(foot, a, 0.7), Bar(foot, end, 2.4)]
+        length, width = min(tube, 0.98 * abs(motion.slide)), 2.4
+        bars.append((foot, a, 0.7))
     else:
-        size = max(np.ptp(np.array([ORIGIN, a, o4]), axis=0))
-        bars.append(Bar(foot, a + BEYOND * size * sense))
-        blocks.append(Block(a, bar))
-    return Diagram({'O_1': ORIGIN, 'A': a, 'O_4': o4}, ('O_1', 'O_4'), tuple(bars),
-                   tuple(blocks), {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
+        length, width = (1.0 + BEYOND) * (mechanism.a1 + mechanism.a4), 1.0
+        blocks.append(Slide('A', 'output'))
+    bars.append((foot, foot._replace(along=copysign(length, motion.slide)), width))
+    return Outline(joints, ('O_1', 'O_4'), tuple(bars), tuple(blocks),
+                   {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
                    {'theta1': 'O_1', 'theta4': 'O_4'})

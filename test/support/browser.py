@@ -28,9 +28,9 @@ def start(*arguments):
     environment = {name: value for name, value in os.environ.items()
                    if name != 'PYTEST_CURRENT_TEST'}
     process = subprocess.Popen(
-        [sys.executable, '-m', 'fourbar_ros.cli.main', 'live', *map(str, arguments),
-         '--no-browser'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-        env={**environment, 'PYTHONUNBUFFERED': '1'})
+        [sys.executable, '-m', 'fourbar_ros.cli.main', 'live', '--port', '0',
+         *map(str, arguments), '--no-browser'], stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT, text=True, env={**environment, 'PYTHONUNBUFFERED': '1'})
     said = []
     for line in process.stdout:
         said.append(line)

@@ -307,7 +307,10 @@ export function addDrawing(page) {
   const at = (place, x, y) => Object.fromEntries([x, y].map((name, i) => [name, page.picture.pixels(place)[i]]));
   const line = (a, b, kind) => put('line', { class: kind, ...at(a, 'x1', 'y1'), ...at(b, 'x2', 'y2') });
   const mark = (place, kind, r = 5) => put('circle', { class: kind, ...at(place, 'cx', 'cy'), r });
-  const label = (place, text) => put('text', { class: 'dimension', dx: 8, dy: -8, ...at(place, 'x', 'y') }, text);
+  const label = (place, text) => {
+    const isLeft = page.picture.pixels(place)[0] < 0.6 * page.picture.width;
+    return put('text', { class: 'dimension', dx: isLeft ? 8 : -8, dy: -8, 'text-anchor': isLeft ? 'start' : 'end', ...at(place, 'x', 'y') }, text);
+  };
   const inWords = metres => (metres < 1 ? `${Number((metres * 1000).toPrecision(4))} mm` : `${Number(metres.toPrecision(4))} m`);
   /** A length beside its link; a click or Enter on it asks for the number of the parameter `path`. */
   function dimension(a, b, path) {
@@ -407,7 +410,7 @@ export function addDrawing(page) {
       becomeMachine();
       handlers.begin();
     };
-    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(begin), end: clear, get hint() { return tool.hintNow?.() ?? tool.title; } });
+    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(begin), end: clear, isDrawing: true, get hint() { return tool.hintNow?.() ?? tool.title; } });
   }
 
   // --- two rods, a slide, a cylinder ------------------------------------------------------------------
@@ -470,8 +473,10 @@ export function addDrawing(page) {
     };
     sketch.dyads.push({ name, kind, links, first: pointFor(first), second: kind === 'RRP' ? { link: 'ground', at: inner } : pointFor(second),
       inner, direction: kind === 'RRP' ? second.direction : null, mode: 2 });
+    const { origin } = draft, { view } = page.picture;
     draft = {};
     if (!isFirst) return dispatchSketch(sketch, before);
+    Object.assign(view, { x: view.x - origin[0], y: view.y - origin[1] });
     const made = changesOf({}, sketch);
     expected = inner ? { [name]: sketch.dyads[0].inner } : {};
     store.dispatch({ view: { at: sketch.x }, scene: written({

@@ -163,7 +163,8 @@ export class Engine {
   /** Extrema of a quantity: those of the samples, refined on the formula; pairs nearer than a sample are lost. */
   extrema(name) {
     const { inputs, values } = this.curve(name), value = this.valueOf(name), found = [], n = values.length;
-    const size = Math.max(...values.map(Math.abs).filter(Number.isFinite));
+    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b), size = sizes.at(-1);
+    const boundless = 1e9 * sizes[sizes.length >> 1] || Infinity;      // beyond it is a pole
     if (Math.max(...values) - Math.min(...values) <= 1e-12 * size) return [];
     const joins = this.turnsFully;      // the last sample is the first one again
     for (let k = joins ? 0 : 1; k < n - 1; k++) {
@@ -182,8 +183,8 @@ export class Engine {
           atB = sign * value((b = low + GOLDEN * (high - low)));
         }
       }
-      const x = (low + high) / 2;
-      found.push({ quantity: name, input: x < 0 && joins ? x + inputs[n - 1] : x, value: value(x), kind: sign > 0 ? "maximum" : "minimum" });
+      const x = (low + high) / 2, refined = value(x);
+      found.push({ quantity: name, input: x < 0 && joins ? x + inputs[n - 1] : x, value: Math.abs(refined) < boundless ? refined : sign * Infinity, kind: sign > 0 ? "maximum" : "minimum" });
     }
     const values_ = found.map(one => one.value);
     for (const one of found) {

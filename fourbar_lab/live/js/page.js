@@ -210,7 +210,7 @@ export async function start(data, source) {
     if (!page.engine) return page.refuse(problem);
     page.refuse(problem || notice);
     svg.classList.toggle("stale", Boolean(problem));
-    if (isFitted) picture.fit(page.engine);
+    if (isFitted) picture.fit(page.engine, current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
@@ -296,7 +296,7 @@ export async function start(data, source) {
         if (data.canAsk) askSoon();
       }
     } else if (page.engine && (state.view.acceleration !== before.view.acceleration)) build(state, false);
-    else if (page.engine && (state.view.curves !== before.view.curves || state.view.layers !== before.view.layers)) drawAll(state);
+    else if (page.engine && (state.view.curves !== before.view.curves || state.view.layers !== before.view.layers)) drawRest();
     else if (page.engine) drawPose(state);
     find("undo").disabled = !store.past.length;
     find("redo").disabled = !store.future.length;

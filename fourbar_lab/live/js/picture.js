@@ -137,8 +137,8 @@ export class Picture {
     const x = ((event.clientX - box.left) * this.width) / box.width, y = ((event.clientY - box.top) * this.height) / box.height;
     return [this.view.x + x / this.view.scale, this.view.y - y / this.view.scale];
   }
-  /** Choose the scales, so that all poses, and forces of the usual size, have room. */
-  fit(engine) {
+  /** Choose the scales, so that all poses, and forces of the usual size, have room; `isKept`: poses have the scale that they have while they are inside. */
+  fit(engine, isKept) {
     this.measure();
     const [low, high] = engine.box, size = engine.size, margin = this.width < 600 ? 34 : 60;
     const { rows } = engine.sweep, sizes = Object.keys(engine.structure.sketch.forces).flatMap(name =>
@@ -147,8 +147,9 @@ export class Picture {
     const reach = longest > 0 ? 0.15 * size : 0;
     const width = high[0] - low[0] + reach || size, height = high[1] - low[1] + reach || size;
     const scale = Math.min((this.width - 2 * margin) / width, (this.height - 2 * margin) / height);
-    this.view = { scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale,
-      perNewton: longest > 0 ? (LONGEST * size) / longest : 0 };
+    const perNewton = longest > 0 ? (LONGEST * size) / longest : 0, [[left, foot], [right, top]] = engine.box.map(corner => this.pixels(corner));
+    if (isKept && left > 0 && top > 0 && right < this.width && foot < this.height) this.view.perNewton = perNewton;
+    else this.view = { perNewton, scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale };
   }
   /** Choose a smaller scale where places [m] are outside; whether it did. */
   include(places) {
