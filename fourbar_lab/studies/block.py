@@ -21,15 +21,13 @@ from fourbar_ros.extrema.over_input import settled
 from fourbar_ros.extrema.sampling import State
 from fourbar_ros.extrema.turns_by_pieces import search_pieces
 from fourbar_ros.mechanisms.batches import step_of_arrays
-from fourbar_ros.mechanisms.curves import FIXED
-from fourbar_ros.mechanisms.elements import LinkMotions, refuses_turns, turns_of
+from fourbar_ros.mechanisms.elements import refuses_turns, turns_of
 from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.parts import GROUND, NoLoads, OPEN
-from fourbar_ros.mechanisms.pieces import ends_of_turns
+from fourbar_ros.mechanisms.parts import NoLoads, OPEN
+from fourbar_ros.mechanisms.pieces import Curves, Ends, ends_of_turns
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.scene import parametric
 from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
@@ -37,8 +35,10 @@ import numpy as np
 
 FRICTION = re.compile(r'friction\.\w+\.(coefficient|radius)')
 TRIED = 100         # designs, for one that can be built
-# Designs that are computed together: their samples stay in the cache of the processor.
-TOGETHER = 128
+# Designs that are computed together, and samples of them: they stay in the processor's cache.
+TOGETHER = 256
+SAMPLES_TOGETHER = 12288
+CUT_TOGETHER = 1024     # ... whose pieces of loads are looked for together
 # Samples of a turn: more of them for designs that few do not resolve.
 SAMPLES = (96, 192, 512, 1536)
 # Nearer to a change point, relative to the sum of lengths, a type is left to exact sums.
@@ -99,23 +99,25 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
     def some(rows: Array) -> Designs:
         return Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
-    # where the pieces of loads end, (designs, most), NaN beyond the last
-    cuts: Array = np.empty((is_done.size, 0))
+    # where the pieces of loads end
+    cuts = Ends(np.empty((is_done.size, 0)), np.empty((is_done.size, 0), bool))
     if any(measures.quantities[name].is_load for name in needed):
         indices = np.nonzero(wanted)[0]
-        for start in range(0, indices.size, TOGETHER):
-            rows = indices[start:start + TOGETHER]
+        for start in range(0, indices.size, CUT_TOGETHER):
+            rows = indices[start:start + CUT_TOGETHER]
             ends = some(rows).ends(study.acceleration)
-            more = max(0, ends.shape[1] - cuts.shape[1])
-            cuts = np.pad(cuts, ((0, 0), (0, more)), constant_values=np.nan)
-            cuts[rows, :ends.shape[1]] = ends
+            wider = max(0, ends.inputs.shape[1] - cuts.inputs.shape[1])
+            cuts = Ends(*[np.pad(table, ((0, 0), (0, wider)), constant_values=filler)
+                          for table, filler in zip(cuts, (np.nan, False))])
+            for table, of_rows in zip(cuts, ends):
+                table[rows, :of_rows.shape[1]] = of_rows
 
     def work(rows: Array, samples: int) -> Array:
         group = some(rows)
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
-        most = np.isfinite(cuts[rows]).sum(axis=1).max()
-        cut = cuts[rows, :most] if most else None
+        most = np.isfinite(cuts.inputs[rows]).sum(axis=1).max()
+        cut = Ends(*[table[rows, :most] for table in cuts]) if most else None
         is_right, searched = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
         for ends in (None,) if cut is None else (None, cut):
             names = [name for name in needed
@@ -136,7 +138,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
                 columns[measure.name][rows[is_right]] = values[is_right]
         return is_right
 
-    is_done[in_groups(np.nonzero(wanted)[0], work)] = False
+    # those with as many ends beside each other
+    order = np.argsort(np.isfinite(cuts.inputs).sum(axis=1), kind='stable')
+    is_done[in_groups(order[wanted[order]], work)] = False
     return is_done
 
 
@@ -183,7 +187,7 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
 
 
 def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
-           ends: Array | None = None) -> Turns:
+           ends: Ends | None = None) -> Turns:
     """Return the extrema of quantities of all designs; ``ends``: as of :meth:`Designs.ends`."""
     with_loads = any(quantity.is_load for quantity in quantities)
     names = (tuple([quantity.name for quantity in quantities])
@@ -199,9 +203,12 @@ def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, c
             of_all = np.ones((designs.size, x.shape[1]), x.dtype)
             of_all[which] = x
         values = np.empty((len(quantities), *of_all.shape), x.dtype)
-        motion_and_loads = state(of_all)
-        for row, quantity in zip(values, quantities):
-            row[:] = quantity.of(*motion_and_loads)
+        width = max(1, SAMPLES_TOGETHER // designs.size)
+        for begin in range(0, x.shape[1], width):
+            columns = slice(begin, begin + width)
+            motion_and_loads = state(of_all[:, columns])
+            for row, quantity in zip(values, quantities):
+                row[:, columns] = quantity.of(*motion_and_loads)
         return values[:, which]
 
     if ends is not None:
@@ -230,22 +237,13 @@ class Designs:
         """Return after how much of the input all repeats, forces over the input too [rad]."""
         return tau * turns_of(self.scene.linkage.elements)
 
-    def ends(self, acceleration: float) -> Array:
+    def ends(self, acceleration: float) -> Ends:
         """Return where the pieces of loads end, as :func:`.ends_of_turns`."""
-        linkage, constants = self.scene.linkage, self._constants
-        if not (constants.elements or constants.friction):
-            return np.empty((self.size, 0))
-        move = step_of_arrays(linkage, False, data=constants)
-
-        def links_at(x: Array) -> LinkMotions:
-            motion = linkage.MOTION(*move(x, 0.0, 0.0))
-            return {**linkage.link_motions(motion, constants.lengths), GROUND: FIXED}
-        edges = list[Function]()
-        if constants.friction:
-            from fourbar_ros.mechanisms.friction import edges_of  # few scenes have any
-            edges = edges_of(linkage, constants, (self.values['drive.speed'], acceleration))
-        return ends_of_turns(constants.elements, links_at, self.size,
-                             turns_of(linkage.elements), edges)
+        linkage, rates = self.scene.linkage, (self.values['drive.speed'], acceleration)
+        if not (linkage.elements or linkage.friction):
+            return Ends(np.empty((self.size, 0)), np.empty((self.size, 0), bool))
+        curves = Curves(linkage, self._constants, self.size, rates if linkage.friction else None)
+        return ends_of_turns(curves, self.size, turns_of(linkage.elements))
 
     def are_allowed(self) -> Array:
         """Return which designs have values that the table of parameters allows, shape (n,)."""

@@ -4,137 +4,192 @@
 Extrema of loads of many mechanisms at once that are smooth between the ends of pieces alone.
 
 As :mod:`.full_turns` for springs and forces over a position. The turns of each mechanism are cut
-at its ends of pieces and then into so many intervals for all: in each a polynomial goes through
-the points of Gauss's rule. Its slope gives brackets, its last coefficients tell whether it
-resolves the load, the rule gives means. At the ends slopes and values of both sides are exact:
-where slopes change their sign the end is an extremum, where values differ both are.
+at its ends of pieces and these pieces into intervals: in each a polynomial goes through the points
+of Gauss's rule, and one that its last coefficients do not resolve is halved. An interval in which
+the coefficients of the slope leave it no zero has no extremum; in the others the slope gives
+brackets. The rule gives means. At ends where loads may jump or slopes change their sign, slopes
+and values of both sides are exact: where slopes change it the end is an extremum, where values
+differ both are.
 """
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from fourbar_ros.extrema import full_turns
-from fourbar_ros.numerics.arrays import Array, EPS, rank_of
-from fourbar_ros.numerics.roots import changes_and_doubts, first_guesses
+from fourbar_ros.mechanisms.pieces import Ends
+from fourbar_ros.numerics.arrays import Array, as_grid, EPS, rank_of
+from fourbar_ros.numerics.roots import CAUTION, changes_and_doubts, first_guesses
 import numpy as np
 from numpy.polynomial import legendre
 
-POINTS, FINE = 12, 17       # of an interval: at which a load is computed, its slope looked at
+# Points of an interval at which a load is computed, fewer where mechanisms have so many ends on an
+# average, and at which its slope is looked at.
+POINTS, FEWER, MANY_ENDS, FINE = 8, 6, 48, 13
+HALVINGS = 10               # of an interval that its polynomial does not resolve
 # The last coefficients of a polynomial that resolves a load are less than this part of its span.
-RESOLVED = 2.0**-16
+RESOLVED = 2.0**-13
+# Error of a slope at an end of an interval, over the last coefficients, at most.
+SLOPE_ERROR = 64.0
 # Where values beside an end are taken, as a part of a cycle. Jumps and slopes that are larger than
 # rounding by less than this factor are in doubt, and ends at which polynomials differ from the
 # load by more than this part of its span: they are elsewhere.
 BESIDE, DOUBT, APART = 2.0**-46, 2.0**10, 2.0**-8
-# Last coefficients of a load whose mean is right, as a part of the root mean square.
-SETTLED = 1e-8
+# Error of a mean, as a part of the root mean square.
+SETTLED = 2.0**-34
 FLAT = 2.0**8 * EPS         # of the size of a load: smaller slopes all over an interval are noise
 NEWTON_STEPS = 2
-
-_ROOTS, _WEIGHTS = legendre.leggauss(POINTS)        # on [-1, 1]
-_DEGREES = np.arange(POINTS)
-# from values at the points to Legendre coefficients, from these to slopes and bends at FINE points
-_TO_MODES = (legendre.legvander(_ROOTS, POINTS - 1) * _WEIGHTS[:, None]) * (_DEGREES + 0.5)
 _T = np.linspace(-1.0, 1.0, FINE)
-_TO_SLOPES, _TO_BENDS = (
-    _TO_MODES @ legendre.legval(_T, legendre.legder(np.eye(POINTS), order))
-    for order in (1, 2))
 
 
-def search_pieces(evaluate: full_turns.ColumnFunction, ends: Array, count: int, cycle: float
+class _Rule:
+    """Gauss's rule on [-1, 1], and the polynomials through values at its points."""
+
+    def __init__(self, points: int) -> None:
+        self.points, degrees = points, np.arange(points)
+        self.roots, self.weights = legendre.leggauss(points)
+        self.at_begin = (-1.0)**degrees         # P_n(-1); P_n(1) = 1
+        # from values to Legendre coefficients, from these to those of the slope
+        self.to_modes = (legendre.legvander(self.roots, points - 1) * self.weights[:, None]
+                         * (degrees + 0.5)).T
+        self.to_slopes = legendre.legder(np.eye(points))
+
+    def tails(self, samples: Array) -> tuple[Array, Array]:
+        """
+        Return the larger of the last two coefficients in intervals, and the error of the mean.
+
+        Coefficients fall as powers, two by two by a factor that is taken from the last two pairs
+        and from all: Gauss's rule is exact up to twice the degree.
+        """
+        modes = np.abs(self.to_modes @ samples)
+        pairs = np.maximum(modes[:, ::2], modes[:, 1::2])
+        last, before, first = pairs[:, -1], pairs[:, -2], pairs.max(axis=1)
+        with np.errstate(all='ignore'):
+            factor = np.fmax(last / before, (last / first)**(2.0 / (self.points - 2)))
+        return last, last * np.fmin(factor, 1.0)**(self.points // 2)
+
+
+_RULES = {points: _Rule(points) for points in (POINTS, FEWER)}
+
+
+class _Intervals(NamedTuple):
+    """Intervals of the cycles of mechanisms, in order, arrays of shape (m,)."""
+
+    row: Array          # of which mechanism, as an index
+    low: Array          # where it begins [rad]
+    half: Array         # half its width
+    is_end: Array       # whether a piece begins there
+    may_jump: Array     # whether loads may jump there
+
+    def pick(self, which: Array) -> _Intervals:
+        return _Intervals(*[values[which] for values in self])
+
+
+def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, cycle: float
                   ) -> full_turns.Turns:
     """
     Return the extrema of q loads of n mechanisms whose cranks turn fully.
 
-    ``ends``: of pieces, as :func:`.ends_of_turns`; ``count``: of samples, besides those that the
-    ends ask for; ``cycle``: after which all repeats [rad].
+    ``count``: of samples of a cycle at least; ``cycle``: after which all repeats [rad].
     """
-    mechanisms, every = len(ends), np.arange(len(ends))
-    low, half, is_end = _intervals(ends, ends.shape[1] + count // POINTS, cycle)
-    x = (low + half)[..., None] + half[..., None] * _ROOTS
-    samples = evaluate(x.reshape(mechanisms, -1), every)
-    shape = samples.shape[:2]
-    samples = samples.reshape(*shape, -1, POINTS)
-    size = np.abs(samples).max(axis=(2, 3))
+    mechanisms = len(ends.inputs)
+    rule = _RULES[FEWER if np.isfinite(ends.inputs).sum() > MANY_ENDS * mechanisms else POINTS]
+    of, samples = _resolved(evaluate, rule, _intervals(ends, FEWER * cycle / count, cycle),
+                            mechanisms)
+    row, half, first = of.row, of.half, _firsts(of.row)
+    shape, previous = (len(samples), mechanisms), np.arange(row.size) - 1
+    previous[first] = np.append(first[1:], row.size) - 1
+    size = np.maximum.reduceat(np.abs(samples).max(axis=1), first, axis=1)
     is_doubtful = ~np.isfinite(size)
-    samples[is_doubtful] = size[is_doubtful] = 0.0
-    # a magnitude changes suddenly near a zero of the force, its square does not
-    is_positive = samples.min(axis=(2, 3)) > 0.0
-    f = np.where(is_positive[..., None, None], 0.5 * samples, 1.0) * samples
-    span, sizes = np.ptp(f, axis=(2, 3)), np.abs(f).max(axis=(2, 3))
+    samples = np.where(is_doubtful[:, None, row], 0.0, samples)
+    size[is_doubtful] = 0.0
+    f, is_positive, span = _smooth(samples, row, first)
+    sizes = np.maximum.reduceat(np.abs(f).max(axis=1), first, axis=1)
     is_constant = span <= full_turns.CONSTANT * sizes
-    modes = f @ _TO_MODES
-    is_doubtful |= (np.abs(modes[..., -2:]).max(axis=(2, 3)) > RESOLVED * span) & ~is_constant
-    slopes, bends = f @ _TO_SLOPES, f @ _TO_BENDS
+    modes = rule.to_modes @ f
+    last = np.abs(modes[:, -2:]).max(axis=1)
+    is_doubtful |= (np.maximum.reduceat(last, first, axis=1) > RESOLVED * span) & ~is_constant
+    slopes = rule.to_slopes @ modes         # coefficients, of the slope times half a width
+    middle, around = np.abs(slopes[:, 0]), np.abs(slopes[:, 1:]).sum(axis=1)
+    rises, is_plain = slopes[:, 0] >= 0.0, middle > (1.0 + CAUTION) * around
+    begin, end = rule.at_begin[:-1] @ slopes, slopes.sum(axis=1)    # at both ends of intervals
+    is_noise = middle + around <= FLAT * sizes[:, row]
+    is_doubtful |= np.logical_or.reduceat(is_noise, first, axis=1) & ~is_constant
 
-    # at the ends
-    row, k = np.nonzero(is_end)
-    before = (k - 1) % is_end.shape[1]
-    x_ends = low[row, k]
-    tiny = BESIDE * cycle
-    sides = np.ones((mechanisms, 2, ends.shape[1]))
-    column = rank_of(row)
-    sides[row, 0, column], sides[row, 1, column] = x_ends - tiny, x_ends + tiny
-    result = evaluate(sides.reshape(mechanisms, -1) + 1j * full_turns.STEP, every)
-    result = result.reshape(*shape, 2, -1)[:, row, :, column].transpose(1, 2, 0)   # (q, 2, ends)
-    value, slope = result.real, result.imag / full_turns.STEP
-    noise = full_turns.CONSTANT * size[:, row] + 4.0 * tiny * np.abs(slope).sum(axis=1)
+    # at the ends, exactly where it matters
+    k = np.flatnonzero(of.is_end)
+    doubt = SLOPE_ERROR * last + DOUBT * EPS * sizes[:, row]
+    is_even = (np.abs(begin) > doubt)[:, k] & (np.abs(end) > doubt)[:, previous[k]]
+    is_even &= (begin[:, k] >= 0.0) == (end[:, previous[k]] >= 0.0)
+    is_even &= (np.abs((rule.at_begin @ modes)[:, k] - modes.sum(axis=1)[:, previous[k]])
+                <= APART * span[:, row[k]])
+    k = k[of.may_jump[k] | ~(is_even | is_constant[:, row[k]]).all(axis=0)]
+    before, of_end, tiny = previous[k], row[k], BESIDE * cycle
+    x_ends = of.low[k]
+    line, column, sides = as_grid(np.add.outer(x_ends, (-tiny, tiny)).ravel(),
+                                  np.repeat(of_end, 2), mechanisms)
+    result = evaluate(sides + 1j * full_turns.STEP, np.arange(mechanisms))
+    result = result[:, line, column].reshape(len(samples), -1, 2).transpose(0, 2, 1)
+    value, slope = result.real, result.imag / full_turns.STEP       # (q, 2, ends)
+    noise = full_turns.CONSTANT * size[:, of_end] + 4.0 * tiny * np.abs(slope).sum(axis=1)
     away = np.abs(value[:, 1] - value[:, 0])
     is_jump = ~(away <= noise)
     unsure = is_jump & ~(away > DOUBT * noise)
-    positive, least = is_positive[:, None, row], APART * span[:, row]
+    positive, least = is_positive[:, None, of_end], APART * span[:, of_end]
     slope = np.where(positive, value, 1.0) * slope
     inner = np.where(positive, 0.5 * value, 1.0) * value
-    for side, interval, end in ((0, before, -1), (1, k, 0)):     # P_n(1) = 1, P_n(-1) = (-1)^n
-        here = slope[:, side] * half[row, interval]
-        of_piece = modes[:, row, interval] @ _T[end]**_DEGREES
+    for side, interval, signs, of_interval in ((0, before, np.ones(rule.points), end),
+                                               (1, k, rule.at_begin, begin)):
+        here = slope[:, side] * half[interval]
+        of_piece = signs @ modes[..., interval]
         unsure |= ~(np.abs(of_piece - inner[:, side]) <= least)
-        unsure |= ~(np.abs(slopes[:, row, interval, end] - here) <= least)
-        slopes[:, row, interval, end] = here
-    steepest = np.abs(slopes).max(axis=3)
+        unsure |= ~(np.abs(of_interval[:, interval] - here) <= least)
+        of_interval[:, interval] = here
     is_kink = ((slope[:, 0] >= 0.0) != (slope[:, 1] >= 0.0)) & ~is_jump
-    unsure |= is_kink & ~(np.abs(slope).min(axis=1) * half[row, k]
-                          > DOUBT * EPS * sizes[:, row])
-    is_doubtful |= (steepest <= FLAT * sizes[..., None]).any(axis=2) & ~is_constant
-    for quantity, end in zip(*np.nonzero(unsure)):
-        is_doubtful[quantity, row[end]] |= not is_constant[quantity, row[end]]
+    unsure |= is_kink & ~(np.abs(slope).min(axis=1) * half[k] > DOUBT * EPS * sizes[:, of_end])
+    for quantity, i in zip(*np.nonzero(unsure)):
+        is_doubtful[quantity, of_end[i]] |= not is_constant[quantity, of_end[i]]
     is_known = ~(is_doubtful.any(axis=0) | is_constant)
-    is_kink &= is_known[:, row]
-    is_jump &= is_known[:, row]
+    is_kink &= is_known[:, of_end]
+    is_jump &= is_known[:, of_end]
 
     # between them
-    slopes[~is_known], bends[~is_known] = 1.0, 0.0
+    is_plain &= ((begin >= 0.0) == rises) & ((end >= 0.0) == rises)
+    quantity, interval = np.nonzero(~is_plain & is_known[:, row])
+    columns = legendre.legval(_T, slopes[quantity, :, interval].T).T
+    columns[0], columns[-1] = begin[quantity, interval], end[quantity, interval]
     step = 2.0 / (FINE - 1)
-    columns = slopes.reshape(-1, FINE).T
-    rise = bends.reshape(-1, FINE).T * step
+    rise = legendre.legval(_T, legendre.legder(slopes[quantity, :, interval].T)).T * step
     changes, doubts = changes_and_doubts(columns, rise * (1.0 / 3.0), False)
-    has_hidden = doubts.any(axis=0).reshape(*shape, -1).any(axis=(0, 2))
-    crosses = ((np.roll(slopes[..., -1], 1, axis=2) >= 0.0) != (slopes[..., 0] >= 0.0)) & ~is_end
-    i, of_change = np.nonzero(changes)
-    fa, fb = columns[i, of_change], columns[i + 1, of_change]
+    has_hidden = np.zeros(mechanisms, bool)
+    has_hidden[row[interval[doubts.any(axis=0)]]] = True
+    i, column = np.nonzero(changes)
+    fa, fb = columns[i, column], columns[i + 1, column]
     with np.errstate(all='ignore'):
-        guess = first_guesses(np.zeros(i.size), np.ones(i.size), fa, fb, fa / rise[i, of_change],
-                              fb / rise[i + 1, of_change])
-    of_cross = np.flatnonzero(crosses)          # at a bound that is no end: where it begins
-    t = np.concatenate((_T[i] + step * guess, np.full(of_cross.size, -1.0)))
-    of_root = np.concatenate((of_change, of_cross))
-    coefficients = legendre.legder(modes.reshape(-1, POINTS)[of_root].T)
+        guess = first_guesses(np.zeros(i.size), np.ones(i.size), fa, fb, fa / rise[i, column],
+                              fb / rise[i + 1, column])
+    # at a bound that is no end: where it begins
+    crosses = ((end[:, previous] >= 0.0) != (begin >= 0.0)) & ~of.is_end & is_known[:, row]
+    t = np.concatenate((_T[i] + step * guess, np.full(np.count_nonzero(crosses), -1.0)))
+    quantity, interval = (np.concatenate((of_columns[column], of_crossing)) for of_columns,
+                          of_crossing in zip((quantity, interval), np.nonzero(crosses)))
+    coefficients = slopes[quantity, :, interval].T
     curvature = legendre.legder(coefficients)
     for _ in range(NEWTON_STEPS):
         bend = legendre.legval(t, curvature, tensor=False)
         with np.errstate(all='ignore'):
             better = t - legendre.legval(t, coefficients, tensor=False) / bend
         t = np.where(np.abs(better - t) <= step, better, t)
-    quantity, mechanism, interval = np.unravel_index(of_root, (*shape, half.shape[1]))
-    half_there = half[mechanism, interval]
-    first = low[mechanism, interval] + half_there * (1.0 + t)
-    bend = legendre.legval(t, curvature, tensor=False) / half_there**2
-    order = np.lexsort((quantity, mechanism))
-    roots = full_turns.Roots(first[order], bend[order], mechanism[order], quantity[order], order)
+    bend = legendre.legval(t, curvature, tensor=False) / half[interval]**2
+    order = np.lexsort((quantity, row[interval]))
+    quantity, interval, t, bend = (v[order] for v in (quantity, interval, t, bend))
+    roots = full_turns.Roots(of.low[interval] + half[interval] * (1.0 + t), bend, row[interval],
+                             quantity, order)
     root, value_of_root, strays = full_turns.refined(
-        evaluate, roots, is_positive, step * half_there[order])
-    of_ends = ends[roots.mechanism]
+        evaluate, roots, is_positive, step * half[interval])
+    of_ends = ends.inputs[roots.mechanism]
     pieces = [(of_ends <= np.mod(x, cycle)[:, None]).sum(axis=1)
               % np.maximum(np.isfinite(of_ends).sum(axis=1), 1)
-              for x in (low[mechanism, interval][order] + half_there[order], root)]
+              for x in (of.low[interval] + half[interval], root)]
     strays[roots.mechanism[pieces[0] != pieces[1]]] = True      # over an end, where others hold
 
     # all in one list
@@ -142,48 +197,90 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Array, count: int, 
     of_constant = np.nonzero(is_constant & ~is_doubtful)
     quantity, mechanism, x, values = (np.concatenate(parts) for parts in zip(
         (roots.quantity, roots.mechanism, root, value_of_root),
-        (of_kink[0], row[of_kink[1]], x_ends[of_kink[1]], value[:, 0][of_kink]),
-        *((of_jump[0], row[of_jump[1]], x_ends[of_jump[1]], value[:, side][of_jump])
+        (of_kink[0], of_end[of_kink[1]], x_ends[of_kink[1]], value[:, 0][of_kink]),
+        *((of_jump[0], of_end[of_jump[1]], x_ends[of_jump[1]], value[:, side][of_jump])
           for side in (0, 1)),
-        (*of_constant, np.zeros(of_constant[0].size), samples[..., 0, 0][of_constant])))
+        (*of_constant, np.zeros(of_constant[0].size), samples[:, 0, first][of_constant])))
     x = np.mod(x, cycle)
     order = np.lexsort((x, quantity, mechanism))
     quantity, mechanism, x, values = (v[order] for v in (quantity, mechanism, x, values))
     listed = full_turns.Roots(x, x, mechanism, quantity, rank_of(mechanism * shape[0] + quantity))
     inputs = full_turns.by_quantity(listed, x, shape)
-    weights = _WEIGHTS * (half[..., None] / cycle)
-    mean, mean_square = ((g * weights).sum(axis=(2, 3)) for g in (samples, samples * samples))
-    tail = np.abs(samples @ _TO_MODES[:, -2:]).max(axis=3)
-    error = np.sqrt((tail * tail * half).sum(axis=2) * (2.0 / cycle))
-    rms = np.sqrt(mean_square)
+    mean, mean_square = (np.add.reduceat((rule.weights @ g) * (half / cycle), first, axis=1)
+                         for g in (samples, samples * samples))
+    error = np.add.reduceat(rule.tails(samples)[1] * (2.0 * half / cycle), first, axis=1)
+    is_settled = error <= SETTLED * np.sqrt(mean_square)
     return full_turns.Turns(
         inputs, full_turns.by_quantity(listed, values, shape), np.isfinite(inputs).sum(axis=-1),
-        mean, mean_square, error <= SETTLED * rms, error <= full_turns.AGREE * rms,
+        mean, mean_square, is_settled, is_settled,
         np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 
 
-def _intervals(ends: Array, count: int, cycle: float) -> tuple[Array, Array, Array]:
-    """
-    Return where ``count`` intervals of each cycle begin, half their widths, whether at an end.
+def _intervals(ends: Ends, widest: float, cycle: float) -> _Intervals:
+    """Return the pieces, cut in equal intervals that are no wider; without an end, from zero."""
+    row, column = np.nonzero(np.isfinite(ends.inputs))
+    without = np.setdiff1d(np.arange(len(ends.inputs)), row)
+    begin, jumps = (np.concatenate((table[row, column], np.zeros(without.size, table.dtype)))
+                    for table in ends)
+    has_end = np.arange(begin.size) < row.size
+    row = np.concatenate((row, without))
+    order = np.argsort(row, kind='stable')
+    row, begin, jumps, has_end = row[order], begin[order], jumps[order], has_end[order]
+    first = _firsts(row)
+    until = np.append(begin[1:], 0.0)
+    until[np.append(first[1:], row.size) - 1] = begin[first] + cycle
+    parts = np.maximum(np.ceil((until - begin) / widest - EPS), 1.0).astype(int)
+    piece = np.repeat(np.arange(row.size), parts)
+    rank, half = rank_of(piece), (0.5 * (until - begin) / parts)[piece]
+    return _Intervals(row[piece], begin[piece] + 2.0 * half * rank, half,
+                      (rank == 0) & has_end[piece], (rank == 0) & jumps[piece])
 
-    Each of shape (n, count). The widest are halved, cut in three and so on; a mechanism without
-    an end begins at zero.
+
+def _resolved(evaluate: full_turns.ColumnFunction, rule: _Rule, of: _Intervals, mechanisms: int
+              ) -> tuple[_Intervals, Array]:
+    """Return intervals, halved where they do not resolve loads, and samples, (q, points, m)."""
+    kept, limits = list[tuple[_Intervals, Array]](), None
+    for left in range(HALVINGS, -1, -1):
+        x = (of.low + of.half)[:, None] + of.half[:, None] * rule.roots
+        row, column, grid = as_grid(x.ravel(), np.repeat(of.row, rule.points), mechanisms)
+        samples = evaluate(grid, np.arange(mechanisms))[:, row, column].reshape(
+            -1, of.row.size, rule.points).transpose(0, 2, 1)
+        if limits is None:      # of last coefficients, and of errors over the width
+            first = _firsts(of.row)
+            _, is_positive, span = _smooth(samples, of.row, first)
+            mean_square = np.add.reduceat((rule.weights @ np.square(samples)) * of.half, first,
+                                          axis=1) / (2.0 * np.add.reduceat(of.half, first))
+            limits = is_positive, RESOLVED * span, 0.5 * SETTLED * np.sqrt(mean_square)
+        is_positive, of_last, of_error = (limit[:, of.row] for limit in limits)
+        last, _ = rule.tails(np.where(is_positive[:, None], 0.5 * samples, 1.0) * samples)
+        is_coarse: Array = np.any((last > of_last) | (rule.tails(samples)[1] > of_error), axis=0)
+        is_coarse &= left > 0
+        kept.append((of.pick(~is_coarse), samples[..., ~is_coarse]))
+        of = of.pick(is_coarse)
+        if not of.row.size:
+            break
+        of = _Intervals(*[np.repeat(values, 2) for values in of])
+        second, half = np.arange(of.row.size) % 2 == 1, 0.5 * of.half
+        of = _Intervals(of.row, of.low + np.where(second, of.half, 0.0), half,
+                        of.is_end & ~second, of.may_jump & ~second)
+    of = _Intervals(*map(np.concatenate, zip(*[intervals for intervals, _ in kept])))
+    order = np.lexsort((of.low, of.row))
+    return of.pick(order), np.concatenate([samples for _, samples in kept], axis=2)[..., order]
+
+
+def _smooth(samples: Array, row: Array, first: Array) -> tuple[Array, Array, Array]:
     """
-    known, first = np.isfinite(ends), np.nan_to_num(ends[:, :1])
-    begin = np.where(known, ends, first + cycle)
-    width = np.diff(np.concatenate((begin, first + cycle), axis=1))
-    begin[:, :1], has_end, known[:, 0] = first, known[:, 0].copy(), True
-    width[:, 0] = np.where(has_end, width[:, 0], cycle)
-    parts, every = known.astype(int), np.arange(len(ends))
-    left = count - parts.sum(axis=1)
-    while left.any():
-        widest = np.argmax(width / np.maximum(parts, 1), axis=1)
-        parts[every, widest] += left > 0
-        left -= left > 0
-    piece = np.repeat(np.arange(parts.size), parts.ravel())
-    rank = rank_of(piece)
-    half = 0.5 * (width.ravel() / np.maximum(parts.ravel(), 1))[piece]
-    low = begin.ravel()[piece] + 2.0 * half * rank
-    shape = len(ends), count
-    return (low.reshape(shape), half.reshape(shape),
-            (rank == 0).reshape(shape) & has_end[:, None])
+    Return smooth functions with extrema at the inputs of loads, and their spans, (q, n).
+
+    And which loads are positive, (q, n): of them it is half the square, since a magnitude changes
+    suddenly near a zero of the force and its square does not.
+    """
+    is_positive = np.minimum.reduceat(samples.min(axis=1), first, axis=1) > 0.0
+    f = np.where(is_positive[:, None, row], 0.5 * samples, 1.0) * samples
+    return f, is_positive, (np.maximum.reduceat(f.max(axis=1), first, axis=1)
+                            - np.minimum.reduceat(f.min(axis=1), first, axis=1))
+
+
+def _firsts(row: Array) -> Array:
+    """Return the index of the first of each group of equal, sorted numbers."""
+    return np.flatnonzero(np.diff(row, prepend=-1))

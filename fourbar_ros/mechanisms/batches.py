@@ -17,7 +17,7 @@ from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import flat, Trace
-from fourbar_ros.numerics.write_arrays import program
+from fourbar_ros.numerics.write_arrays import keep_memory, program
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -108,6 +108,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     # Of arrays, real or complex, that broadcast; by the trace, with the operations of numpy. data:
     # columns for the constants of many mechanisms like this. wanted: indices of the fields, by
     # default all; the rest is not computed, it is NaN.
+    keep_memory()
     trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else tuple(wanted)

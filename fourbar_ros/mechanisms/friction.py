@@ -9,24 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, KW_ONLY, replace
-from functools import lru_cache
 from math import inf, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, Locked, one_of
-from fourbar_ros.mechanisms.batches import order_of, range_of
-from fourbar_ros.mechanisms.evaluation import Formula, formula_of, MOST_STRUCTURES
 from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
-from fourbar_ros.numerics.tables import ARRAYS, run
-from fourbar_ros.numerics.trace import Trace
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 import numpy as np
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.evaluation import Constants
     from fourbar_ros.mechanisms.mechanism import Mechanism
 
 BARELY = 1e-200             # rate of an impending motion: nothing comes from it but signs
@@ -217,36 +211,3 @@ def _is_locked(mechanism: Mechanism, position: ArrayLike, rate: float, accelerat
                    for each in (mechanism, mechanism.without_friction))
     is_locked: Array = np.isnan(drive) & ~np.isnan(free)
     return is_locked
-
-
-def edges_of(mechanism: Mechanism, data: Constants, rates: tuple[Any, Any]) -> list[Function]:
-    """Return functions of complex inputs, by what they need: :attr:`.Told.edges` of all joints."""
-    # Loads or their slopes jump where one is zero. data: of the mechanism, or columns for many
-    # mechanisms like this; rates: rate and acceleration of the input, or columns.
-    trace = _trace_of_edges(formula_of(mechanism, True)[0])
-    known = trace.numbers(numbers_of(data))
-    orders = [order_of(trace, (k,)) for k in range_of(trace)]
-    with np.errstate(all='ignore'):
-        run(trace, sorted({i for _, once, *_ in orders for i in once}), ARRAYS, known)
-    of_rates = [np.asarray(rate, complex) for rate in rates]
-
-    def edge(index: int, steps: list[int], done: dict[int, list[int]]) -> Function:
-        return lambda z: run(trace, steps, ARRAYS, [z, *of_rates, *known[trace.count:]],
-                             done)[index]
-    orders.sort(key=lambda order: len(order[2]))
-    return [edge(index, steps, done) for [index], _, steps, done in orders]
-
-
-@lru_cache(maxsize=MOST_STRUCTURES)
-def _trace_of_edges(formula: Formula) -> Trace:
-    mechanism = formula.mechanism
-
-    def make(n: NumberType, constants: Constants) -> Function:
-        motion_of = mechanism.motion_formula(n, constants)
-
-        def edges(*inputs: Scalar) -> list[Scalar]:
-            told = list[Any]()
-            mechanism.loads_formula(n, constants, told)(motion_of(*inputs))
-            return [edge for each in told for edge in each.edges]
-        return edges
-    return Trace(make, 3, mechanism.constants)

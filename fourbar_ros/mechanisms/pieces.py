@@ -10,12 +10,13 @@ zero: those at complex inputs near the real ones are given too, as quantities ch
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from math import inf, pi, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
+from fourbar_ros.mechanisms.batches import order_of, range_of
+from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.elements import (
     BOTH,
     Distance,
@@ -28,11 +29,15 @@ from fourbar_ros.mechanisms.elements import (
     TableForce,
     TorsionSpring,
 )
+from fourbar_ros.mechanisms.evaluation import Constants, Formula, formula_of, MOST_STRUCTURES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array, as_grid, rank_of
 from fourbar_ros.numerics.newton import newton_roots
-from fourbar_ros.numerics.number_types import ARRAY, Function
+from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
+from fourbar_ros.numerics.roots import first_guesses
+from fourbar_ros.numerics.tables import ARRAYS, run
+from fourbar_ros.numerics.trace import Trace
 import numpy as np
 
 SAMPLES = 361           # of a turn, or of a range of the input
@@ -40,20 +45,22 @@ CLOSER = 2.0**-np.arange(16.0, 46.0)    # of a range: distances of more samples 
 STEP = 2.0**-200        # of derivatives by a complex step
 TOUCHING = 1e-9         # of a turn or range: nearer ends of pieces are one
 BESIDE = 1e-10          # ... distance of samples beside them
+TOGETHER = 2**13        # inputs that are evaluated at once: they stay in the cache of a processor
 FARTHEST = 1.0          # [rad] distance from the real inputs at which branch points still matter
 
 
 class Coordinate(NamedTuple):
     """A number over the input, at some values of which something is not smooth."""
 
-    of: Callable[[Mapping[str, LinkMotion], Any], Any]      # motions of links, input -> it
+    of: Callable[[NumberType, LinkMotions, Any], Any]   # numbers, motions of links, input -> it
     points: Array           # those values
     period: float           # after which it comes round, inf: never
     is_square: bool = False     # of a spring's length: only where it is least matters
     turns_back: bool = False    # where it does, a force begins or ends
+    jumps: bool = True      # loads may jump there, not their slopes alone
 
 
-EDGE = Coordinate(lambda moving, x: x, np.zeros(1), inf)       # what is found otherwise, at zero
+EDGE = Coordinate(lambda n, moving, x: x, np.zeros(1), inf)    # of friction: at its zeros
 
 
 class Pieces(NamedTuple):
@@ -63,70 +70,140 @@ class Pieces(NamedTuple):
     branch_points: tuple[complex, ...]  # of springs, beside the real inputs
 
 
+class Curves:
+    """
+    The coordinates of a mechanism, or of many like it, as functions of the input.
+
+    ``data``: its constants, or columns of them, shape (count, 1). ``rates``: rate and acceleration
+    of the input, or columns, of the edges of friction (:attr:`.Told.edges`); None: without these.
+    """
+
+    def __init__(self, mechanism: Mechanism, data: Constants, count: int = 1,
+                 rates: tuple[Any, Any] | None = None) -> None:
+        formula = formula_of(mechanism, True)[0]
+        self._trace, self._count = _trace_of_curves(formula, rates is not None), count
+        self._known = self._trace.numbers(numbers_of(data))
+        wanted = range_of(self._trace)
+        with np.errstate(all='ignore'):
+            run(self._trace, order_of(self._trace, wanted)[1], ARRAYS, self._known)
+        self._rates = [np.asarray(rate, complex) for rate in rates or (1.0, 0.0)]
+        coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
+        self.coordinates = coordinates + [EDGE] * (len(wanted) - len(coordinates))
+        # edges that loads have part in jump themselves at the ends of pieces before them
+        first = self._trace.count + len(numbers_of((data.lengths, data.sign)))
+        of_loads = set(range(first, self._trace.count + self._trace.size))
+        needed = [order_of(self._trace, (k,))[2] for k in wanted]
+        self.follows = [each is EDGE and not of_loads.isdisjoint(
+            i for step in steps for i in self._trace.needed([step]))
+            for each, steps in zip(self.coordinates, needed)]
+        self.order = tuple(sorted(wanted, key=lambda k: (self.follows[k], len(needed[k]))))
+
+    def sample(self, which: tuple[int, ...], x: Array) -> tuple[Array, Array]:
+        """Return coordinates and slopes, (which, count, any), at inputs (1 or count, any)."""
+        indices, _, steps, done = order_of(self._trace, which)
+        samples = np.empty((len(which), self._count, x.shape[1]), complex)
+        width = max(1, TOGETHER // self._count)
+        with np.errstate(all='ignore'):
+            for begin in range(0, x.shape[1], width):
+                columns = slice(begin, begin + width)
+                values = run(self._trace, steps, ARRAYS, [
+                    x[:, columns] + 1j * STEP, *self._rates, *self._known[self._trace.count:]],
+                    done)
+                for row, index in zip(samples, indices):
+                    row[:, columns] = values[index]
+        return samples.real, samples.imag / STEP
+
+    def at(self, k: int, x: Array, row: Array) -> tuple[Array, Array]:
+        """Return a coordinate and its slope at inputs of rows, as of mechanisms, in order."""
+        row, column, grid = as_grid(x, row, self._count)
+        values, slopes = self.sample((k,), grid)
+        return values[0, row, column], slopes[0, row, column]
+
+
+@lru_cache(maxsize=MOST_STRUCTURES)
+def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
+    mechanism = formula.mechanism
+
+    def make(n: NumberType, constants: Constants) -> Function:
+        motion_of = mechanism.motion_formula(n, constants)
+
+        def values(*inputs: Scalar) -> list[Scalar]:
+            motion, told = mechanism.MOTION._make(motion_of(*inputs)), list[Any]()
+            moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
+            if with_edges:
+                mechanism.loads_formula(n, constants, told)(motion)
+            return [*(each.of(n, moving, inputs[0]) for element in constants.elements
+                      for each in _coordinates(element)),
+                    *(edge for each in told for edge in each.edges)]
+        return values
+    return Trace(make, 3, mechanism.constants)
+
+
 def pieces_of(mechanism: Mechanism) -> Pieces:
-    coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
     ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
-    for low, high in _ranges(mechanism) if coordinates else ():
+    curves = Curves(mechanism, mechanism.constants)
+    for low, high in _ranges(mechanism) if curves.order else ():
         x = _samples(mechanism, low, high)
-        for coordinate in coordinates:
-            values, rows = partial(_values, mechanism, coordinate.of), np.zeros(x.size, int)
+        rows = np.zeros(x.size, int)
+        for k, s, slope in zip(curves.order, *curves.sample(curves.order, x[None])):
+            coordinate = curves.coordinates[k]
             if coordinate.is_square:
-                turning, bend, _ = _turning_points(values, x, rows, values(x, rows)[1])
-                least, bend = turning[bend > 0.0], bend[bend > 0.0]
-                away = np.sqrt(2.0 * values(least, rows)[0] / bend)
+                def values(x: Array, _: Array, k: int = k) -> tuple[Array, Array]:
+                    return curves.at(k, x, np.zeros(x.size, int))
+                before = _turns_back(slope[0], rows)
+                least, turn = (_turning_points(values, x, slope[0], before),
+                               2.0**-12 * (x[before + 1] - x[before]))
+                rise = values(least + turn, least)[1] - values(least - turn, least)[1]
+                with np.errstate(invalid='ignore'):     # where it is largest there is no root
+                    away = np.sqrt(4.0 * turn * values(least, least)[0] / rise)
                 branch_points += [complex(*z) for z in zip(least.tolist(), away.tolist())
                                   if z[1] < FARTHEST * mechanism.input_unit]
             else:
-                ends += _ends(values, x, rows, coordinate)[0].tolist()
+                ends += _ends(curves, k, x, rows, s[0], slope[0])[0].tolist()
     return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
 
 
-def span_of(mechanism: Mechanism, of: Callable[[Mapping[str, LinkMotion], Any], Any]
-            ) -> tuple[float, float]:
-    """Return the least and the largest value over the input; ``of`` as of a Coordinate."""
-    values, found = partial(_values, mechanism, of), list[Array]()
+def span_of(mechanism: Mechanism, of: Callable[[LinkMotions, Any], Any]) -> tuple[float, float]:
+    """Return the least and the largest value over the input; ``of``: links, input -> value."""
+    def values(x: Array, _: Array) -> tuple[Array, Array]:
+        with np.errstate(all='ignore'):
+            z = x + 1j * STEP
+            moving = {**mechanism.link_motions(mechanism.motion(z)), GROUND: FIXED}
+            s = np.broadcast_to(of(moving, z), x.shape)
+        return s.real, s.imag / STEP
+
+    every = list[Array]()
     for low, high in _ranges(mechanism):
         x: Array = np.union1d(_samples(mechanism, low, high), (low, high))
-        rows: Array = np.zeros(x.size, int)
-        s, slope = values(x, rows)
-        turning, _, rows = _turning_points(values, x, rows, slope)
-        found += s, values(turning, rows)[0]
-    every = np.concatenate(found)
-    return float(np.nanmin(every)), float(np.nanmax(every))
-
-
-def _values(mechanism: Mechanism, of: Callable[[Mapping[str, LinkMotion], Any], Any], x: Array,
-            _: Array) -> tuple[Array, Array]:
-    """Return a coordinate and its slope at inputs, ``of`` the motions of links and the input."""
-    with np.errstate(all='ignore'):
-        z = x + 1j * STEP
-        moving = {**mechanism.link_motions(mechanism.motion(z)), GROUND: FIXED}
-        s = np.broadcast_to(of(moving, z), x.shape)
-    return s.real, s.imag / STEP
+        s, slope = values(x, x)
+        before = _turns_back(slope, np.zeros(x.size, int))
+        every += s, values(_turning_points(values, x, slope, before), x)[0]
+    inorder = np.concatenate(every)
+    return float(np.nanmin(inorder)), float(np.nanmax(inorder))
 
 
 def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     """Return the pieces of a mechanism with friction at a rate and acceleration of the input."""
     # Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
     # where what a guide bears does.
-    from fourbar_ros.mechanisms.friction import edges_of  # few mechanisms have any
     ends, branch_points = mechanism.pieces or Pieces((), ())
-    edges, found = edges_of(mechanism, mechanism.constants, rates), list(ends)
-    for low, high in _ranges(mechanism) if rates[0] else ():
-        x = _samples(mechanism, low, high)
-        for edge in edges:
-            def values(x: Array, _: Array, edge: Function = edge) -> tuple[Array, Array]:
-                with np.errstate(all='ignore'):
-                    s = np.broadcast_to(edge(x + 1j * STEP), x.shape)
-                return s.real, s.imag / STEP
-            # on both sides of the ends so far, at which it may jump
-            sides = np.array([end + side * BESIDE * (high - low)
-                              for end in found for side in (-1.0, 1.0)])
-            apart = np.union1d(x, sides[(sides > x[0]) & (sides < x[-1])])
-            apart = apart[np.isfinite(values(apart, apart)[0])]
-            found += _ends(values, apart, np.zeros(apart.size, int), EDGE)[0].tolist()
-        found = list(_apart(mechanism, found, low, high))
-    return Pieces(tuple(found), branch_points)
+    if not rates[0]:
+        return Pieces(ends, branch_points)
+    curves, every = Curves(mechanism, mechanism.constants, 1, rates), list(ends)
+    for low, high in _ranges(mechanism):
+        for k in curves.order:
+            if curves.coordinates[k] is not EDGE:
+                continue
+            x = _samples(mechanism, low, high)
+            if curves.follows[k]:       # on both sides of the ends so far
+                sides = np.array([end + side * BESIDE * (high - low)
+                                  for end in every for side in (-1.0, 1.0)])
+                x = np.union1d(x, sides[(sides > x[0]) & (sides < x[-1])])
+            s, slope = (values[0, 0] for values in curves.sample((k,), x[None]))
+            x, s, slope = (values[np.isfinite(s)] for values in (x, s, slope))
+            every += _ends(curves, k, x, np.zeros(x.size, int), s, slope)[0].tolist()
+        every = list(_apart(mechanism, every, low, high))
+    return Pieces(tuple(every), branch_points)
 
 
 def _samples(mechanism: Mechanism, low: float, high: float) -> Array:
@@ -166,113 +243,137 @@ def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
 def _coordinates(element: Element) -> Iterator[Coordinate]:
     if isinstance(element, Spring):
         if element.has_length:
-            yield Coordinate(lambda moving, _: element.tension(ARRAY, moving)[2], np.empty(0), inf,
+            yield Coordinate(lambda n, moving, _: element.tension(n, moving)[2], np.empty(0), inf,
                              True)
     elif isinstance(element, TorsionSpring):
-        yield Coordinate(lambda moving, _: element.deflection(ARRAY, moving), np.array([pi]), tau)
+        yield Coordinate(lambda n, moving, _: element.deflection(n, moving), np.array([pi]), tau)
     elif isinstance(element, PositionForce):
         second = element.apart_from
         if second is not None:
-            yield Coordinate(lambda moving, _: Distance(element.point, second).of(
-                ARRAY, moving)**2, np.empty(0), inf, True)
+            yield Coordinate(lambda n, moving, _: Distance(element.point, second).of(
+                n, moving)**2, np.empty(0), inf, True)
         points: Array = np.empty(0)
-        period = inf
+        period, turns_back = inf, element.when != BOTH and element.over != INPUT
+        jumps = turns_back
         if isinstance(element.value, TableForce):
-            points, period = np.array(element.value.table.starts), element.value.period
+            table = element.value.table
+            jumps |= len(table.starts) < len(table.places) or element.value.middle is not None
+            points, period = np.array(table.starts), element.value.period
             if element.value.middle is not None:        # there the table ends and begins again
                 points = np.append(points, element.value.middle + pi)
         elif isinstance(element.over, LinkAngle):
-            points, period = np.array([pi]), tau
-        turns_back = element.when != BOTH and element.over != INPUT
+            points, period, jumps = np.array([pi]), tau, True
         if points.size or turns_back:
-            yield Coordinate(lambda moving, x: element.position(ARRAY, moving, x), points, period,
-                             turns_back=turns_back)
+            yield Coordinate(element.position, points, period, False, turns_back, jumps)
 
 
-# At inputs (m,) of rows, as of mechanisms, their indices (m,), a coordinate and its slope.
-Curves = Callable[[Array, Array], tuple[Array, Array]]
+class Ends(NamedTuple):
+    """Ends of pieces of many mechanisms, (mechanisms, most), in order from 0 to their cycle."""
+
+    inputs: Array       # NaN beyond the last
+    are_jumps: Array    # at which loads may jump, not their slopes alone
 
 
-def ends_of_turns(elements: Sequence[Element], links_at: Callable[[Array], LinkMotions],
-                  count: int, turns: int, edges: Sequence[Function] = ()) -> Array:
-    """Return the ends of pieces of many mechanisms whose cranks turn fully, (mechanisms, most)."""
-    # They lie in order from 0 to so many turns, NaN beyond the last. elements: on all of them,
-    # with columns of numbers, shape (count, 1); links_at: inputs, shape (count, any), complex ->
-    # motions of the links; edges: such inputs -> as edges_of().
-    cycle, found, of_found = tau * turns, list[Array](), list[Array]()
-    rows = np.repeat(np.arange(count), SAMPLES * turns)
-    x = np.tile(0.3 + np.linspace(0.0, cycle, SAMPLES * turns), count)
-    coordinates = [each for element in elements for each in _coordinates(element)
-                   if not each.is_square]
-    for coordinate, edge in [*((each, None) for each in coordinates),
-                             *((EDGE, edge) for edge in edges)]:
-        def values(x: Array, row: Array, coordinate: Coordinate = coordinate,
-                   edge: Function | None = edge) -> tuple[Array, Array]:
-            row, column, grid = as_grid(x, row, count)
-            with np.errstate(all='ignore'):
-                z = grid + 1j * STEP
-                s = np.broadcast_to(edge(z) if edge else coordinate.of(links_at(z), z),
-                                    z.shape)[row, column]
-            return s.real, s.imag / STEP
-
-        at, of = [x], [rows]
-        if edge:        # on both sides of the ends so far, at which it may jump
-            at += [0.3 + np.mod(end + side * BESIDE * cycle - 0.3, cycle)
-                   for end in found for side in (-1.0, 1.0)]
-            of += [row for row in of_found for _ in range(2)]
-        x_there, row_there = np.concatenate(at), np.concatenate(of)
-        order = np.lexsort((x_there, row_there))
-        ends, of_ends = _ends(values, x_there[order], row_there[order], coordinate)
-        found.append(np.mod(ends, cycle))
-        of_found.append(of_ends)
-    ends, row = (np.concatenate(parts) if parts else rows[:0] for parts in (found, of_found))
-    order = np.lexsort((ends, row))
-    ends, row = ends[order], row[order]
+def ends_of_turns(curves: Curves, count: int, turns: int) -> Ends:
+    """Return the ends of pieces of ``count`` mechanisms whose cranks make so many turns."""
+    cycle, by_curve = tau * turns, list[tuple[Array, Array, Array]]()
+    x = 0.3 + np.linspace(0.0, cycle, SAMPLES * turns)
+    rows = np.repeat(np.arange(count), x.size)
+    order = [k for k in curves.order if not curves.coordinates[k].is_square]
+    together = tuple([k for k in order if not curves.follows[k]])
+    sampled = dict(zip(together, zip(*curves.sample(together, x[None]))))
+    for k in order:
+        x_there, row_there = np.tile(x, count), rows
+        if k in sampled:
+            s, slope = (values.ravel() for values in sampled[k])
+        else:       # on both sides of the ends so far
+            sides = [0.3 + np.mod(ends + side * BESIDE * cycle - 0.3, cycle)
+                     for ends, *_ in by_curve for side in (-1.0, 1.0)]
+            x_there = np.concatenate([x_there, *sides])
+            row_there = np.concatenate([rows, *[row for _, row, _ in by_curve for _ in range(2)]])
+            inorder = np.lexsort((x_there, row_there))
+            x_there, row_there = x_there[inorder], row_there[inorder]
+            s, slope = curves.at(k, x_there, row_there)
+        ends, row = _ends(curves, k, x_there, row_there, s, slope)
+        by_curve.append((np.mod(ends, cycle), row, np.full(row.size, curves.coordinates[k].jumps)))
+    if not by_curve:
+        return Ends(np.empty((count, 0)), np.empty((count, 0), bool))
+    ends, row, are_jumps = map(np.concatenate, zip(*by_curve))
+    inorder = np.lexsort((ends, row))
+    ends, row, are_jumps = ends[inorder], row[inorder], are_jumps[inorder]
     # nearer ends are one, the last of a cycle and the first of the next too
     is_first = np.diff(row, prepend=-1) > 0
     before = np.roll(ends, 1)
     before[is_first] = ends[np.roll(is_first, -1)] - cycle
     is_apart = ends - before > TOUCHING * cycle
-    ends, row = ends[is_apart], row[is_apart]
+    are_jumps |= np.isin(row, row[are_jumps & ~is_apart])       # with one that goes, all may
+    ends, row, are_jumps = ends[is_apart], row[is_apart], are_jumps[is_apart]
     column = rank_of(row)
-    table = np.full((count, int(column.max(initial=-1)) + 1), np.nan)
-    table[row, column] = ends
-    return table
+    inputs = np.full((count, int(column.max(initial=-1)) + 1), np.nan)
+    flags = np.zeros(inputs.shape, bool)
+    inputs[row, column], flags[row, column] = ends, are_jumps
+    return Ends(inputs, flags)
 
 
-def _turning_points(values: Curves, x: Array, row: Array, slope: Array
-                    ) -> tuple[Array, Array, Array]:
-    """Return where a coordinate turns back between rising inputs of rows, with a slope at each."""
-    # And its second derivative there, and the row.
-    before = np.flatnonzero(((slope[1:] >= 0.0) != (slope[:-1] >= 0.0)) & (row[1:] == row[:-1]))
-    low, high, row = x[before], x[before + 1], row[before]
+def _turning_points(values: Function, x: Array, slope: Array, before: Array) -> Array:
+    """
+    Return where a coordinate turns back in intervals after some of the inputs, by its slopes.
 
-    def newton(x: Array, row: Array) -> tuple[Array, Array]:
-        turn = 2.0**-24 * (high - low)
-        here, there = values(x, row)[1], values(x + turn, row)[1]
+    ``values``: inputs and which of the intervals they are in -> coordinate and slope.
+    """
+    low, high = x[before], x[before + 1]
+
+    def newton(x: Array, which: Array) -> tuple[Array, Array]:
+        turn = 2.0**-24 * (high - low)[which]
+        here, there = values(x, which)[1], values(x + turn, which)[1]
         with np.errstate(all='ignore'):
             return here, here * turn / (there - here)
     if not before.size:
-        return low, low, row
-    turning = newton_roots(newton, row, low, high, slope[before], 0.5 * (low + high))
-    turn = 2.0**-12 * (high - low)
-    bend = (values(turning + turn, row)[1] - values(turning - turn, row)[1]) / (2.0 * turn)
-    return turning, bend, row
+        return low
+    first, last = slope[before], slope[before + 1]
+    return newton_roots(newton, np.arange(low.size), low, high, first,
+                        low + first / (first - last) * (high - low))
 
 
-def _ends(values: Curves, x: Array, row: Array, coordinate: Coordinate) -> tuple[Array, Array]:
+def _turns_back(slope: Array, row: Array) -> Array:
+    """Return the indices of inputs after which a coordinate turns back."""
+    return np.flatnonzero(((slope[1:] >= 0.0) != (slope[:-1] >= 0.0)) & (row[1:] == row[:-1]))
+
+
+def _ends(curves: Curves, k: int, x: Array, row: Array, s: Array, slope: Array
+          ) -> tuple[Array, Array]:
     """Return where pieces end that a coordinate brings, and the rows, from their rising inputs."""
+    coordinate = curves.coordinates[k]
     points, period = np.sort(coordinate.points), coordinate.period
-    s, slope = values(x, row)
-    turning, _, of_turning = _turning_points(values, x, row, slope)
+    before = _turns_back(slope, row)
+    if not coordinate.turns_back and points.size:
+        # where it turns beyond all points between two inputs does not matter: it comes no farther
+        # from the nearer one than its larger slope leads
+        reach = 2.0 * np.maximum(np.abs(slope[before]), np.abs(slope[before + 1])) * (
+            x[before + 1] - x[before])
+        low, high = (pick(s[before], s[before + 1]) + side * reach
+                     for pick, side in ((np.minimum, -1.0), (np.maximum, 1.0)))
+        if period < inf:
+            low, high = (np.floor((end[:, None] - points) / period) for end in (low, high))
+            matters = (low != high).any(axis=1)
+        else:
+            matters = np.searchsorted(points, low) < np.searchsorted(points, high, side='right')
+        before = before[matters | ~np.isfinite(reach)]
+    of_turning = row[before]
+    turning = _turning_points(lambda x, which: curves.at(k, x, of_turning[which]), x, slope,
+                              before)
     ends = (turning, of_turning) if coordinate.turns_back else (x[:0], row[:0])
-    x, row = np.concatenate((x, turning)), np.concatenate((row, of_turning))
-    s = np.concatenate((s, values(turning, of_turning)[0]))
-    order = np.lexsort((x, row))
-    order = order[np.isfinite(s[order])]
-    if order.size < 2 or not points.size:
+    if not points.size:
         return ends
-    x, row, s = x[order], row[order], s[order]      # between these it is monotone
+    if turning.size:        # between all inputs it is monotone then
+        at_turning = curves.at(k, turning, of_turning)
+        x, row, s, slope = (np.insert(values, before + 1, more) for values, more in (
+            (x, turning), (row, of_turning), (s, at_turning[0]), (slope, at_turning[1])))
+    is_known = np.isfinite(s)
+    if not is_known.all():
+        x, row, s, slope = (values[is_known] for values in (x, row, s, slope))
+    if s.size < 2:
+        return ends
     if period < inf:
         s = np.unwrap(s, period=period)
         first, last = (np.floor((end - points[0]) / period) for end in (s.min(), s.max()))
@@ -281,18 +382,21 @@ def _ends(values: Curves, x: Array, row: Array, coordinate: Coordinate) -> tuple
     first, last = np.searchsorted(points, low), np.searchsorted(points, high)
     last = np.where(row[1:] == row[:-1], last, first)
     interval = np.repeat(np.arange(low.size), last - first)
-    target, begin, end = points[first[interval] + rank_of(interval)], x[interval], x[interval + 1]
+    if not interval.size:
+        return ends
+    target = points[first[interval] + rank_of(interval)]
+    begin, end, row = x[interval], x[interval + 1], row[interval]
+    way_a, way_b = s[interval] - target, s[interval + 1] - target
 
-    def newton(x: Array, row: Array) -> tuple[Array, Array]:
-        way, slope = values(x, row)
-        way = way - target
+    def newton(x: Array, which: Array) -> tuple[Array, Array]:
+        way, slope = curves.at(k, x, row[which])
+        way = way - target[which]
         if period < inf:
             way = way - period * np.round(way / period)
         with np.errstate(all='ignore'):
             return way, way / slope
-    if not interval.size:
-        return ends
-    part, row = (target - s[interval]) / (s[interval + 1] - s[interval]), row[interval]
-    crossings = newton_roots(newton, row, begin, end, s[interval] - target,
-                             begin + part * (end - begin))
+    with np.errstate(all='ignore'):
+        guess = first_guesses(begin, end, way_a, way_b, way_a / slope[interval],
+                              way_b / slope[interval + 1])
+    crossings = newton_roots(newton, np.arange(row.size), begin, end, way_a, guess)
     return np.concatenate((ends[0], crossings)), np.concatenate((ends[1], row))

@@ -20,20 +20,20 @@ SMALL = 2.0**-12
 SAFETY = 64.0
 
 
-def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array,
+def newton_roots(function: Function, which: Array, xa: Array, xb: Array, fa: Array,
                  x: Array) -> Array:
     """Return the root of a function in each bracket, to the last bits of x, all together."""
     # Newton's method, with bisection wherever that leaves the bracket or does not halve its step.
     # The last step is not looked at again: its error is about its square over the width of the
-    # bracket. A root that is found stays where it is until all are. function: (x, row) -> f, and
-    # the step f/f' (NaN: not known, so halve); xa, xb, fa, x: where f changes its sign, its value
-    # at the first of them, and a first guess.
+    # bracket. function: (x, some of ``which``) -> f, and the step f/f' (NaN: not known, so halve);
+    # xa, xb, fa, x: where f changes its sign, its value at the first of them, and a first guess.
     # A zero at an end may not be where the sign changes: it counts as positive.
     x = np.where((fa != 0.0) & (x > xa) & (x < xb), x, 0.5 * (xa + xb))
     positive: Array = fa >= 0.0
     width = last = xb - xa
-    while True:
-        f, step = function(x, row)
+    roots, left = x.copy(), np.arange(x.size)       # left: brackets whose root is still sought
+    while left.size:
+        f, step = function(x, which)
         before = (f >= 0.0) == positive
         xa, xb = np.where(before, x, xa), np.where(before, xb, x)
         better = x - step
@@ -43,9 +43,11 @@ def newton_roots(function: Function, row: Array, xa: Array, xb: Array, fa: Array
         done = np.where(is_newton, SAFETY * step * step <= tolerance * width,
                         xb - xa <= 2.0 * tolerance)
         done |= ~np.isfinite(f)              # overflow: no root to be found
-        if done.all():
-            return np.asarray(better)
-        last, x = np.where(done, last, np.abs(x - better)), np.where(done, x, better)
+        roots[left] = better
+        last, x = np.abs(x - better), better
+        left, which, x, xa, xb, positive, width, last = (
+            v[~done] for v in (left, which, x, xa, xb, positive, width, last))
+    return roots
 
 
 def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:

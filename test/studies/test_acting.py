@@ -58,6 +58,13 @@ STRUT = {'forces.gas.link': 'output', 'forces.gas.along': 0.4, 'forces.gas.acts'
          'forces.gas.values': [300.0, 250.0, 240.0, 200.0]}
 
 
+PINS = {f'friction.{joint}.{name}': value for joint in ('O1', 'A', 'B', 'O4')
+        for name, value in (('coefficient', 0.1), ('radius', 0.01))}
+PLACES = np.linspace(0.1, 0.8, 100)
+LONG = {**WAY, 'forces.cut.places': PLACES.tolist(),
+        'forces.cut.values': (200.0 * np.sin(12.0 * PLACES) * np.cos(5.0 * PLACES)).tolist()}
+
+
 def engine():
     """Return the four-stroke engine of the scenes at a given speed."""
     values = {name: value for name, value in load_scene('engine').values.items()
@@ -87,6 +94,11 @@ CASES = {       # {name: (parameters, variations, quantities)}
     'strut': ({**BASE, **STRUT}, {
         **LENGTHS, 'forces.gas.from.along': {'range': [0.3, 0.5]},
         'forces.gas.across': {'uniform': 0.1}}, ('f41', 'f32')),
+    'pins': ({**BASE, **WAY, **SPRINGS, **PINS}, {
+        **LENGTHS, 'forces.cut.factor': {'range': [0.5, 2.0]},
+        'friction.A.coefficient': {'range': [0.05, 0.2]}}, ('f32', 'shaking_force')),
+    'long': ({**BASE, **LONG, **SPRINGS}, {
+        **LENGTHS, 'forces.cut.factor': {'range': [0.5, 2.0]}}, ('f32', 'shaking_moment')),
     'cut': ({**BASE, **WAY, 'forces.cut.when': 'forward'}, {
         **LENGTHS, 'forces.cut.factor': {'range': [0.5, 2.0]}}, ('f21', 'shaking_moment')),
     'press': (SLIDER, {
@@ -138,7 +150,8 @@ def test_rows_are_those_of_the_scenes_that_their_values_make(case, tmp_path):
         assert abs(columns['work'][i] - work) <= 10.0 * CLOSE * size or isnan(work)
 
 
-@pytest.mark.parametrize('case', ['springs', 'torsion', 'way', 'input', 'cut', 'press', 'engine'])
+@pytest.mark.parametrize('case', ['springs', 'torsion', 'way', 'input', 'pins', 'long', 'cut',
+                                  'press', 'engine'])
 def test_nearly_all_designs_are_computed_together(case, tmp_path):
     study = study_of(case, tmp_path, 64, quantities=['driving_torque.peak', 'driving_torque.rms'])
     columns = {measure.name: np.empty(study.rows) for measure in study.measures}
