@@ -3,6 +3,7 @@ SHELL := /bin/bash
 SCENE ?= config/paper.yaml
 SECONDS ?= 5
 MINUTES ?= 60
+QUICK ?=
 WORKERS ?= 4
 ARGS ?=
 SPREAD = -n $(WORKERS) --dist loadfile --no-loadscope-reorder --durations=12
@@ -11,7 +12,7 @@ export PYTHON
 env := . scripts/env.sh
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-slow test-all coverage lint check-pip check-clean check-oldest check-loaded soak bench docs clean
+.PHONY: help setup run test test-slow test-all coverage lint check-pip release check-clean check-oldest check-loaded soak bench docs clean
 
 help:
 	@echo 'fourbar_ros: exact motion, loads and extrema of planar linkages;'
@@ -26,6 +27,8 @@ help:
 	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
 	@echo '  make lint       run ruff, mypy, import-linter and the ament linters'
 	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
+	@echo '  make release    make dist/ and CHANGELOG.rst: twine check, installed into a bare environment, every command'
+	@echo '                    QUICK=1: one command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
 	@echo '  make check-oldest  the same with numpy 1.26 and scipy 1.11, as in Ubuntu 24.04'
 	@echo '  make check-loaded  make test three times while six busy loops take the processor'
@@ -73,6 +76,9 @@ lint:
 
 check-pip:
 	@scripts/check_pip.sh
+
+release:
+	@QUICK='$(QUICK)' scripts/release.sh
 
 # Of the caller's shell only what reaches the package registry is kept.
 check-clean check-oldest:

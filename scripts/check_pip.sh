@@ -2,7 +2,8 @@
 # Proves the way without ROS: builds sdist and wheel from it, installs the wheel into a fresh venv, runs every
 # command there, and some tests of the unpacked sdist. Needs the package registry; writes to a temporary folder.
 #
-#   PYTHON=python3.12 scripts/check_pip.sh
+#   PYTHON=python3.12 scripts/check_pip.sh          DIST=FOLDER keeps sdist and wheel there, once they are good
+#   scripts/check_pip.sh quick                      the wheel alone, and one command
 set -euo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 work=$(mktemp -d)
@@ -10,15 +11,17 @@ trap 'rm -rf "$work"' EXIT
 unset PYTHONPATH VIRTUAL_ENV AMENT_PREFIX_PATH
 fail() { echo "check-pip: $*" >&2; exit 1; }
 step() { echo "check-pip: $*"; }
+keep() { if [ -n "${DIST:-}" ]; then mkdir -p "$DIST" && cp "$wheel" "$sdist" "$DIST"; fi; step good; }
 
 step building
 mkdir "$work/source"
 tar -C "$source" --exclude='./.venv*' --exclude=./.git --exclude=./build --exclude=./install \
-  --exclude=./log --exclude=./bags --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$work/source" -xf -
+  --exclude=./log --exclude=./bags --exclude=./dist --exclude='*.egg-info' --exclude=__pycache__ -cf - . | tar -C "$work/source" -xf -
 "${PYTHON:-python3}" -m venv "$work/builder"
-"$work/builder/bin/pip" -q install build
+"$work/builder/bin/pip" -q install build twine
 "$work/builder/bin/python" -m build -q --outdir "$work/dist" "$work/source" >"$work/build.log" 2>&1 ||
   { tail -20 "$work/build.log" >&2; fail 'the build failed'; }
+"$work/builder/bin/twine" check --strict "$work"/dist/* >"$work/twine.log" || { cat "$work/twine.log" >&2; fail 'twine check'; }
 wheel=$(echo "$work"/dist/*.whl) sdist=$(echo "$work"/dist/*.tar.gz)
 
 step 'installing the wheel alone'
@@ -43,6 +46,7 @@ echo "  $(du -sm --exclude=__pycache__ --exclude='pip*' --exclude='setuptools*' 
   "$work"/venv/lib/python*/site-packages | cut -f1) MB"
 runs 0 fourbar show paper --at 60
 grep -q '856.3641368' out || fail 'show paper: not the shaking force of 60 degrees'
+if [ "${1:-}" = quick ]; then keep; exit; fi
 for scene in "$work"/source/config/*.yaml; do runs 0 fourbar show "$(basename "$scene" .yaml)"; done
 runs 0 fourbar scene check cylinder
 runs 0 fourbar reproduce
@@ -96,4 +100,4 @@ cd fourbar_ros-*
 # with the newest numpy and scipy, which `make test` does not take
 python -m pytest -q test/scene test/cli test/test_fence.py test/docs test/drawing/test_tables.py test/dynamics \
   test/balancing test/numerics -m 'not slow' || fail 'the sdist cannot be tested'
-step good
+keep

@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_lab.drawing.cycles import cycles
-from fourbar_lab.drawing.figure import CannotDraw, new_figure, Paper
+from fourbar_lab.drawing.figure import BESIDE, CannotDraw, new_figure, Paper
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
 from fourbar_ros import Mechanism
@@ -77,8 +77,9 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: 
     sheet.scale('m')
     sheet.finish()
     axes.annotate(f'axis at {axis_angle(linkage, motion):.4f}\N{DEGREE SIGN} to the coupler',
-                  (0.98, 0.01), ha='right', xycoords='axes fraction', color=AXIS, fontsize=11,
-                  zorder=8, bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})
+                  (0.98, 0.01), (0, 16 * sheet.zoom), ha='right', xycoords='axes fraction',
+                  textcoords='offset points', color=AXIS, fontsize=11 * sheet.zoom, zorder=8,
+                  bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})      # above the scale
 
 
 def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
@@ -105,10 +106,13 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
         position = max(extrema, key=lambda extremum: abs(extremum.value)).theta1
     title = f'{linkage.description}, theta1 {degrees(position):.4f} deg'
     with new_figure(12.6, 5.6, paper) as figure:
-        left = figure.add_axes((0.01, 0.02, 0.5, 0.9))
+        boxes = (0.01, 0.02, 0.5, 0.9), (0.6, 0.56, 0.38, 0.38), (0.6, 0.1, 0.38, 0.38)
+        if figure.get_figwidth() < BESIDE:          # below each other
+            figure.set_figheight(1.45 * figure.get_figwidth())
+            boxes = (0.01, 0.5, 0.98, 0.45), (0.17, 0.29, 0.8, 0.18), (0.17, 0.07, 0.8, 0.18)
+        left, upper, lower = [figure.add_axes(box) for box in boxes]
         draw_axis(left, linkage, linkage.motion(position, rate),
                   figure.title_of(title, paper.title))
-        upper, lower = (figure.add_axes((0.6, bottom, 0.38, 0.38)) for bottom in (0.56, 0.1))
         for inputs in cycles(linkage, from_zero=True):
             motion = linkage.motion(inputs, rate)
             upper.plot(np.degrees(inputs), getattr(motion, coordinate.rate), color=AXIS)

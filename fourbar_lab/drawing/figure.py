@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
 from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
-from fourbar_lab.drawing.sheet import Sheet
+from fourbar_lab.drawing.sheet import Sheet, USUAL
 from fourbar_ros import Mechanism
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -33,10 +33,11 @@ PICTURES = '.png', '.svg', '.pdf'
 COLOURS = ('#1f4e8c', '#a02c2c', '#1e6b37', '#5b2a86', '#4a9fd8', '#e08a1e', '#86b53c', '#999999')
 DASHES = '-', '--', '-.', ':'
 CURVES = {'color': COLOURS, 'linestyle': DASHES + DASHES}
-STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 11,
+STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': USUAL,
          'svg.hashsalt': 'fourbar_ros', 'svg.fonttype': 'path',
          'pdf.fonttype': 42}            # journals refuse fonts of type 3
-COLUMN = 5.0, 8.0      # [inch, points] figures narrower than the first have a font of this size
+SMALLEST = 8.0         # [points] text of figures that are narrower than usual
+BESIDE, COLUMN = 9.0, 5.0      # [inch] least widths of three panels beside each other, of two
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
@@ -64,11 +65,11 @@ class CannotDraw(FourBarError, ValueError):
 def new_figure(width: float, height: float, paper: Paper = Paper(), **options: Any
                ) -> Iterator[PaperFigure]:
     """Give a figure of its usual size [inch], or as wide as the paper, in proportion."""
-    from fourbar_lab.drawing.paper import BESIDE, PaperFigure
+    from fourbar_lab.drawing.paper import MARGIN, PaperFigure
     import matplotlib
     page_width = paper.width / 0.0254
-    across = max(page_width - 2.0 * BESIDE, 0.5) if page_width else width
-    style = STYLE | ({'font.size': COLUMN[1]} if across < COLUMN[0] < width else {})
+    across = max(page_width - 2.0 * MARGIN, 0.5) if page_width else width
+    style = STYLE | {'font.size': min(USUAL, max(SMALLEST, USUAL * across / width))}
     with matplotlib.rc_context(style):
         figure = PaperFigure(figsize=(across, height * across / width), **options)
         figure.style, figure.page_width = style, page_width
@@ -129,19 +130,24 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
     diagram = diagram_of(mechanism, motion)
     with new_figure(12.6, 4.4, paper) as figure:
         across, size, top = figure.get_figwidth(), figure.style['font.size'], 0.95
-        if size == STYLE['font.size']:
-            axes = figure.subplots(1, 3)
+        if across >= BESIDE:
+            axes = list(figure.subplots(1, 3))
             figure.subplots_adjust(left=0.0, right=1.0, bottom=0.0, top=0.85, wspace=0.06)
-        else:
-            # below each panel its lines of text, of 16 points at a size of 11
-            forces = len(diagram.forces) + 6 if loads else 0
-            rows = (len(mechanism.DRAWN) + forces // 2,
-                    *(len(arrows) // 2 + 2 for arrows in (velocities, accelerations)))
-            heights = [0.75 * across + (row + 2) * 16.0 * size / 11.0 / 72.0 for row in rows]
-            height, top = sum(heights), 1.0 + 0.1 / sum(heights)
+        else:       # the mechanism above the polygons; below each panel its lines of text
+            lines = (len(mechanism.DRAWN) + (len(diagram.forces) + 6 if loads else 0) // 2,
+                     *(len(arrows) // 2 + 2 for arrows in (velocities, accelerations)))
+            shape = ((0,), (1, 2)) if across >= COLUMN else ((0,), (1,), (2,))
+            heights = [(min(0.7 * across / len(row), 0.4 * BESIDE),
+                        (max(lines[i] for i in row) + 3) * 16.0 / 72.0 * size / 11.0)
+                       for row in shape]
+            height = sum(map(sum, heights))
             figure.set_figheight(height)
-            axes = [figure.add_axes((0.0, 1.0 - (sum(heights[:i]) + 0.75 * across) / height,
-                                     1.0, 0.7 * across / height)) for i in range(3)]
+            axes, top, below = [], 1.0 + 0.032 * size / height, height    # above a heading
+            for row, (of_panel, of_text) in zip(shape, heights):
+                below -= of_panel
+                axes += [figure.add_axes((column / len(row), below / height, 0.98 / len(row),
+                                          of_panel / height)) for column in range(len(row))]
+                below -= of_text
         figure.suptitle(figure.title_of(title, paper.title), x=0.003, y=top, ha='left',
                         va='bottom', fontsize=size * 13.0 / 11.0, fontweight='bold')
         letters = labels_of(diagram).letters
@@ -161,7 +167,7 @@ def make_panels(panels: Mapping[str, Sequence[tuple[str, Array, Array]]], xlabel
     """Return a figure of axes below each other: {text of an axis: (label, x, y) of its curves}."""
     with new_figure(9.0, 0.6 + 2.4 * len(panels), paper, layout='constrained') as figure:
         size = figure.style['font.size']
-        if size != STYLE['font.size']:
+        if figure.get_figwidth() < COLUMN:
             figure.set_figheight(0.5 + 1.8 * len(panels))
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for axis, (text, curves) in zip(axes, panels.items()):

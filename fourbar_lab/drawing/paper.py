@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
-BESIDE = 0.04        # [inch] left free on both sides of a figure of a given width
+MARGIN = 0.04        # [inch] left free on both sides of a figure of a given width
 
 
 class PaperFigure(Figure):
@@ -45,8 +45,8 @@ class PaperFigure(Figure):
                     raise CannotDraw(f'the texts of this picture need {25.4 * drawn.width:.0f} mm,'
                                      f' and its width is {25.4 * self.page_width:.0f} mm')
                 middle = 0.5 * (drawn.x0 + drawn.x1)
-                box = Bbox([[middle - 0.5 * self.page_width, drawn.y0 - BESIDE],
-                            [middle + 0.5 * self.page_width, drawn.y1 + BESIDE]])
+                box = Bbox([[middle - 0.5 * self.page_width, drawn.y0 - MARGIN],
+                            [middle + 0.5 * self.page_width, drawn.y1 + MARGIN]])
             super().savefig(fname, **{'bbox_inches': box, **options})
 
     def _repr_svg_(self) -> str:

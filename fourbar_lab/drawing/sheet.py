@@ -119,21 +119,22 @@ class Sheet:
             if other.tip is not None)
 
     def _room(self, point: Array, half: Array, lines: Array, written: list[tuple[Array, Array]],
-              is_nearest: bool) -> tuple[float, bool, float]:
-        """Return how free a point is for a label: overlap (0: none), then distance to lines."""
+              is_nearest: bool) -> tuple[float, bool, float, int]:
+        """Return how free a point is: overlap (0: none), then distance to lines, or crossings."""
         gaps = [(np.abs(point - centre) - half - size).max() for centre, size in written]
         low = self.low + (0.0, SCALE * self.inch)
         edges = np.minimum(point - half - low, self.high - point - half).min()
         beyond = np.maximum(np.abs(lines - point) - half, 0.0)
         nearest = np.hypot(*beyond.T).min(initial=FREE * self.inch)
-        return min(0.0, edges, *gaps), is_nearest, nearest
+        crossed = np.count_nonzero(~beyond.any(axis=1))
+        return min(0.0, edges, *gaps), is_nearest, nearest, -crossed
 
     def around(self, point: Array, towards: Sequence[float] | Array = (0.0, 1.0)) -> list[Array]:
         """Return points for the label of a point, on circles about it, first in this direction."""
         first = np.arctan2(towards[1], towards[0])
         turns = [first + side * step * np.pi / 12.0 for step in range(13) for side in (1.0, -1.0)]
         return [point + distance * self.inch * np.array([np.cos(turn), np.sin(turn)])
-                for distance in (0.2, 0.27, 0.35, 0.45) for turn in turns]
+                for distance in (0.2, 0.27, 0.35, 0.45, 0.6, 0.8) for turn in turns]
 
     def beside(self, start: Array, vector: Array) -> list[Array]:
         """Return points for the label of an arrow, on both sides along it, the middle first."""
