@@ -8,7 +8,7 @@ from typing import NamedTuple
 from fourbar_ros.cli import import_robot
 from fourbar_ros.cli.main import parser
 from fourbar_ros.importing.files import import_file
-from fourbar_ros.importing.robot import Refused
+from fourbar_ros.importing.robots import Refused
 
 from .pages import table
 

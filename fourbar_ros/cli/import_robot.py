@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
 
 if TYPE_CHECKING:
-    from fourbar_ros.importing.files import Wishes
+    from fourbar_ros.importing.robots import Wishes
 
 EPILOG = """\
 examples:
@@ -86,7 +86,7 @@ def _vector(text: str) -> tuple[float, ...]:
 
 def wishes_of(arguments: Namespace) -> Wishes:
     """Return what the arguments say beside the file."""
-    from fourbar_ros.importing.files import Wishes
+    from fourbar_ros.importing.robots import Wishes
     values = {name: getattr(arguments, name) for name in Wishes._fields}
     return Wishes(**values | {'at': dict(arguments.at), 'mode': dict(arguments.mode)})
 

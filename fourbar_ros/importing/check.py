@@ -9,14 +9,14 @@ forces that all joints of the tree need, at a rate and an acceleration.
 """
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from math import pi, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros.importing.machine import Imported
 from fourbar_ros.importing.mjcf import equality_name, spec_of
-from fourbar_ros.importing.robot import FIXED, PIN, Robot, RobotJoint, SLIDE
+from fourbar_ros.importing.robots import FIXED, PIN, Robot, SLIDE
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -36,7 +36,7 @@ class Checked(NamedTuple):
     drive: float | None         # None without masses
     peak: float                 # [N m or N]
     driven: str                 # joint
-    at: float                   # of the driven joint, where the peak is [rad or m]
+    peak_at: float              # of the driven joint, where the peak is [rad or m]
     is_slide: bool
 
     @property
@@ -47,7 +47,7 @@ class Checked(NamedTuple):
         unit, of_drive = ('m', 'N') if self.is_slide else ('rad', 'N m')
         loads = ('no masses' if self.drive is None else
                  f'drive within {self.drive * self.peak:.1e} {of_drive}, {self.drive:.1e} of its '
-                 f'peak {self.peak:.4g} {of_drive} at {self.driven} = {self.at:.4g} {unit}')
+                 f'peak {self.peak:.4g} {of_drive} at {self.driven} = {self.peak_at:.4g} {unit}')
         return (f'beside MuJoCo from {self.low:.4g} to {self.high:.4g} {unit}: joints within '
                 f'{self.joint:.1e} ({self.which}), {loads}')
 
@@ -64,16 +64,17 @@ class _Solver:
         self.data.eq_active[:] = [
             model.eq_type[index] in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
             and equality_name(model, index) not in cut for index in range(model.neq)]
-        joints = [scale.joint for scale in loop.scales.values() if not scale.joint.closes]
-        self.joints = [joint for joint in joints if joint is not loop.drive.joint]
-        indices = {joint.name: mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
-                   for joint in joints}
-        self.address = {name: model.jnt_qposadr[index] for name, index in indices.items()}
-        self.passive = [model.jnt_dofadr[indices[joint.name]] for joint in self.joints]
-        self.driven = model.jnt_dofadr[indices[loop.drive.joint.name]]
-        self.qpos, self.drive = qpos, loop.drive.joint.name
-        self.beside = np.array([BESIDE * (loop.loop.size() if joint.kind == SLIDE else 1.0)
-                                for joint in self.joints])
+        drive = loop.drive.joint
+        self.joints = [scale.joint for scale in loop.scales.values()
+                       if not scale.joint.closes and scale.joint is not drive]
+        self.qpos = qpos
+        # where joints stand in qpos and among the degrees of freedom
+        self.drive_qpos, self.driven = (int(index[0]) for index in (
+            model.joint(drive.name).qposadr, model.joint(drive.name).dofadr))
+        self.passive_qpos = [model.joint(joint.name).qposadr[0] for joint in self.joints]
+        self.passive = [model.joint(joint.name).dofadr[0] for joint in self.joints]
+        self.turns = np.array([joint.kind != SLIDE for joint in self.joints])
+        self.beside = BESIDE * np.where(self.turns, 1.0, loop.loop.size())
 
     def constraints(self) -> tuple[Array, Array]:
         """Return (Jacobian, residuals) of the constraints on the loop's joints, in qpos."""
@@ -85,14 +86,14 @@ class _Solver:
 
     def solved(self, position: float, near: Array) -> tuple[Array, Array]:
         """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
-        data, places = self.data, [self.address[joint.name] for joint in self.joints]
-        data.qpos[:] = self.qpos
-        data.qpos[self.address[self.drive]] = position
-        data.qpos[places] = near + self.beside
+        qpos = self.data.qpos
+        qpos[:] = self.qpos
+        qpos[self.drive_qpos] = position
+        qpos[self.passive_qpos] = near + self.beside
         for _ in range(50):
             jacobian, residuals = self.constraints()
             step = np.linalg.lstsq(jacobian[:, self.passive], -residuals, rcond=1e-10)[0]
-            data.qpos[places] += step * min(1.0, 0.2 / max(float(np.max(np.abs(step))), 1e-12))
+            qpos[self.passive_qpos] += step * min(1.0, 0.2 / max(np.max(np.abs(step)), 1e-12))
             if np.max(np.abs(step)) < 1e-15:
                 break
         jacobian, _ = self.constraints()
@@ -100,7 +101,7 @@ class _Solver:
         rates[self.driven] = 1.0
         rates[self.passive] = np.linalg.lstsq(jacobian[:, self.passive],
                                               -jacobian[:, self.driven], rcond=1e-10)[0]
-        return data.qpos[places].copy(), rates
+        return qpos[self.passive_qpos].copy(), rates
 
 
 def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) -> Checked:
@@ -111,7 +112,7 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
     ``cut``: equalities that are left out.
     """
     solver, scene, drive = _Solver(model, qpos, loop, cut), loop.scene, loop.drive
-    mechanism, data = scene.linkage, solver.data
+    mechanism, data, is_slide = scene.linkage, solver.data, drive.joint.kind == SLIDE
     coordinates = {scale.joint.name: (scale, joint.coordinate.position) for scale, joint in
                    zip(loop.scales.values(), mechanism.JOINTS)}
     start = scene.drive.start
@@ -124,29 +125,24 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
         return np.array([scale.ratio * getattr(motion, name) + scale.offset for scale, name in
                          (coordinates[joint.name] for joint in solver.joints)])
 
-    def at_joint(position: float) -> float:
-        return drive.ratio * position + drive.offset
+    def solved(position: float) -> tuple[Array, Array]:
+        return solver.solved(drive.ratio * position + drive.offset, expected(position))
 
-    worst, which, far, peak, at = 0.0, '', 0.0, 0.0, 0.0
+    worst, which, far, peak, peak_at = 0.0, '', 0.0, 0.0, 0.0
     step = STEP * (high - low)
     for position in map(float, np.linspace(low, high, SAMPLES)):
-        near = expected(position)
-        joints, _ = solver.solved(at_joint(position), near)
-        away = joints - near
-        turns = np.array([joint.kind != SLIDE for joint in solver.joints])
-        away[turns] = (away[turns] + pi) % tau - pi
+        away = solved(position)[0] - expected(position)
+        away[solver.turns] = (away[solver.turns] + pi) % tau - pi
         index = int(np.argmax(np.abs(away)))
         if abs(away[index]) >= worst:
             worst, which = float(abs(away[index])), solver.joints[index].name
         if mechanism.bodies is None:
             continue
         # of fourth order: d rates / d position of the drive
-        beside = {shift: solver.solved(at_joint(position + shift * step),
-                                       expected(position + shift * step))[1]
-                  for shift in (-2, -1, 1, 2)}
+        beside = {shift: solved(position + shift * step)[1] for shift in (-2, -1, 1, 2)}
         bend = (8.0 * (beside[1] - beside[-1]) - (beside[2] - beside[-2])) / (
             12.0 * step * drive.ratio)
-        _, rates = solver.solved(at_joint(position), near)
+        _, rates = solved(position)
         rate = drive.ratio * RATE
         data.qvel[:] = rates * rate
         data.qacc[:] = bend * rate**2 + rates * drive.ratio * ACCELERATION
@@ -154,41 +150,39 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
         forces = np.zeros(model.nv)
         solver.mujoco.mj_rne(model, data, 1, forces)
         _, loads = mechanism.step(position, RATE, ACCELERATION)
-        ours = (loads.driving_force if drive.joint.kind == SLIDE else loads.driving_torque)
         theirs = drive.ratio * float(rates @ forces)
-        far = max(far, abs(theirs - ours))
+        far = max(far, abs(theirs - getattr(loads, mechanism.drive_load)))
         if abs(theirs) > peak:
-            peak, at = abs(theirs), at_joint(position)
+            peak, peak_at = abs(theirs), drive.ratio * position + drive.offset
+    low, high = sorted(drive.ratio * end + drive.offset for end in (low, high))
     drive_off = None if mechanism.bodies is None else far / peak if peak else 0.0
-    return Checked(min(at_joint(low), at_joint(high)), max(at_joint(low), at_joint(high)), worst,
-                   which, drive_off, peak, drive.joint.name, at, drive.joint.kind == SLIDE)
+    return Checked(low, high, worst, which, drive_off, peak, drive.joint.name, peak_at, is_slide)
 
 
-def mujoco_of(path: Path, robot: Robot, closing: Sequence[RobotJoint]) -> tuple[Any, Array]:
+def mujoco_of(path: Path, robot: Robot) -> tuple[Any, Array]:
     """
     Return MuJoCo's own model of a file and its joints in the robot's pose.
 
-    MuJoCo reads URDF too, but for its loops: those get equality constraints, of the joints
-    ``closing``.
+    MuJoCo reads URDF too, but for its loops: those get equality constraints.
     """
     import mujoco
     spec = spec_of(path)[0]
-    if robot.format == 'URDF':
-        for joint in closing:
-            equality = spec.add_equality(
-                name=joint.name, objtype=mujoco.mjtObj.mjOBJ_SITE, type=mujoco.mjtEq.mjEQ_WELD
-                if joint.kind == FIXED else mujoco.mjtEq.mjEQ_CONNECT)
-            names = []
-            for body, point in ((joint.parent, joint.on_parent), (joint.child, joint.on_child)):
-                pose = robot.poses[body]
-                quaternion = np.zeros(4)
-                mujoco.mju_mat2Quat(quaternion, pose[:3, :3].T.ravel())
-                names.append(f'{joint.name} on {body}')
-                spec.body(body).add_site(name=names[-1], quat=quaternion,
-                                         pos=pose[:3, :3].T @ (point - pose[:3, 3]))
-            equality.name1, equality.name2 = names
-            if joint.kind == FIXED:
-                equality.data[:] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
+    for joint in robot.joints:
+        if robot.format != 'URDF' or not joint.closes:
+            continue
+        is_weld = joint.kind == FIXED
+        equality = spec.add_equality(
+            name=joint.name, objtype=mujoco.mjtObj.mjOBJ_SITE,
+            type=mujoco.mjtEq.mjEQ_WELD if is_weld else mujoco.mjtEq.mjEQ_CONNECT)
+        for body, point in ((joint.parent, joint.on_parent), (joint.child, joint.on_child)):
+            pose, quaternion = robot.poses[body], np.zeros(4)
+            mujoco.mju_mat2Quat(quaternion, pose[:3, :3].T.ravel())
+            spec.body(body).add_site(name=f'{joint.name} on {body}', quat=quaternion,
+                                     pos=pose[:3, :3].T @ (point - pose[:3, 3]))
+        equality.name1, equality.name2 = (f'{joint.name} on {body}'
+                                          for body in (joint.parent, joint.child))
+        if is_weld:
+            equality.data[:] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
     model = spec.compile()
     model.opt.gravity[:] = robot.gravity
     pose = model.qpos0.copy()

@@ -3,36 +3,20 @@
 """The loops of a robot's file as a file of scenes, with a report of what was read and left out."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 import re
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import nearest
-from fourbar_ros.importing.loops import Loop, loops_of
-from fourbar_ros.importing.machine import Choices, Imported, imported
-from fourbar_ros.importing.robot import Refused, Robot, word
+from fourbar_ros.importing.loops import loops_of
+from fourbar_ros.importing.machine import Imported, imported
+from fourbar_ros.importing.robots import Refused, Robot, Wishes, word
 from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT
 import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_ros.importing.check import Checked  # which imports MuJoCo's reader
-
-
-class Wishes(NamedTuple):
-    """What the user says beside the file, by the options of the verb: ``docs/robots.md``."""
-
-    loop: str = ''                          # a joint or link of the only loop that is wanted
-    drive: Sequence[str] = ()               # joints
-    base: str = ''                          # a link
-    close: Sequence[str] = ()               # of URDF: FRAME,FRAME or FRAME,FRAME:fixed
-    lock: Sequence[str] = ()                # joints that are held
-    cut: Sequence[str] = ()                 # closing joints that are left out
-    key: str = ''                           # a pose
-    at: Mapping[str, str] = {}              # {joint: position}, as text
-    mode: Mapping[str, int] = {}            # {dyad: 1 or 2}
-    gravity: Sequence[float] = ()           # [m/s^2] in the frame of the root
-    check: bool = False                     # against MuJoCo
 
 
 class Result(NamedTuple):
@@ -67,19 +51,19 @@ def read(path: Path, wishes: Wishes = Wishes()) -> Robot:
         from fourbar_ros.importing.mjcf import read_mjcf
         if wishes.close:
             raise Refused('--close: the loops of MJCF are its equality constraints')
-        robot = read_mjcf(path, wishes.key, wishes.at)
+        robot = read_mjcf(path, wishes)
     elif format_ == 'URDF':
         from fourbar_ros.importing.urdf import read_urdf
-        robot = read_urdf(path, wishes.close, wishes.key, wishes.at)
+        robot = read_urdf(path, wishes)
+        if not wishes.gravity:
+            robot.notes.append('URDF has no gravity: taken as 9.80665 m/s^2 against z of the root '
+                               '(--gravity)')
     elif format_ == 'SDF':
         raise Refused(f'{path}: is SDF, which is not read: take the URDF or MJCF of the robot')
     else:
         raise Refused(f'{path}: is neither MJCF nor URDF')
     if wishes.gravity:
         robot.gravity = np.array(wishes.gravity)
-    elif robot.format == 'URDF':
-        robot.notes.append('URDF has no gravity: taken as 9.80665 m/s^2 against z of the root '
-                           '(--gravity)')
     return robot
 
 
@@ -95,51 +79,29 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
     plural = '' if len(loops) == 1 else 's'
     report = [f'{path.name}: {robot.format}, {len(robot.poses)} bodies, {len(loops)} loop{plural}',
               *(f' note: {note}' for note in robot.notes)]
-    words = [{joint.name for joint in loop.joints} | {*map(loop.name_of, loop.parts)}
+    words = [{joint.name for joint in loop.joints} | {*map(loop.name_of, loop.links)}
              for loop in loops]
     for option, name in (('--loop', wishes.loop), *(('--drive', each) for each in wishes.drive)):
         if name and not any(name in of_loop for of_loop in words):
             known = [word for of_loop in words for word in of_loop]
             raise Refused(f'{option} {name}: no loop has it{nearest(name, known)}')
-    wanted = [(number, loop) for number, (loop, of_loop) in enumerate(zip(loops, words), 1)
+    wanted = [(index, loop) for index, (loop, of_loop) in enumerate(zip(loops, words), 1)
               if not wishes.loop or wishes.loop in of_loop]
     if wishes.mode and len(wanted) > 1:
         raise Refused(f'--mode is of one of {len(wanted)} loops: say by --loop of which')
     results, checks, is_good = [], [], True
-    for number, loop in wanted:
-        report.append(f' loop {number}: {", ".join(joint.name for joint in loop.joints)}')
+    for index, loop in wanted:
+        report.append(f' loop {index}: {", ".join(joint.name for joint in loop.joints)}')
         try:
-            done = _imported(loop, wishes)
+            results.append(imported(loop, wishes))
         except Refused as error:
             report.append(f'  refused: {error}')
             is_good = False
             continue
-        results.append(done)
-        report += [f'  {line}' for line in done.report]
+        report += [f'  {line}' for line in results[-1].report]
         if wishes.check:
             from fourbar_ros.importing.check import check, mujoco_of  # few ask for it
-            closing = [joint for joint in done.loop.robot.joints if joint.closes]
-            model, pose = mujoco_of(path, robot, closing)
-            checks.append(check(model, pose, done, wishes.cut))
+            checks.append(check(*mujoco_of(path, loop.robot), results[-1], wishes.cut))
             report.append(f'  {checks[-1]}' + ('' if checks[-1].is_good else ': BAD'))
             is_good = is_good and checks[-1].is_good
     return Result(results, report, is_good, checks)
-
-
-def _imported(loop: Loop, wishes: Wishes) -> Imported:
-    """Import a loop by what of the wishes, which are for the whole file, is about it."""
-    names = {joint.name for joint in loop.joints}
-    drives = [name for name in wishes.drive if name in names]
-    if len(drives) > 1:
-        raise Refused(f'--drive {" --drive ".join(drives)}: a loop has one; hold the others by '
-                      '--lock')
-    base = wishes.base
-    if base and base not in loop.part_of:
-        raise Refused(f'--base {base}: the file has no such link{nearest(base, loop.part_of)}')
-    if base and not wishes.loop and loop.part_of[base] not in loop.parts:
-        base = ''                           # it is meant for a loop that has it
-    choices = Choices(drives[0] if drives else '', base, wishes.mode)
-    frame_id = word(drives[0] if drives else loop.joints[0].name, 'loop') + '_plane'
-    while frame_id in loop.robot.poses:     # a body of the file, as where describe wrote it
-        frame_id += '_2'
-    return imported(loop, choices, frame_id)

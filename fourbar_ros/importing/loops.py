@@ -1,6 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The closed loops of a robot: its rigid parts, what joins them, and whether that is planar."""
+"""The closed loops of a robot: its rigid links, what joins them, and whether that is planar."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -9,17 +9,8 @@ from itertools import combinations
 from math import asin, degrees
 
 from fourbar_ros.errors import nearest
-from fourbar_ros.importing.robot import (
-    BALL,
-    FIXED,
-    FREE,
-    PIN,
-    POINT,
-    Refused,
-    Robot,
-    RobotJoint,
-    SLIDE,
-)
+from fourbar_ros.importing import robots
+from fourbar_ros.importing.robots import PIN, POINT, Refused, RobotJoint
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -33,60 +24,56 @@ class Loop:
     """
     Links that form closed loops with each other: one mechanism.
 
-    A part is a set of bodies that do not move to each other, called like the one nearest to the
-    root; ``part_of`` has it of every body.
+    A link is a set of bodies that do not move to each other, called like the one nearest to the
+    root; ``link_of`` has it of every body.
     """
 
-    robot: Robot
-    part_of: dict[str, str]
+    robot: robots.Robot
+    link_of: dict[str, str]
     joints: list[RobotJoint]
 
     @property
-    def parts(self) -> list[str]:
-        return list(dict.fromkeys(part for joint in self.joints for part in self.ends(joint)))
+    def links(self) -> list[str]:
+        return list(dict.fromkeys(link for joint in self.joints for link in self.ends(joint)))
 
     def ends(self, joint: RobotJoint) -> tuple[str, str]:
-        """Return the parts of parent and child of a joint."""
-        return self.part_of[joint.parent], self.part_of[joint.child]
+        """Return the links of parent and child of a joint."""
+        return self.link_of[joint.parent], self.link_of[joint.child]
 
-    def far(self, joint: RobotJoint, part: str) -> str:
-        """Return the part at the far end of a joint of a part."""
+    def far(self, joint: RobotJoint, link: str) -> str:
+        """Return the link at the far end of a joint of a link."""
         parent, child = self.ends(joint)
-        return child if part == parent else parent
+        return child if link == parent else parent
 
-    def joints_of(self, part: str) -> list[RobotJoint]:
-        return [joint for joint in self.joints if part in self.ends(joint)]
+    def joints_of(self, link: str) -> list[RobotJoint]:
+        return [joint for joint in self.joints if link in self.ends(joint)]
 
-    def point(self, joint: RobotJoint, part: str) -> Array:
-        """Return where a joint is on a part [m]."""
-        return joint.on_parent if self.part_of[joint.parent] == part else joint.on_child
+    def point(self, joint: RobotJoint, link: str) -> Array:
+        """Return where a joint is on a link [m]."""
+        return joint.on_parent if self.link_of[joint.parent] == link else joint.on_child
 
     def size(self) -> float:
         """Return the largest distance of two joints [m] along an axis of the root."""
         return float(np.max(np.ptp([joint.on_parent for joint in self.joints], axis=0)))
 
-    def name_of(self, part: str) -> str:
-        """Return the name of a part: that of its heaviest body, the nearest to the root of two."""
-        bodies = [body for body in self.robot.poses if self.part_of[body] == part]
-        return max(bodies, key=lambda body: self.robot.inertials[body].mass
-                   if body in self.robot.inertials else 0.0)
+    def name_of(self, link: str) -> str:
+        """Return the name of a link: that of its heaviest body, the nearest to the root of two."""
+        return max((body for body in self.robot.poses if self.link_of[body] == link),
+                   key=self.robot.mass_of)
 
-    def carried_by(self, part: str) -> set[str]:
-        """Return a part and all parts that hang on it beside this loop."""
-        parts = {*self.parts}
-        reached, todo = {part}, [part]
-        while todo:
-            here = todo.pop()
-            for joint in self.robot.joints:
-                ends = self.ends(joint)
-                if here in ends and not parts.issuperset(ends):
-                    new = {*ends} - reached
-                    reached |= new
-                    todo += new
+    def carried_by(self, link: str) -> set[str]:
+        """Return a link and all links that hang on it beside this loop."""
+        links = {*self.links}
+        reached, new = {link}, {link}
+        while new:
+            ends = [{*self.ends(joint)} for joint in self.robot.joints]
+            new = set().union(*(pair for pair in ends if pair & reached and not pair <= links)
+                              ) - reached
+            reached |= new
         return reached
 
 
-def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) -> list[Loop]:
+def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) -> list[Loop]:
     """
     Return the loops of a robot; joints of ``lock`` are held, closing joints of ``cut`` left out.
 
@@ -96,38 +83,36 @@ def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) ->
     for name in cut:
         if name not in closing:
             raise Refused(f'--cut {name}: no joint that closes a loop{nearest(name, closing)}')
-    names = [joint.name for joint in robot.joints]
     for name in lock:
-        if name not in names:
-            raise Refused(f'--lock {name}: the file has no such joint{nearest(name, names)}')
+        robots.check_name('--lock', name, [joint.name for joint in robot.joints], 'joint')
     joints = [joint for joint in robot.joints if joint.name not in cut]
     robot = replace(robot, joints=joints)
-    part_of = {body: body for body in robot.poses}
+    link_of = {body: body for body in robot.poses}
     for joint in joints:
-        if joint.kind == FIXED or joint.name in lock:
+        if joint.kind == robots.FIXED or joint.name in lock:
             if joint.closes and max(joint.gap, joint.turned) > CLOSED:
                 raise Refused(f'the weld {joint.name} is open by {joint.gap:.3g} m and '
                               f'{degrees(joint.turned):.3g} degrees: give a pose that closes it '
                               f'by --at or --key, or --cut {joint.name}')
-            kept, gone = part_of[joint.parent], part_of[joint.child]
-            part_of.update((body, kept) for body, part in part_of.items() if part == gone)
-    moving = _pins_of_two_points([joint for joint in joints if joint.kind != FIXED
-                                  and part_of[joint.parent] != part_of[joint.child]], part_of)
+            kept, gone = link_of[joint.parent], link_of[joint.child]
+            link_of.update((body, kept) for body, link in link_of.items() if link == gone)
+    moving = _pins_of_two_points([joint for joint in joints if joint.kind != robots.FIXED
+                                  and link_of[joint.parent] != link_of[joint.child]], link_of)
 
     # a tree of the joints, first of those that close none; each further one makes a circle with
     # those between its ends, and circles with a joint in common are one mechanism
-    tree: dict[str, list[tuple[str, int]]] = {part: [] for part in part_of.values()}
+    tree: dict[str, list[tuple[str, int]]] = {link: [] for link in link_of.values()}
     circles: list[set[int]] = []
     for index in sorted(range(len(moving)), key=lambda index: moving[index].closes):
-        first, last = part_of[moving[index].parent], part_of[moving[index].child]
+        first, last = link_of[moving[index].parent], link_of[moving[index].child]
         ways: dict[str, set[int]] = {first: set()}
         todo = [first]
         while todo:
             here = todo.pop()
-            for part, edge in tree[here]:
-                if part not in ways:
-                    ways[part] = ways[here] | {edge}
-                    todo.append(part)
+            for link, edge in tree[here]:
+                if link not in ways:
+                    ways[link] = ways[here] | {edge}
+                    todo.append(link)
         if last not in ways:
             tree[first].append((last, index))
             tree[last].append((first, index))
@@ -142,19 +127,19 @@ def loops_of(robot: Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) ->
             f'; it has {len(coupled)} mimic or gear joints ({", ".join(coupled[:4])}), which are '
             'none' if coupled else '') + ''.join(
             f'; {note}' for note in robot.notes if note.startswith('actuator ')) + (
-            f'; name the frames that coincide by --close A,B{_might_close(robot, part_of)}'
+            f'; name the frames that coincide by --close A,B{_might_close(robot, link_of)}'
             if robot.format == 'URDF' else ''))
-    return [Loop(robot, part_of, [moving[index] for index in sorted(circle)])
+    return [Loop(robot, link_of, [moving[index] for index in sorted(circle)])
             for circle in sorted(circles, key=min)]
 
 
-def _might_close(robot: Robot, part_of: dict[str, str]) -> str:
+def _might_close(robot: robots.Robot, link_of: dict[str, str]) -> str:
     """Return in words which fixed frames without mass may be for a cut, and which two are near."""
     points = {joint.child: joint.on_child for joint in robot.joints
-              if joint.kind == FIXED and joint.child not in robot.inertials}
+              if joint.kind == robots.FIXED and joint.child not in robot.inertials}
     frames = [name for name in points if 'clos' in name.lower()] or [*points]
     pairs = [(float(np.linalg.norm(points[first] - points[second])), first, second)
-             for first, second in combinations(frames, 2) if part_of[first] != part_of[second]]
+             for first, second in combinations(frames, 2) if link_of[first] != link_of[second]]
     if not pairs:
         return ''
     gap, first, second = min(pairs)
@@ -162,17 +147,17 @@ def _might_close(robot: Robot, part_of: dict[str, str]) -> str:
             "in the file's pose")
 
 
-def _pins_of_two_points(joints: list[RobotJoint], part_of: dict[str, str]) -> list[RobotJoint]:
-    """Return joints where two points that close the same two parts are the pin through both."""
+def _pins_of_two_points(joints: list[RobotJoint], link_of: dict[str, str]) -> list[RobotJoint]:
+    """Return joints where two points that close the same two links are the pin through both."""
     pins: dict[frozenset[str], RobotJoint] = {}
     left = []
     for joint in joints:
-        ends = frozenset((part_of[joint.parent], part_of[joint.child]))
+        ends = frozenset((link_of[joint.parent], link_of[joint.child]))
         first = pins.setdefault(ends, joint) if joint.kind == POINT else joint
         if first is joint:
             left.append(joint)
             continue
-        is_turned = part_of[first.parent] != part_of[joint.parent]
+        is_turned = link_of[first.parent] != link_of[joint.parent]
         away = (joint.on_child if is_turned else joint.on_parent) - first.on_parent
         if first.axis is None:
             first.kind, first.axis = PIN, away / np.linalg.norm(away)
@@ -193,7 +178,7 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
     normal, worst = pins[0].axis, 0.0
     assert normal is not None
     for joint in loop.joints:
-        if joint.kind == FREE:
+        if joint.kind == robots.FREE:
             raise Refused(f'{joint.name} is a free joint inside the loop')
         if joint.axis is None:
             off = abs(float(normal @ (joint.on_parent - joint.on_child)))
@@ -202,7 +187,7 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
                               'square to the plane')
             continue
         along = abs(float(normal @ joint.axis))
-        off = degrees(asin(min(1.0, along if joint.kind == SLIDE else float(
+        off = degrees(asin(min(1.0, along if joint.kind == robots.SLIDE else float(
             np.linalg.norm(np.cross(normal, joint.axis))))))
         worst = max(worst, off)
         if off > PARALLEL:
@@ -212,26 +197,28 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
             raise Refused(f'not planar: {joint.name} is {off:.3g} degrees off the plane square to '
                           f'{pins[0].name}' + (f'; with {", ".join(crossing)} it is a ball or '
                                                'universal joint' if crossing else ''))
-    for part in loop.parts:
-        if all(joint.kind in (POINT, BALL) for joint in loop.joints_of(part)):
-            raise Refused(f'{loop.name_of(part)} is a rod on balls, which may leave the plane')
+    for link in loop.links:
+        if all(joint.kind in (POINT, robots.BALL) for joint in loop.joints_of(link)):
+            raise Refused(f'{loop.name_of(link)} is a rod on balls, which may leave the plane')
     return normal, worst
 
 
-def base_of(loop: Loop, wanted: str = '') -> str:
-    """Return the part that carries the loop: the one on which the robot's root hangs."""
-    if wanted:
-        if loop.part_of.get(wanted) not in loop.parts:
-            raise Refused(f'--base {wanted}: no link of this loop, which has '
-                          f'{", ".join(map(loop.name_of, loop.parts))}')
-        return loop.part_of[wanted]
-    root = loop.part_of[loop.robot.root]
-    return next((part for part in loop.parts if root in loop.carried_by(part)), loop.parts[0])
+def base_of(loop: Loop, wishes: robots.Wishes) -> str:
+    """Return the link that carries the loop: the one on which the robot's root hangs."""
+    if wishes.base:
+        robots.check_name('--base', wishes.base, loop.link_of, 'link')
+        if loop.link_of[wishes.base] in loop.links:
+            return loop.link_of[wishes.base]
+        if wishes.loop:
+            raise Refused(f'--base {wishes.base}: no link of this loop, which has '
+                          f'{", ".join(map(loop.name_of, loop.links))}')
+    root = loop.link_of[loop.robot.root]
+    return next((link for link in loop.links if root in loop.carried_by(link)), loop.links[0])
 
 
 def check_freedom(loop: Loop) -> None:
     """Raise Refused unless a loop has one degree of freedom."""
-    links, joints = len(loop.parts), len(loop.joints)
+    links, joints = len(loop.links), len(loop.joints)
     freedom = 3 * (links - 1) - 2 * joints
     text = f'{links} links and {joints} joints have {freedom} degrees of freedom'
     if freedom > 1:
@@ -243,6 +230,6 @@ def check_freedom(loop: Loop) -> None:
     if freedom < 1:
         closing = [joint.name for joint in loop.joints if joint.closes] + [
             joint.name for joint in loop.robot.joints
-            if joint.closes and joint.kind == FIXED and {*loop.ends(joint)} & {*loop.parts}]
+            if joint.closes and joint.kind == robots.FIXED and {*loop.ends(joint)} & {*loop.links}]
         raise Refused(f'{text}: more joints than motion needs, as of the second rod of a '
                       f'parallelogram; leave out one by --cut, of {", ".join(closing)}')

@@ -9,19 +9,11 @@ from typing import NamedTuple
 
 from fourbar_ros.importing.loops import base_of, check_freedom, CLOSED, Loop, normal_of
 from fourbar_ros.importing.plane import CYLINDER, Plane, Scale
-from fourbar_ros.importing.robot import Coupling, Refused, RobotJoint, SLIDE, word
+from fourbar_ros.importing.robots import Coupling, Refused, RobotJoint, SLIDE, Wishes, word
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
-
-
-class Choices(NamedTuple):
-    """What the user said about a loop: names of joint and link, {dyad: mode}."""
-
-    drive: str = ''
-    base: str = ''
-    modes: Mapping[str, int] = {}
 
 
 class Imported(NamedTuple):
@@ -35,18 +27,19 @@ class Imported(NamedTuple):
     report: list[str]
 
 
-def drive_of(loop: Loop, base: str, wanted: str) -> tuple[RobotJoint, Coupling | None]:
+def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Coupling | None]:
     """
     Return the driven joint of a loop, with the gear from a motor elsewhere; raises Refused.
 
-    ``wanted``: the joint's name; else the motors of the file, or what is geared to one, say it.
+    If the user names none, the motors of the file, or what is geared to one, say it.
     """
     names = {joint.name: joint for joint in loop.joints}
-    motors = loop.robot.drives
-    if wanted and wanted not in names:
-        raise Refused(f'--drive {wanted}: no joint of this loop, which has {", ".join(names)}')
-    driven = [wanted] if wanted else list(dict.fromkeys(name for name in motors if name in names))
-    gear = None
+    motors, gear = loop.robot.drives, None
+    driven = [name for name in wishes.drive if name in names]
+    if len(driven) > 1:
+        raise Refused(f'--drive {" --drive ".join(driven)}: a loop has one; hold the others by '
+                      '--lock')
+    driven = driven or list(dict.fromkeys(name for name in motors if name in names))
     for coupling in loop.robot.couplings if not driven else ():
         joint, motor, offset, ratio = coupling
         if motor in names and joint in motors and joint not in names and ratio:
@@ -85,11 +78,11 @@ def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
     if drive.kind != SLIDE:
         return Way('crank', ends[0], drive)
     # a cylinder: the link to which the tube is pinned carries the hinge of the link to which the
-    # rod is pinned; which of both parts is the tube decides the carrier, the base if it may be
+    # rod is pinned; which of both links is the tube decides the carrier, the base if it may be
     ways = []
     for tube, rod in (ends, ends[::-1]):
-        outer = [[joint for joint in loop.joints_of(part) if joint is not drive]
-                 for part in (tube, rod)]
+        outer = [[joint for joint in loop.joints_of(body) if joint is not drive]
+                 for body in (tube, rod)]
         if all(len(joints) == 1 and joints[0].kind != SLIDE for joints in outer):
             at_tube, at_rod = outer[0][0], outer[1][0]
             carrier, turned = loop.far(at_tube, tube), loop.far(at_rod, rod)
@@ -103,7 +96,7 @@ def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
     return min(ways, key=lambda way: way.carrier != base)
 
 
-def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
+def imported(loop: Loop, wishes: Wishes) -> Imported:
     """
     Return a loop as a scene in which the node is a relay for the robot's passive joints.
 
@@ -111,15 +104,15 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
     file leaves open what drives it or which mode it is in.
     """
     normal, off = normal_of(loop)
-    base = base_of(loop, choices.base)
+    base = base_of(loop, wishes)
     check_freedom(loop)
-    drive, gear = drive_of(loop, base, choices.drive)
+    drive, gear = drive_of(loop, base, wishes)
     way = _way_of(loop, drive, base)
     carrier, driven = way.carrier, loop.far(way.hinge, way.carrier)
 
     # axes: the driven joint turns to the left; x along the driven slide, or y up
     origin = loop.point(way.hinge, carrier)
-    sense = 1.0 if loop.part_of[way.hinge.child] == driven else -1.0
+    sense = 1.0 if loop.link_of[way.hinge.child] == driven else -1.0
     up, axis = -loop.robot.gravity, way.hinge.axis
     if way.input == 'slide':
         assert axis is not None                             # a slide has one
@@ -136,43 +129,37 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
     plane = Plane(loop, base, carrier, np.array([x, np.cross(normal, x), normal]), origin)
 
     # the driven link, the cylinder, dyad after dyad; the pose of each says its mode
-    start = plane.at(way.hinge, driven)
+    start = plane.pivot(way.hinge, driven)
     if way.input == 'slide':
         plane.add_link(driven, start, 1.0, 'slider')
         plane.add_slide('base', drive, driven, 1.0, drive.position)
     else:
-        arms = [plane.at(joint, driven) - start for joint in loop.joints_of(driven)
+        arms = [plane.pivot(joint, driven) - start for joint in loop.joints_of(driven)
                 if joint is not way.hinge and joint.kind != SLIDE]
         plane.add_link(driven, start, next((arm for arm in arms if abs(arm) > 1e-9), 1.0), 'crank')
         plane.add_pin('base', way.hinge, driven, carrier)
     plane.values['linkage.input'] = way.input
-    solved, turn = {carrier, driven}, 0.0
+    turn = 0.0
     if way.cylinder:
         plane.add_dyad(CYLINDER, way.cylinder, drive)
-        solved |= {part for part, _ in way.cylinder}
-        turn = plane.set_mode(CYLINDER, drive, (driven, way.cylinder[1][0]), choices.modes)
-    while len(solved) < len(loop.parts):
-        name = f'd{len(plane.values["linkage.dyads"]) + 1}'
-        dyad = _next_dyad(loop, solved)
-        if dyad is None:
-            left = ', '.join(loop.name_of(part) for part in loop.parts if part not in solved)
+        turn = plane.set_mode(CYLINDER, drive, (driven, way.cylinder[1][0]), wishes)
+    while left := [body for body in loop.links if body not in plane.links]:
+        ways, inner = _next_dyad(loop, plane)
+        if inner is None:
             might = [joint.name for joint in loop.joints_of(carrier)
                      if joint is not way.hinge and not joint.closes]
-            raise Refused(f'{left} form no dyads with {drive.name} driven: a group of a higher '
-                          'class' + (f'; perhaps with {" or ".join(might)} (--drive)'
-                                     if might else ''))
-        ways, inner = dyad
-        parts = [part for part, _ in ways]
+            raise Refused(f'{", ".join(map(loop.name_of, left))} form no dyads with {drive.name} '
+                          'driven: a group of a higher class' + (
+                              f'; perhaps with {" or ".join(might)} (--drive)' if might else ''))
+        name = f'd{len(plane.values["linkage.dyads"]) + 1}'
         plane.add_dyad(name, ways, inner)
-        turn = max(turn, plane.set_mode(name, drive, parts, choices.modes))
-        solved |= {*parts}
-    for name in choices.modes:
+        turn = max(turn, plane.set_mode(name, drive, [body for body, _ in ways], wishes))
+    for name in wishes.mode:
         if name not in plane.modes:
             raise Refused(f'--mode {name}: no dyad, which are {", ".join(plane.modes)}')
     plane.set_ground()
-    ground = plane.links[base]
     pivot = loop.joints_of(base)[0] if base != carrier else way.hinge
-    frame = pivot.parent if loop.part_of[pivot.parent] == base else pivot.child
+    frame = pivot.parent if loop.link_of[pivot.parent] == base else pivot.child
 
     kinds = [value for key, value in plane.values.items() if key.startswith('dyads.')
              and key.endswith('.kind')]
@@ -219,7 +206,7 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
     report += [f'note: the gear or mimic between {each.joint} and {each.motor} is left out'
                for each in loop.robot.couplings if each != gear
                and {each.joint, each.motor} & {joint.name for joint in loop.joints}]
-    turned = loop.robot.poses[frame][:3, :3].T
+    ground, turned = plane.links[base], loop.robot.poses[frame][:3, :3].T
     cosine, sine = ground.direction.real, ground.direction.imag
     axes = turned @ plane.axes.T @ [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]]
     report.append(f'x of the scene is {_direction(axes[:, 0])} of {frame}, '
@@ -227,6 +214,10 @@ def imported(loop: Loop, choices: Choices, frame_id: str) -> Imported:
     # O1 on the ground, in the height of the driven joint
     moved = ground.origin - plane.flat(origin)
     origin = origin + plane.axes.T @ [moved.real, moved.imag, 0.0]
+    frame_id = word(drive.name if drive.name in wishes.drive else loop.joints[0].name, 'loop')
+    frame_id += '_plane'
+    while frame_id in loop.robot.poses:     # a body of the file, as where describe wrote it
+        frame_id += '_2'
     values = {
         'frame_id': frame_id, 'frame.parent': frame,
         'frame.xyz': [*map(float, turned @ (origin - loop.robot.poses[frame][:3, 3]))],
@@ -252,27 +243,27 @@ def _direction(axis: Array) -> str:
     index = int(np.argmax(np.abs(axis)))
     if abs(axis[index]) > 1.0 - 1e-9:
         return ('+' if axis[index] > 0.0 else '-') + 'xyz'[index]
-    return f'({", ".join(f"{number:.3g}" for number in axis)})'
+    return f'({", ".join(f"{share:.3g}" for share in axis)})'
 
 
 def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
     """Add frames on moving links as points, what links are called; return if there are any."""
     loop, robot = plane.loop, plane.loop.robot
     points: list[str] = []
-    for part, link in plane.links.items():
-        if part == base:
+    for first, link in plane.links.items():
+        if first == base:
             continue
-        called = loop.name_of(part)
+        called = loop.name_of(first)
         report += [f'{called} is called {link.name}'] * (called != link.name)
         report += [f'{body} is part of {link.name}' for body in robot.inertials
-                   if loop.part_of[body] == part and body != called]
+                   if loop.link_of[body] == first and body != called]
         for name, (body, centre) in robot.frames.items():
-            if loop.part_of[body] == part:
+            if loop.link_of[body] == first:
                 point = word(name, 'point')
                 while point in points:
                     point += '_'
                 points.append(point)
-                plane.set_point(f'points.{point}', part, plane.flat(centre))
+                plane.set_point(f'points.{point}', first, plane.flat(centre))
                 beside = float(plane.axes[2] @ centre) - plane.height
                 report.append(f'point {point} on {link.name}'
                               + f', the frame {name} of the file' * (point != name)
@@ -284,32 +275,29 @@ def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
 def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
     """Add the masses that the links carry, and weight; return whether there are any masses."""
     loop, count = plane.loop, 0
-    robot, normal, root = loop.robot, plane.axes[2], loop.part_of[loop.robot.root]
-    for part, link in plane.links.items():
-        carried = loop.carried_by(part) if part != base else set()
+    robot, normal, root = loop.robot, plane.axes[2], loop.link_of[loop.robot.root]
+    for first, link in plane.links.items():
+        carried = loop.carried_by(first) if first != base else set()
         if root in carried:
             report.append(f'note: the root of the robot hangs on {link.name}: that is not counted '
                           f'as its mass, and loads are right only while {frame} stands still')
-            carried = {part}
-        inertials = {body: inertial for body, inertial in robot.inertials.items()
-                     if loop.part_of[body] in carried}
-        hanging = [body for body in inertials if loop.part_of[body] != part]
+            carried = {first}
+        bodies = [body for body in robot.inertials if loop.link_of[body] in carried]
+        inertials = [robot.inertials[body] for body in bodies]
+        hanging = [body for body in bodies if loop.link_of[body] != first]
         if hanging:
             report.append(f'{link.name} carries, held as in the file: {", ".join(hanging)}')
-        mass = sum(inertial.mass for inertial in inertials.values())
+        mass = sum(inertial.mass for inertial in inertials)
         if mass > 0.0:
             count += 1
-            centre = np.sum([each.mass * each.centre for each in inertials.values()],
-                            axis=0) / mass
+            centre = np.sum([each.mass * each.centre for each in inertials], axis=0) / mass
             along, across = link.of(plane.flat(centre))
-            plane.values |= {
-                f'bodies.{link.name}.mass': float(mass),
-                f'bodies.{link.name}.cg_along': along, f'bodies.{link.name}.cg_across': across,
-                f'bodies.{link.name}.inertia': float(sum(
-                    normal @ each.inertia @ normal
-                    + each.mass * abs(plane.flat(each.centre - centre))**2
-                    for each in inertials.values()))}
-    report.append(f'masses on {count} of {len(loop.parts) - 1} links')
+            inertia = sum(normal @ each.inertia @ normal
+                          + each.mass * abs(plane.flat(each.centre - centre))**2
+                          for each in inertials)
+            plane.values |= {f'bodies.{link.name}.{name}': float(value) for name, value in (
+                ('mass', mass), ('cg_along', along), ('cg_across', across), ('inertia', inertia))}
+    report.append(f'masses on {count} of {len(loop.links) - 1} links')
     weight = plane.flat(robot.gravity) * plane.links[base].direction.conjugate()
     square = abs(float(normal @ robot.gravity))
     plane.values |= {'gravity.x': weight.real, 'gravity.y': weight.imag}
@@ -322,16 +310,15 @@ def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
     return count > 0
 
 
-def _next_dyad(loop: Loop, solved: set[str]
-               ) -> tuple[list[tuple[str, RobotJoint]], RobotJoint] | None:
-    """Return ((link, joint on a solved part) twice, joint between them) of a dyad; None: none."""
+def _next_dyad(loop: Loop, plane: Plane) -> tuple[list[tuple[str, RobotJoint]], RobotJoint | None]:
+    """Return ((link, joint on a solved link) twice, joint between them) of a dyad, or no joint."""
     for inner in loop.joints:
         ways = []
-        for part in loop.ends(inner):
-            on_solved = [joint for joint in loop.joints_of(part)
-                         if loop.far(joint, part) in solved and joint is not inner]
-            if part not in solved and len(on_solved) == 1:
-                ways.append((part, on_solved[0]))
+        for body in loop.ends(inner):
+            on_solved = [joint for joint in loop.joints_of(body)
+                         if loop.far(joint, body) in plane.links and joint is not inner]
+            if body not in plane.links and len(on_solved) == 1:
+                ways.append((body, on_solved[0]))
         if len(ways) == 2:
             return ways, inner
-    return None
+    return [], None

@@ -3,28 +3,12 @@
 """MJCF as MuJoCo reads it: its defaults, includes, inertias and sites; meshes are not read."""
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from fourbar_ros.errors import nearest
-from fourbar_ros.importing.robot import (
-    angle_between,
-    BALL,
-    Coupling,
-    FIXED,
-    FREE,
-    PIN,
-    POINT,
-    pose_of,
-    position_of,
-    Refused,
-    Robot,
-    RobotJoint,
-    SLIDE,
-    START,
-)
+from fourbar_ros.importing import robots
+from fourbar_ros.importing.robots import pose_of, Refused
 import numpy as np
 
 WITHOUT = 'extension', 'plugin', 'visual', 'collision', 'gazebo', 'transmission', 'ros2_control'
@@ -74,20 +58,15 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
 def equality_name(model: Any, index: int) -> str:
     """Return the name of an equality constraint; of one without, those of its two bodies."""
     import mujoco
-    kinds = mujoco.mjtObj
-    name = mujoco.mj_id2name(model, kinds.mjOBJ_EQUALITY, index)
-    if name or model.eq_obj2id[index] < 0:
-        return name or f'equality_{index}'
-    return '~'.join(mujoco.mj_id2name(model, int(model.eq_objtype[index]), int(item)) or str(item)
-                    for item in (model.eq_obj1id[index], model.eq_obj2id[index]))
+    ends = model.eq_obj1id[index], model.eq_obj2id[index]
+    if (name := model.equality(index).name) or ends[1] < 0:
+        return str(name or f'equality_{index}')
+    kind = int(model.eq_objtype[index])
+    return '~'.join(mujoco.mj_id2name(model, kind, int(end)) or str(end) for end in ends)
 
 
-def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
-    """
-    Return the robot of an MJCF in its zero pose or that of a key, joints of ``at`` moved.
-
-    Raises Refused for a file that MuJoCo cannot read, or an unknown key or joint.
-    """
+def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
+    """Return the robot of an MJCF in its zero pose or that of a key; raises Refused."""
     import mujoco
     spec, lost = spec_of(path)
     try:
@@ -95,28 +74,19 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
     except ValueError as error:
         raise Refused(f'{path}: MuJoCo cannot read it: {" ".join(str(error).split())}') from None
 
-    def name_of(kind: str, index: int) -> str:
-        kinds = mujoco.mjtObj
-        return (mujoco.mj_id2name(model, getattr(kinds, f'mjOBJ_{kind.upper()}'), index)
-                or f'{kind}_{index}')
+    def names_of(kind: str, count: int) -> list[str]:
+        return [getattr(model, kind)(index).name or f'{kind}_{index}' for index in range(count)]
 
-    bodies = [name_of('body', index) for index in range(model.nbody)]
-    joints = [name_of('joint', index) for index in range(model.njnt)]
-    data = mujoco.MjData(model)
-    keys = [name_of('key', index) for index in range(model.nkey)]
-    key = key or START * (START in keys)
-    if key:
-        if key not in keys:
-            raise Refused(f'--key {key}: the file has no such key{nearest(key, keys)}')
+    bodies, joints = names_of('body', model.nbody), names_of('joint', model.njnt)
+    keys, data = names_of('key', model.nkey), mujoco.MjData(model)
+    if key := wishes.pose_of(keys, 'key'):
         data.qpos[:] = model.key_qpos[keys.index(key)]
-    kinds = {0: FREE, 1: BALL, 2: SLIDE, 3: PIN}
-    for name, text in at.items():
-        if name not in joints:
-            raise Refused(f'--at {name}: the file has no such joint{nearest(name, joints)}')
-        joint = joints.index(name)
-        data.qpos[model.jnt_qposadr[joint]] = position_of(name, kinds[model.jnt_type[joint]], text)
+    kinds = [(robots.FREE, robots.BALL, robots.SLIDE, robots.PIN)[kind]
+             for kind in model.jnt_type]
+    for name, position in wishes.positions(dict(zip(joints, kinds))).items():
+        data.qpos[model.jnt_qposadr[joints.index(name)]] = position
     mujoco.mj_kinematics(model, data)
-    robot = Robot('MJCF', bodies[0], model.opt.gravity.copy())
+    robot = robots.Robot('MJCF', bodies[0], model.opt.gravity.copy())
     if lost:
         robot.notes.append(f'mass of {", ".join(lost)} comes from meshes, which are not read')
     for index, name in enumerate(bodies):
@@ -130,17 +100,17 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
         count = model.body_jntnum[index]
         if not count:
             origin = data.xpos[index].copy()
-            robot.joints.append(RobotJoint(f'{body} (fixed)', FIXED, parent, body, origin, origin))
+            robot.joints.append(robots.RobotJoint(f'{body} (fixed)', robots.FIXED, parent, body,
+                                                  origin, origin))
         for joint in range(first, first + count):      # of several, with nothing between them
             child = body if joint == first + count - 1 else f'{body} ({joints[joint]})'
             robot.poses.setdefault(child, robot.poses[body])
-            kind, anchor = kinds[int(model.jnt_type[joint])], data.xanchor[joint].copy()
-            robot.joints.append(RobotJoint(
-                joints[joint], kind, parent, child, anchor, anchor,
-                data.xaxis[joint].copy() if kind in (PIN, SLIDE) else None,
-                float(data.qpos[model.jnt_qposadr[joint]]), (
-                    float(model.jnt_range[joint][0]), float(model.jnt_range[joint][1]))
-                if model.jnt_limited[joint] else None))
+            anchor, (low, high) = data.xanchor[joint].copy(), map(float, model.jnt_range[joint])
+            robot.joints.append(robots.RobotJoint(
+                joints[joint], kinds[joint], parent, child, anchor, anchor,
+                data.xaxis[joint].copy() if kinds[joint] in (robots.PIN, robots.SLIDE) else None,
+                float(data.qpos[model.jnt_qposadr[joint]]),
+                (low, high) if model.jnt_limited[joint] else None))
             parent = child
     springs = [joints[index] for index in np.flatnonzero(model.jnt_stiffness)]
     left_out = [f'springs at {", ".join(springs)}'] if springs else []
@@ -149,18 +119,15 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
         ('armature', model.dof_armature)) if np.any(values)]
     if left_out:
         robot.notes.append(f'left out of the scenes: {"; ".join(left_out)} of joints')
-    for index in range(model.neq):
-        _equality(robot, model, data, index, name_of, bodies, joints)
-    robot.add_fixed_bodies()
     closing = {site for index in range(model.neq)
-               if int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
-               for site in (model.eq_obj1id[index], model.eq_obj2id[index])}
+               for site in _add_equality(robot, model, data, index, bodies, joints)}
+    robot.add_fixed_bodies()
     for index in range(model.nsite):
         name = model.site(index).name
         if name and index not in closing:
             robot.frames[name] = bodies[model.site_bodyid[index]], data.site_xpos[index].copy()
     transmissions = mujoco.mjtTrn
-    for index in range(model.nu):
+    for index, name in enumerate(names_of('actuator', model.nu)):
         by, target = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])
         if by in (transmissions.mjTRN_JOINT, transmissions.mjTRN_JOINTINPARENT):
             robot.drives.append(joints[target])
@@ -172,39 +139,37 @@ def read_mjcf(path: Path, key: str, at: Mapping[str, str]) -> Robot:
         else:
             how = ('is a slider-crank without bodies' if by == transmissions.mjTRN_SLIDERCRANK
                    else 'acts on no joint')
-            robot.notes.append(f'actuator {name_of("actuator", index)} {how}: left out')
+            robot.notes.append(f'actuator {name} {how}: left out')
     return robot
 
 
-def _equality(robot: Robot, model: Any, data: Any, index: int, name_of: Any, bodies: list[str],
-              joints: list[str]) -> None:
-    """Add an equality constraint of MuJoCo: a joint that closes a loop, a gear, or a note."""
+def _add_equality(robot: robots.Robot, model: Any, data: Any, index: int, bodies: list[str],
+                  joints: list[str]) -> tuple[int, ...]:
+    """Add an equality of MuJoCo: a closing joint, a gear, or a note; return the sites it has."""
     import mujoco
-    kind, name = int(model.eq_type[index]), equality_name(model, index)
-    first, second = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
-    numbers, equalities = model.eq_data[index], mujoco.mjtEq
+    kind, name, kinds = int(model.eq_type[index]), equality_name(model, index), mujoco.mjtEq
+    first, second = ends = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
+    values, is_weld = model.eq_data[index], kind == kinds.mjEQ_WELD
+    has_sites = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
     if not model.eq_active0[index]:
         robot.notes.append(f'equality {name} is not active: left out')
-    elif kind == equalities.mjEQ_JOINT and second >= 0 and not np.any(numbers[2:5]):
-        robot.couplings.append(Coupling(joints[first], joints[second], *map(float, numbers[:2])))
-    elif kind in (equalities.mjEQ_CONNECT, equalities.mjEQ_WELD):
-        if int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
-            points = [data.site_xpos[site].copy() for site in (first, second)]
-            axes = [data.site_xmat[site].reshape(3, 3) for site in (first, second)]
-            first, second = (int(model.site_bodyid[site]) for site in (first, second))
+    elif kind == kinds.mjEQ_JOINT and second >= 0 and not np.any(values[2:5]):
+        robot.couplings.append(robots.Coupling(joints[first], joints[second],
+                                               *map(float, values[:2])))
+    elif is_weld or kind == kinds.mjEQ_CONNECT:
+        if has_sites:
+            poses = [pose_of(data.site_xmat[site].reshape(3, 3), data.site_xpos[site])
+                     for site in ends]
+            first, second = (int(model.site_bodyid[site]) for site in ends)
         else:                       # a weld has the point of the second body first
-            near, far = numbers[0:3], numbers[3:6]
-            if kind == equalities.mjEQ_WELD:
-                near, far = far, near
-            axes = [data.xmat[body].reshape(3, 3) for body in (first, second)]
-            points = [data.xpos[body] + turned @ local
-                      for body, turned, local in zip((first, second), axes, (near, far))]
-            if kind == equalities.mjEQ_WELD:        # the second body's pose in the first
-                relative = np.zeros(9)
-                mujoco.mju_quat2Mat(relative, numbers[6:10])
-                axes[0] = axes[0] @ relative.reshape(3, 3)
-        robot.joints.append(RobotJoint(
-            name, POINT if kind == equalities.mjEQ_CONNECT else FIXED, bodies[first],
-            bodies[second], points[0], points[1], closes=True, turned=angle_between(*axes)))
+            relative = np.zeros(9)
+            mujoco.mju_quat2Mat(relative, values[6:10])     # the second body's pose in the first
+            points = (values[3:6], values[0:3]) if is_weld else (values[0:3], values[3:6])
+            poses = [robot.poses[bodies[body]] @ pose_of(turn, point)
+                     for body, turn, point in zip(ends, (
+                         relative.reshape(3, 3) if is_weld else np.eye(3), np.eye(3)), points)]
+        robot.add_closing(name, robots.FIXED if is_weld else robots.POINT,
+                          (bodies[first], bodies[second]), poses)
     else:
         robot.notes.append(f'equality {name} is of another type: left out')
+    return ends if has_sites else ()

@@ -10,13 +10,13 @@ The pose says the assembly modes alone: of both, the nearest, if there is no dou
 from __future__ import annotations
 
 from cmath import phase
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import degrees, pi, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.importing.loops import Loop
-from fourbar_ros.importing.robot import Refused, RobotJoint, SLIDE, word
+from fourbar_ros.importing.robots import Refused, RobotJoint, SLIDE, Wishes, word
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
@@ -52,7 +52,7 @@ class Scale(NamedTuple):
 
 
 class Plane:
-    """Links, dyads and joints of a loop as they are found, and the scene's values of them."""
+    """Links, dyads and joints of a loop, each link by its body in the file; the scene's values."""
 
     def __init__(self, loop: Loop, base: str, carrier: str, axes: Array, origin: Array) -> None:
         self.loop, self.base, self.axes = loop, base, axes
@@ -66,44 +66,47 @@ class Plane:
     def flat(self, vector: Array) -> complex:
         return complex(self.axes[0] @ vector, self.axes[1] @ vector)
 
-    def at(self, joint: RobotJoint, part: str) -> complex:
-        return self.flat(self.loop.point(joint, part))
+    def pivot(self, joint: RobotJoint, body: str) -> complex:
+        return self.flat(self.loop.point(joint, body))
 
-    def slide(self, joint: RobotJoint, part: str) -> complex:
-        """Return the unit vector along which a part slides at a joint as its position grows."""
+    def slide(self, joint: RobotJoint, body: str) -> complex:
+        """Return the unit vector along which a link slides at a joint as its position grows."""
         assert joint.axis is not None
         along = self.flat(joint.axis)
-        return along / abs(along) * (1.0 if self.loop.part_of[joint.child] == part else -1.0)
+        return along / abs(along) * self.sense(joint, body)
 
-    def add_link(self, part: str, origin: complex, direction: complex, name: str = '') -> str:
-        """Add a link, called like its part; return its name."""
+    def sense(self, joint: RobotJoint, body: str) -> float:
+        return 1.0 if self.loop.link_of[joint.child] == body else -1.0
+
+    def add_link(self, body: str, origin: complex, direction: complex, name: str = '') -> str:
+        """Add a link, called like its body; return its name."""
         if not direction:
-            raise Refused(f'{self.loop.name_of(part)} has its joints in one point: a loop needs '
+            raise Refused(f'{self.loop.name_of(body)} has its joints in one point: a loop needs '
                           'them apart')
-        name = name or word(self.loop.name_of(part), 'link')
+        name = name or word(self.loop.name_of(body), 'link')
         while name in {link.name for link in self.links.values()} or (
                 name in TAKEN and len(self.links) > 1):
             name += '_link'
-        self.links[part] = PlaneLink(name, origin, direction / abs(direction))
+        self.links[body] = PlaneLink(name, origin, direction / abs(direction))
         return name
 
-    def add_pin(self, name: str, joint: RobotJoint, part: str, carrier: str) -> None:
-        """Add a joint that turns: the angle of a part from that of its carrier."""
-        sense = 1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0
-        ratio = sense * (1.0 if self.loop.part_of[joint.child] == part else -1.0)
-        angle = phase(self.links[part].direction / self.links[carrier].direction)
+    def add_pin(self, name: str, joint: RobotJoint, body: str, carrier: str) -> None:
+        """Add a joint that turns: the angle of a link from that of its carrier."""
+        ratio = self.sense(joint, body) * (
+            1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0)
+        angle = phase(self.links[body].direction / self.links[carrier].direction)
         # from the ground counts what hangs on it, whichever of both is the dyad's link
-        self.scales[name] = Scale(joint, -ratio if part == self.base else ratio,
+        self.scales[name] = Scale(joint, -ratio if body == self.base else ratio,
                                   joint.position - ratio * angle)
 
-    def add_slide(self, name: str, joint: RobotJoint, part: str, direction: complex,
+    def add_slide(self, name: str, joint: RobotJoint, body: str, direction: complex,
                   travel: float) -> None:
-        """Add a joint at which a part has slid by ``travel`` along a direction."""
-        ratio = 1.0 if (self.slide(joint, part) * direction.conjugate()).real > 0.0 else -1.0
+        """Add a joint at which a link has slid by ``travel`` along a direction."""
+        ratio = 1.0 if (self.slide(joint, body) * direction.conjugate()).real > 0.0 else -1.0
         self.scales[name] = Scale(joint, ratio, joint.position - ratio * travel)
 
-    def set_point(self, name: str, part: str, point: complex) -> None:
-        link = self.links[part]
+    def set_point(self, name: str, body: str, point: complex) -> None:
+        link = self.links[body]
         if not name.startswith(CYLINDER):
             self.values[f'{name}.link'] = link.name
         self.values[f'{name}.along'], self.values[f'{name}.across'] = link.of(point)
@@ -115,70 +118,66 @@ class Plane:
 
         ``ways``: (link, joint) at first and second. In machines.md stands what a kind measures.
         """
+        kinds = ['P' if joint.kind == SLIDE else 'R' for joint in (ways[0][1], inner, ways[1][1])]
+        if ''.join(kinds) not in KINDS:
+            ways, kinds = ways[::-1], kinds[::-1]
         (u, at_u), (v, at_v) = ways
-        kind = ''.join('P' if joint.kind == SLIDE else 'R' for joint in (at_u, inner, at_v))
-        if kind not in KINDS and kind[::-1] in KINDS:
-            (u, at_u), (v, at_v), kind = (v, at_v), (u, at_u), kind[::-1]
+        kind = ''.join(kinds)
         if kind not in KINDS:
             raise Refused(f'{self.loop.name_of(u)} and {self.loop.name_of(v)} form a dyad {kind}, '
                           'which there is none of')
         on_u, on_v = self.loop.far(at_u, u), self.loop.far(at_v, v)
-        first, second = self.at(at_u, on_u), self.at(at_v, on_v)        # where they hang
-        start_u, start_v = self.at(at_u, u), self.at(at_v, v)
-        inner_u, inner_v = self.at(inner, u), self.at(inner, v)
-        group = name if name == CYLINDER else f'dyads.{name}'
-        names = ('rod', 'tube') if name == CYLINDER else ('', '')
-        self.modes[name] = f'{group}.mode'
-        sizes: dict[str, float] = {}
-        travel_u, along = 0.0, 1.0 + 0.0j          # of the inner joint, if that slides
+        first, second = self.pivot(at_u, on_u), self.pivot(at_v, on_v)        # where they hang
+        start_u, start_v = self.pivot(at_u, u), self.pivot(at_v, v)
+        inner_u, inner_v = self.pivot(inner, u), self.pivot(inner, v)
+        along_u, along_v = inner_u - start_u, inner_v - start_v     # the directions of the links
+        travel, along = 0.0, 1.0 + 0.0j                 # of the inner joint, if that slides
+        sizes = {}
+        if inner.kind == SLIDE:
+            along_u = along_v = along = self.slide(inner, u)
+        if at_v.kind == SLIDE:
+            along_v = self.slide(at_v, v)
+            sizes['direction_2'] = phase(along_v / self.links[on_v].direction)
         if kind == 'RRR':
-            directions = inner_u - start_u, inner_v - start_v
-            sizes = {'length_1': abs(directions[0]), 'length_2': abs(directions[1])}
+            sizes = {'length_1': abs(along_u), 'length_2': abs(along_v)}
         elif kind == 'RRP':
-            directions = inner_u - start_u, self.slide(at_v, v)
-            sizes = {'length_1': abs(directions[0]), 'direction_2': phase(
-                directions[1] / self.links[on_v].direction)}
+            sizes['length_1'] = abs(along_u)
             start_v = second = inner_v
         elif kind == 'RPR':
-            along = self.slide(inner, u)
             between = (start_u - start_v) * along.conjugate()
             if name == CYLINDER and between.real < 0.0:
-                along, between = -along, -between
-            directions = along, along
-            travel_u, sizes = between.real, {'offset': between.imag}
+                along_u = along_v = along = -along
+                between = -between
+            travel, sizes['offset'] = between.real, between.imag
         elif kind == 'RPP':
-            along = self.slide(inner, u)
-            directions = along, self.slide(at_v, v)
-            sizes = {'direction_2': phase(directions[1] / self.links[on_v].direction),
-                     'slot': phase(along / directions[1])}
+            sizes['slot'] = phase(along / along_v)
             start_v = second = start_u
         else:
-            directions = self.slide(at_u, u), self.slide(at_v, v)
-            sizes = {'direction_1': phase(directions[0] / self.links[on_u].direction),
-                     'direction_2': phase(directions[1] / self.links[on_v].direction)}
+            along_u = self.slide(at_u, u)
+            sizes['direction_1'] = phase(along_u / self.links[on_u].direction)
             start_u, start_v, first, second = inner_u, inner_v, inner_u, inner_v
         if name == CYLINDER:
-            off = abs(sizes.pop('offset'))
-            if off > BESIDE * self.loop.size():
+            if (off := abs(sizes.pop('offset'))) > BESIDE * self.loop.size():
                 raise Refused(f'the cylinder {inner.name} pushes {off:.3g} m beside the line of '
                               'its two pins')
-            self.set_point('cylinder.pin', on_u, first)
-            self.set_point('cylinder.base', on_v, second)
+            group, names, ends = CYLINDER, ('rod', 'tube'), ('pin', 'base')
         else:
+            group, names, ends = f'dyads.{name}', ('', ''), ('first', 'second')
             self.values['linkage.dyads'].append(name)
             self.values[f'{group}.kind'] = kind
-            self.set_point(f'{group}.first', on_u, first)
-            self.set_point(f'{group}.second', on_v, second)
-        self.values[f'{group}.links'] = [self.add_link(u, start_u, directions[0], names[0]),
-                                         self.add_link(v, start_v, directions[1], names[1])]
+        self.modes[name] = f'{group}.mode'
+        self.set_point(f'{group}.{ends[0]}', on_u, first)
+        self.set_point(f'{group}.{ends[1]}', on_v, second)
+        self.values[f'{group}.links'] = [self.add_link(u, start_u, along_u, names[0]),
+                                         self.add_link(v, start_v, along_v, names[1])]
         self.values |= {f'{group}.{size}': value for size, value in sizes.items()}
-        for end, joint, part, carrier in (('first', at_u, u, on_u), ('second', at_v, v, on_v)):
+        for end, joint, body, carrier in (('first', at_u, u, on_u), ('second', at_v, v, on_v)):
             if joint.kind == SLIDE:
-                self.add_slide(f'{name}_{end}', joint, part, self.links[part].direction, 0.0)
+                self.add_slide(f'{name}_{end}', joint, body, self.links[body].direction, 0.0)
             else:
-                self.add_pin(f'{name}_{end}', joint, part, carrier)
+                self.add_pin(f'{name}_{end}', joint, body, carrier)
         if inner.kind == SLIDE:
-            self.add_slide(f'{name}_inner', inner, u, along, travel_u)
+            self.add_slide(f'{name}_inner', inner, u, along, travel)
         else:
             self.add_pin(f'{name}_inner', inner, v, u)
 
@@ -189,8 +188,9 @@ class Plane:
             return
         names = {GROUND: self.add_link(carrier, *self.links.pop(carrier)[1:]),
                  self.links[self.base].name: GROUND}
-        self.links = {part: link._replace(name=names.get(link.name, link.name))
-                      if part != carrier else link for part, link in self.links.items()}
+        for body in self.links.keys() - {carrier}:
+            link = self.links[body]
+            self.links[body] = link._replace(name=names.get(link.name, link.name))
         for key, value in self.values.items():
             if key.endswith('.link'):
                 self.values[key] = names.get(value, value)
@@ -204,15 +204,14 @@ class Plane:
         scale = next(each for each in self.scales.values() if each.joint is drive)
         return (drive.position - scale.offset) / scale.ratio
 
-    def set_mode(self, name: str, drive: RobotJoint, parts: Sequence[str],
-                 wanted: Mapping[str, int]) -> float:
+    def set_mode(self, name: str, drive: RobotJoint, bodies: Sequence[str], wishes: Wishes
+                 ) -> float:
         """
         Set the mode of the newest dyad, in which its loop closes nearest to the file's pose.
 
         Returns by how much its links turn to that [deg]; raises Refused if it leaves a doubt.
-        ``wanted``: {dyad: mode} that the user gives.
         """
-        key, links, start = self.modes[name], [self.links[each] for each in parts], self.input_of(
+        key, links, start = self.modes[name], [self.links[body] for body in bodies], self.input_of(
             drive)
         before = np.array([phase(link.direction) for link in links])
         away: dict[int, Array] = {}     # {mode: how far each link turns [rad]}
@@ -228,13 +227,14 @@ class Plane:
             away[mode] = (np.array(angles) - before + pi) % tau - pi
         turns = {mode: float(degrees(np.max(np.abs(angles)))) for mode, angles in away.items()}
         has_one = self.values.get(f'dyads.{name}.kind') in ('RPP', 'PRP')
-        mode = self.values[key] = 2 if has_one else wanted.get(name) or min(
+        mode = self.values[key] = 2 if has_one else wishes.mode.get(name) or min(
             turns, key=turns.__getitem__, default=2)
-        if name in wanted:
-            if turns.get(mode, 0.0) <= OPEN:
-                return turns.get(mode, 0.0)
+        turn = turns.get(mode, 0.0)
+        if name in wishes.mode:
+            if turn <= OPEN:
+                return turn
             instead = f'by {turns[3 - mode]:.3g}' if 3 - mode in turns else 'does not close'
-            self.report.append(f'warning: --mode {name}={mode} turns links by {turns[mode]:.3g} '
+            self.report.append(f'warning: --mode {name}={mode} turns links by {turn:.3g} '
                                f"degrees from the file's pose, mode {3 - mode} {instead}")
             return 0.0
         ask = 'give a pose by --at or --key' + (
@@ -243,13 +243,12 @@ class Plane:
         if mode not in turns:
             raise Refused(f'{whose}: the loop does not close with the drive where the file has it '
                           f'({why}); {ask}')
-        if turns[mode] > OPEN:
+        if turn > OPEN:
             raise Refused(f"{whose}: the loop is open in the file's pose, links would turn by "
-                          f'{turns[mode]:.3g} degrees to close it, too far to read the mode; '
-                          f'{ask}')
+                          f'{turn:.3g} degrees to close it, too far to read the mode; {ask}')
         if len(turns) == 2 and not has_one:
             apart = float(np.max(np.abs((away[1] - away[2] + pi) % tau - pi)))
-            if apart < 2.0 * FLAT or turns[3 - mode] < 2.0 * turns[mode]:
+            if apart < 2.0 * FLAT or turns[3 - mode] < 2.0 * turn:
                 raise Refused(f"{whose}: flat in the file's pose, the modes are "
                               f'{degrees(apart):.3g} degrees apart, too near to read which; {ask}')
-        return turns[mode]
+        return turn

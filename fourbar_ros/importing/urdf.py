@@ -13,29 +13,15 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from fourbar_ros.errors import nearest
-from fourbar_ros.importing.robot import (
-    angle_between,
-    BALL,
-    Coupling,
-    CUT,
-    FIXED,
-    PIN,
-    POINT,
-    pose_of,
-    position_of,
-    Refused,
-    Robot,
-    RobotJoint,
-    SLIDE,
-    START,
-)
+from fourbar_ros.importing import robots
+from fourbar_ros.importing.robots import pose_of, Refused
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.base import rotation_of
 import numpy as np
 import yaml
 
-KINDS = {'revolute': PIN, 'continuous': PIN, 'prismatic': SLIDE, 'fixed': FIXED, 'ball': POINT}
+KINDS = {'revolute': robots.PIN, 'continuous': robots.PIN, 'prismatic': robots.SLIDE,
+         'fixed': robots.FIXED, 'ball': robots.POINT}
 GRAVITY = 0.0, 0.0, -9.80665                                # [m/s^2], as no URDF says
 Element = ElementTree.Element
 Poses = Mapping[str, Array]
@@ -46,21 +32,25 @@ def _word(element: Element, tag: str, attribute: str, default: str = '') -> str:
     return default if below is None else below.get(attribute, default)
 
 
-def _numbers(text: str) -> list[float]:
+def _floats(text: str) -> list[float]:
     try:
         return [float(word) for word in text.split()]
     except ValueError:
         raise Refused(f'{text!r} in the URDF are no numbers') from None
 
 
-def _rotation(rpy_or_quaternion: Sequence[float]) -> Array:
-    """Return the rotation from a frame to that in which it is stated."""
-    return np.array(rotation_of(rpy_or_quaternion)).T
+def _float(element: Element, tag: str, attribute: str, default: str = '0') -> float:
+    return _floats(_word(element, tag, attribute, default))[0]
+
+
+def _pose(xyz: Sequence[float], rpy_or_quaternion: Sequence[float]) -> Array:
+    """Return the pose of a frame in that in which it is stated."""
+    return pose_of(np.array(rotation_of(rpy_or_quaternion)).T, xyz)
 
 
 def _pose_in(element: Element, tag: str) -> Array:
-    return pose_of(_rotation(_numbers(_word(element, tag, 'rpy', '0 0 0'))),
-                   _numbers(_word(element, tag, 'xyz', '0 0 0')))
+    return _pose(_floats(_word(element, tag, 'xyz', '0 0 0')),
+                 _floats(_word(element, tag, 'rpy', '0 0 0')))
 
 
 class _TreeJoint(NamedTuple):
@@ -73,20 +63,16 @@ class _TreeJoint(NamedTuple):
     def moved(self, position: float) -> Array:
         """Return the pose of the child in the parent at a position [rad or m]."""
         move = np.eye(4)
-        if self.kind == SLIDE:
+        if self.kind == robots.SLIDE:
             move[:3, 3] = position * self.axis
-        elif self.kind == PIN:
-            move[:3, :3] = _rotation([*(np.sin(0.5 * position) * self.axis),
-                                      np.cos(0.5 * position)])
+        elif self.kind == robots.PIN:
+            move = _pose((0.0, 0.0, 0.0), [*(np.sin(0.5 * position) * self.axis),
+                                           np.cos(0.5 * position)])
         return _pose_in(self.element, 'origin') @ move
 
 
-def read_urdf(path: Path, close: Sequence[str], key: str, at: Mapping[str, str]) -> Robot:
-    """
-    Return the robot of a URDF in its zero pose or that of a group_state, joints of ``at`` moved.
-
-    ``close``: FRAME,FRAME or FRAME,FRAME:fixed, frames that coincide. Raises Refused.
-    """
+def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
+    """Return the robot of a URDF in its zero pose or that of a group_state; raises Refused."""
     text = path.read_text(encoding='utf-8')
     if 'xmlns:xacro' in text:
         raise Refused(f'{path}: is xacro: write its URDF first, xacro FILE > robot.urdf')
@@ -97,26 +83,22 @@ def read_urdf(path: Path, close: Sequence[str], key: str, at: Mapping[str, str])
     links = {link.get('name', ''): link for link in root.findall('link')}
     joints = {}
     for element in root.findall('joint'):
-        axis = np.array(_numbers(_word(element, 'axis', 'xyz', '1 0 0')))
+        axis = np.array(_floats(_word(element, 'axis', 'xyz', '1 0 0')))
         joints[element.get('name', '')] = _TreeJoint(
-            element, KINDS.get(element.get('type', ''), BALL), _word(element, 'parent', 'link'),
-            _word(element, 'child', 'link'), axis / (np.linalg.norm(axis) or 1.0))
+            element, KINDS.get(element.get('type', ''), robots.BALL),
+            _word(element, 'parent', 'link'), _word(element, 'child', 'link'),
+            axis / (np.linalg.norm(axis) or 1.0))
     roots = links.keys() - {joint.child for joint in joints.values()}
     if len(roots) != 1:
         raise Refused(f'{path}: has {len(roots)} roots, {", ".join(sorted(roots))}')
 
     # the pose
     states = {state.get('name', ''): state for state in root.findall('group_state')}
-    key = key or START * (START in states)
-    if key and key not in states:
-        raise Refused(f'--key {key}: the file has no such group_state{nearest(key, states)}')
     positions = dict.fromkeys(joints, 0.0)
-    for element in states[key].findall('joint') if key else ():
-        positions[element.get('name', '')] = _numbers(element.get('value', '0'))[0]
-    for name, position in at.items():
-        if name not in joints:
-            raise Refused(f'--at {name}: the file has no such joint{nearest(name, joints)}')
-        positions[name] = position_of(name, joints[name].kind, position)
+    if key := wishes.pose_of(states, 'group_state'):
+        positions |= {element.get('name', ''): _floats(element.get('value', '0'))[0]
+                      for element in states[key].findall('joint')}
+    positions |= wishes.positions({name: joint.kind for name, joint in joints.items()})
     poses, zero = ({root: np.eye(4) for root in roots} for _ in range(2))
     while len(poses) < len(links):
         new = {joint.child: (name, joint) for name, joint in joints.items()
@@ -127,106 +109,87 @@ def read_urdf(path: Path, close: Sequence[str], key: str, at: Mapping[str, str])
             poses[link] = poses[joint.parent] @ joint.moved(positions[name])
             zero[link] = zero[joint.parent] @ joint.moved(0.0)
 
-    robot = Robot('URDF', min(roots), np.array(GRAVITY), poses)
+    robot = robots.Robot('URDF', min(roots), np.array(GRAVITY), poses)
     for name in links:
         inertial = links[name].find('inertial')
         if inertial is not None:
-            xx, yy, zz, xy, xz, yz = (
-                _numbers(_word(inertial, 'inertia', axes, '0'))[0]
-                for axes in ('ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'))
-            robot.add_inertial(name, _numbers(_word(inertial, 'mass', 'value', '0'))[0],
+            xx, yy, zz, xy, xz, yz = (_float(inertial, 'inertia', axes) for axes in (
+                'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'))
+            robot.add_inertial(name, _float(inertial, 'mass', 'value'),
                                poses[name] @ _pose_in(inertial, 'origin'),
                                np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     for name, joint in joints.items():
-        pose = poses[joint.child]
-        low, high = (_numbers(_word(joint.element, 'limit', end, '0'))[0]
-                     for end in ('lower', 'upper'))
-        robot.joints.append(RobotJoint(
+        pose, element = poses[joint.child], joint.element
+        low, high = (_float(element, 'limit', end) for end in ('lower', 'upper'))
+        robot.joints.append(robots.RobotJoint(
             name, joint.kind, joint.parent, joint.child, pose[:3, 3], pose[:3, 3],
-            pose[:3, :3] @ joint.axis if joint.kind in (PIN, SLIDE) else None, positions[name],
-            (low, high) if low < high and joint.element.get('type') != 'continuous' else None))
-        if joint.element.find('mimic') is not None:
-            robot.couplings.append(Coupling(name, _word(joint.element, 'mimic', 'joint'), *(
-                _numbers(_word(joint.element, 'mimic', word, default))[0]
-                for word, default in (('offset', '0'), ('multiplier', '1')))))
+            pose[:3, :3] @ joint.axis if joint.kind in (robots.PIN, robots.SLIDE) else None,
+            positions[name],
+            (low, high) if low < high and element.get('type') != 'continuous' else None))
+        if element.find('mimic') is not None:
+            robot.couplings.append(robots.Coupling(
+                name, _word(element, 'mimic', 'joint'), _float(element, 'mimic', 'offset'),
+                _float(element, 'mimic', 'multiplier', '1')))
     robot.drives = [joint.get('name', '') for path_of_joint in (
         './/transmission/joint', './/ros2_control/joint[command_interface]')
         for joint in root.findall(path_of_joint)]
-    robot.joints += [*_constraints(root, poses), *_of_gazebo(root, poses, zero)]
+    _add_closing(robot, root, zero)
     for folder in (path.parent, path.parent.parent / 'config'):
         if (folder / 'loop_closures.yaml').is_file():
             tree = yaml.safe_load((folder / 'loop_closures.yaml').read_text(encoding='utf-8'))
             robot.drives += tree.get('independent', [])
             for closure in tree['closures']:        # point and axis in the zero pose of the root
                 ends = closure['link_a'], closure['link_b']
-                here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose_of(
-                    np.eye(3), closure['point']) for link in ends)
-                robot.joints.append(_closing('~'.join(ends), PIN, ends, (here, there),
-                                             here[:3, :3] @ np.array(closure['axis'], float)))
-    robot.joints += _frames(close, poses, {joint.name for joint in robot.joints})
+                pose = pose_of(np.eye(3), closure['point'])
+                here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose for link in ends)
+                robot.add_closing('~'.join(ends), robots.PIN, ends, (here, there),
+                                  here[:3, :3] @ np.array(closure['axis'], float))
+    known = {joint.name for joint in robot.joints}
+    for name, how, frames in _frames(wishes.close, poses):
+        bodies = [frame.partition('@')[0] for frame in frames]
+        for link in bodies:
+            robots.check_name('--close', link, poses, 'link')
+        if name not in known:
+            robot.add_closing(name, how or robots.POINT, bodies, [
+                poses[link] @ pose_of(np.eye(3), _floats(
+                    frame.partition('@')[2].replace('/', ' ') or '0 0 0'))
+                for frame, link in zip(frames, bodies)])
     robot.add_fixed_bodies()
     return robot
 
 
-def _closing(name: str, kind: str, links: tuple[str, str], poses: tuple[Array, Array],
-             axis: Array | None = None) -> RobotJoint:
-    """Return a joint that closes a loop: a link's pose each, and the axis in the root."""
-    here, there = poses
-    if axis is None and kind == PIN:
-        kind = POINT
-    return RobotJoint(
-        name, kind, *links, here[:3, 3], there[:3, 3],
-        axis / np.linalg.norm(axis) if axis is not None and kind in (PIN, SLIDE) else None,
-        closes=True,
-        turned=angle_between(here[:3, :3], there[:3, :3]) if kind == FIXED else 0.0)
-
-
-def _constraints(root: Element, poses: Poses) -> Iterator[RobotJoint]:
+def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
+    """Add ``<constraint>``, and joints of SDF in ``<gazebo>``; ``zero``: the zero pose."""
+    poses = robot.poses
     for element in root.findall('constraint'):
         links = _word(element, 'parent', 'link'), _word(element, 'child', 'link')
         here, there = (poses[link] @ _pose_in(element, f'{side}_origin')
                        for link, side in zip(links, ('parent', 'child')))
         axis = _word(element, 'parent_axis', 'xyz')
-        yield _closing(element.get('name', ''), KINDS.get(element.get('type', ''), BALL), links,
-                       (here, there), here[:3, :3] @ _numbers(axis) if axis else None)
-
-
-def _of_gazebo(root: Element, poses: Poses, zero: Poses) -> Iterator[RobotJoint]:
-    """Yield joints of SDF in ``<gazebo>``: in the frame of the child, in the zero pose."""
-    for element in root.iterfind('gazebo/joint'):
+        robot.add_closing(element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL),
+                          links, (here, there), here[:3, :3] @ _floats(axis) if axis else None)
+    for element in root.iterfind('gazebo/joint'):       # in the frame of the child
         links = (element.findtext('parent', '').strip(), element.findtext('child', '').strip())
-        local = _numbers(element.findtext('pose', '0 0 0 0 0 0'))
-        pose = zero[links[1]] @ pose_of(_rotation(local[3:]), local[:3])
+        local = _floats(element.findtext('pose', '0 0 0 0 0 0'))
+        pose = zero[links[1]] @ _pose(local[:3], local[3:])
         here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose for link in links)
-        axis = np.array(_numbers(element.findtext('axis/xyz', '0 0 1')))
+        along = np.array(_floats(element.findtext('axis/xyz', '0 0 1')))
         if element.findtext('axis/use_parent_model_frame', '').strip() in ('1', 'true'):
-            axis = pose[:3, :3].T @ axis
-        yield _closing(element.get('name', ''), KINDS.get(element.get('type', ''), BALL), links,
-                       (here, there), here[:3, :3] @ axis)
+            along = pose[:3, :3].T @ along
+        robot.add_closing(element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL),
+                          links, (here, there), here[:3, :3] @ along)
 
 
-def _frames(close: Sequence[str], poses: Poses, known: set[str]) -> Iterator[RobotJoint]:
-    """Yield joints where frames coincide: as the user says, or named as cut frames are."""
-    pairs = []
+def _frames(close: Sequence[str], poses: Poses) -> Iterator[tuple[str, str, Sequence[str]]]:
+    """Yield (name, kind or '', frames) that coincide: named as cut frames are, or as asked."""
     for frame in poses:
         for end, far in (('_1', '_2'), ('_A', '_B')):
             name = frame.removesuffix(end)
-            if CUT.match(frame) and name != frame and name + far in poses:
-                pairs.append((name.removeprefix('closing_'), [frame, name + far], ''))
+            if robots.CUT.match(frame) and name != frame and name + far in poses:
+                yield name.removeprefix('closing_'), '', (frame, name + far)
     for text in close:
         frames, _, how = text.partition(':')
         ends = frames.split(',')
-        if len(ends) != 2 or how not in ('', FIXED):
+        if len(ends) != 2 or how not in ('', robots.FIXED):
             raise Refused(f'--close {text}: must be FRAME,FRAME or FRAME,FRAME:fixed')
-        pairs.append((ends[0], ends, how))
-    for name, ends, how in pairs:
-        sides = []
-        for frame in ends:
-            link, _, point = frame.partition('@')
-            if link not in poses:
-                raise Refused(f'--close {frame}: the file has no such link{nearest(link, poses)}')
-            local = _numbers(point.replace('/', ' ') or '0 0 0')
-            sides.append((link, poses[link] @ pose_of(np.eye(3), local)))
-        if name not in known:
-            (first, here), (second, there) = sides
-            yield _closing(name, how or POINT, (first, second), (here, there))
+        yield ends[0], how, ends

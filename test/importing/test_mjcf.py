@@ -4,7 +4,7 @@
 import re
 
 from fourbar_ros.importing.files import import_file, Wishes
-from fourbar_ros.importing.robot import Refused
+from fourbar_ros.importing.robots import Refused
 from fourbar_ros.scene.base import rotation_of
 from fourbar_ros.scene.scene import load
 import numpy as np

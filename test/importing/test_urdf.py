@@ -5,7 +5,7 @@ import re
 
 from fourbar_ros.cli.main import main
 from fourbar_ros.importing.files import import_file, Wishes
-from fourbar_ros.importing.robot import Refused
+from fourbar_ros.importing.robots import Refused
 from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.scene.scene import from_values
 import numpy as np

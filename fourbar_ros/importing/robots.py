@@ -7,25 +7,69 @@ Readers make it (:mod:`.mjcf`, :mod:`.urdf`); :mod:`.loops` and :mod:`.machine` 
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import radians
 import re
 from typing import NamedTuple
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import quantity, WrongQuantity
 import numpy as np
 
 PIN, SLIDE, POINT, BALL, FIXED, FREE = 'pin', 'slide', 'point', 'ball', 'fixed', 'free'
-LEAST_MASS, LEAST_INERTIA = 2e-9, 1e-6       # [kg], and of what weighs nothing [kg m^2]
+LEAST_MASS, LEAST_INERTIA = 2e-9, 1e-6          # [kg], and of what weighs nothing [kg m^2]
 CUT = re.compile('closing_|closedloop')         # frames where loops are cut: ours, Gepetto's
 START = 'start'         # the pose that is read if a file has it, as those of fourbar describe do
 
 
 class Refused(FourBarError):
     """A robot or a loop of it cannot be imported; the message says why and what would help."""
+
+
+class Wishes(NamedTuple):
+    """What the user says beside the file, by the options of the verb: ``docs/robots.md``."""
+
+    loop: str = ''                          # a joint or link of the only loop that is wanted
+    drive: Sequence[str] = ()               # joints
+    base: str = ''                          # a link
+    close: Sequence[str] = ()               # of URDF: FRAME,FRAME or FRAME,FRAME:fixed
+    lock: Sequence[str] = ()                # joints that are held
+    cut: Sequence[str] = ()                 # closing joints that are left out
+    key: str = ''                           # a pose
+    at: Mapping[str, str] = {}              # {joint: position}, as text
+    mode: Mapping[str, int] = {}            # {dyad: 1 or 2}
+    gravity: Sequence[float] = ()           # [m/s^2] in the frame of the root
+    check: bool = False                     # against MuJoCo
+
+    def pose_of(self, keys: Collection[str], kind: str) -> str:
+        """Return the key of the pose, of those that the file has; '' is its zero pose."""
+        if self.key:
+            check_name('--key', self.key, keys, kind)
+        return self.key or START * (START in keys)
+
+    def positions(self, kinds: Mapping[str, str]) -> dict[str, float]:
+        """Return {joint: position [rad or m]} of ``at``; ``kinds``: {joint: kind} of the file."""
+        positions = {}
+        for name, text in self.at.items():
+            check_name('--at', name, kinds, 'joint')
+            kind = kinds[name]
+            if kind not in (PIN, SLIDE):
+                raise Refused(f'--at {name}: this joint neither turns about an axis nor slides')
+            try:
+                value = quantity(text, 'm' if kind == SLIDE else 'rad')
+            except WrongQuantity as error:
+                raise Refused(f'--at {name}={text}: {error}') from None
+            is_plain = kind == PIN and not value.unit           # in degrees
+            positions[name] = radians(value) if is_plain else float(value)
+        return positions
+
+
+def check_name(option: str, name: str, known: Collection[str], kind: str) -> None:
+    """Raise Refused for a name of an option that the file does not have."""
+    if name not in known:
+        raise Refused(f'{option} {name}: the file has no such {kind}{nearest(name, known)}')
 
 
 class Inertial(NamedTuple):
@@ -91,11 +135,26 @@ class Robot:
     couplings: list[Coupling] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
+    def mass_of(self, body: str) -> float:
+        return self.inertials[body].mass if body in self.inertials else 0.0
+
     def add_inertial(self, body: str, mass: float, pose: Array, inertia: Array) -> None:
         """Add mass and inertia, about the origin of a pose; not those that only stand for none."""
         axes = pose[:3, :3]
         if mass > LEAST_MASS or np.max(np.abs(inertia)) > LEAST_INERTIA:
             self.inertials[body] = Inertial(mass, pose[:3, 3], axes @ inertia @ axes.T)
+
+    def add_closing(self, name: str, kind: str, bodies: Sequence[str], poses: Iterable[Array],
+                    axis: Array | None = None) -> None:
+        """Add a joint that closes a loop; ``poses``: its own on both bodies, axis in the root."""
+        (parent, child), (here, there) = bodies, poses
+        has_axis = axis is not None and kind in (PIN, SLIDE)
+        turn = 0.5 * (np.trace(here[:3, :3].T @ there[:3, :3]) - 1.0)       # its cosine
+        self.joints.append(RobotJoint(
+            name, POINT if axis is None and kind == PIN else kind, parent, child, here[:3, 3],
+            there[:3, 3], axis / np.linalg.norm(axis) if axis is not None and has_axis else None,
+            closes=True,
+            turned=float(np.arccos(np.clip(turn, -1.0, 1.0))) if kind == FIXED else 0.0))
 
     def add_fixed_bodies(self) -> None:
         """Add the frames that are bodies fixed to others, when all joints are there."""
@@ -117,19 +176,3 @@ def pose_of(rotation: Array, position: Sequence[float] | Array) -> Array:
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation, position
     return pose
-
-
-def angle_between(first: Array, second: Array) -> float:
-    """Return the angle [rad] from one rotation to another."""
-    return float(np.arccos(np.clip(0.5 * (np.trace(first.T @ second) - 1.0), -1.0, 1.0)))
-
-
-def position_of(name: str, kind: str, text: str) -> float:
-    """Return the position of a joint that a user gives: plain angles are degrees; Refused."""
-    if kind not in (PIN, SLIDE):
-        raise Refused(f'--at {name}: this joint neither turns about an axis nor slides')
-    try:
-        value = quantity(text, 'm' if kind == SLIDE else 'rad')
-    except WrongQuantity as error:
-        raise Refused(f'--at {name}={text}: {error}') from None
-    return float(value) if kind == SLIDE or value.unit else radians(value)
