@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-What the site has besides docs/: README, CHANGELOG and their like, the public names, linked files.
+What the site has besides docs/: README and its like, public names, linked files, pages of scenes.
 
 A hook of mkdocs. It fails where a page of measurements is stale. Links of the pages lead to files
 of the tree; here to copies of them.
@@ -23,6 +23,7 @@ PAGES = {ROOT / 'README.md': 'index.md',
          **{path: path.name for folder in (ROOT, ROOT / '.github')
             for path in folder.glob('[A-Z]*.md') if path.name != 'README.md'}}
 LINK = re.compile(r'(?<=\]\()[^)\s#]+|(?<=src=")[^"#]+')
+PICTURE = re.compile(r'!\[[^]]*\]\((gallery/\w+)\.svg\)')
 WRITTEN = re.compile(r'make bench ARGS="(\w+)[^`]*`: [\d-]+, commit (\w+)')
 FENCE = re.compile(r'^```.*?^```', re.S | re.M)
 sys.path.insert(0, str(ROOT / 'test'))
@@ -99,6 +100,8 @@ def copy(path):
 
 def on_files(files, config):
     """Add the pages and files that are not in docs/."""
+    from fourbar_lab.live.page import page
+    from fourbar_ros.scene.scene import load
     if missing := undocumented():
         raise PluginError('public names without a docstring: ' + ', '.join(missing))
     if old := stale():
@@ -106,6 +109,9 @@ def on_files(files, config):
     for path, name in PAGES.items():
         files.append(File.generated(config, name, content=path.read_text(encoding='utf-8')))
     files.append(File.generated(config, 'names.md', content=names()))
+    for file in sorted((DOCS / 'gallery').glob('*.svg')):
+        files.append(File.generated(config, f'gallery/{file.stem}.html',
+                                    content=page(file.stem, load(file.stem))))
     made = set()
     for file in list(files.documentation_pages()):
         for match in LINK.finditer(FENCE.sub('', file.content_string)):
@@ -120,6 +126,8 @@ def on_files(files, config):
 def on_page_markdown(markdown, page, config, files):
     """Turn the links of a page into those of the site."""
     here = page.file.src_uri
+    if here == 'gallery.md':            # a click on a picture opens the page of its scene
+        markdown = PICTURE.sub(r'[\g<0>](\1.html)', markdown)
 
     def link(match):
         place = target(here, match[0])

@@ -3,11 +3,15 @@
 """The answers that a page asks for: the structure of a scene, its extrema, a check; as JSON."""
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from math import isfinite, remainder, tau
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
 from fourbar_lab.drawing.record import counted
@@ -22,8 +26,10 @@ from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import FAMILIES, PARAMETERS
+from fourbar_ros.scene.simulated import simulate_scene
 
 Answer = dict[str, Any]         # JSON
+LONGEST = 20.0          # most time for a run [s]
 GROUPS = ('linkage', 'dyads', 'cylinder', 'drive', 'gravity', 'bodies', 'springs',
           'torsion_springs', 'forces', 'external', 'friction', 'points')      # with fields
 
@@ -55,10 +61,14 @@ def answered(question: str, asked: Answer) -> Answer:
         scene = scene_of(asked.get('scene', {}))
         if question == 'extrema':
             return extrema_answer(scene, asked['quantities'], float(asked['acceleration']))
+        if question == 'run':
+            return run_answer(scene, float(asked['until']))
+        if question == 'gif':
+            return gif_answer(scene)
         if question == 'check':
             return {'warnings': warnings_of(scene)}
         return structure_of(scene, str(asked.get('known', '')))
-    except (FourBarError, KeyError, TypeError) as error:
+    except (FourBarError, KeyError, TypeError, ValueError) as error:
         return {'problem': str(error), 'name': getattr(error, 'name', '')}
 
 
@@ -99,7 +109,8 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'key': key, **({} if key == known else {'module': module.text}),
         'title': linkage.TITLE, 'description': linkage.description,
         'warnings': warnings_of(scene), 'lacks': lacks(linkage, scene),
-        'hasLoads': linkage.has_loads, 'values': {
+        'hasLoads': linkage.has_loads, 'isMovedByTorque': scene.dynamics is not None,
+        'values': {
             name: value if isfinite(value) else None for name, value in
             {**module.parameters, 'drive.speed': float(scene.drive.speed)}.items()},
         'input': {'name': coordinate.position, 'rate': coordinate.rate,
@@ -175,6 +186,29 @@ def _fields(scene: Scene, module: JsModule) -> list[Answer]:
         fields.append(field)
     order = {group: i for i, group in enumerate(GROUPS)}
     return sorted(fields, key=lambda field: order[field['name'].partition('.')[0]])
+
+
+def run_answer(scene: Scene, until: float) -> Answer:
+    """Return some thousand samples of a run from torque [s], of ``fourbar simulate``'s."""
+    simulated = simulate_scene(scene, until, seconds=LONGEST)
+    run = simulated.run
+    every = slice(None, None, 1 + run.time.size // 1000)
+    modes = set(run.modes.tolist())
+    words = f'{run.status}: {run.reason or f"{run.time[-1]:g} s, error up to {run.error:.2g}"}'
+    if len(modes) > 1:
+        raise InvalidParameter('drive.source', scene.drive.source, 'the run goes through both '
+                               'assembly modes: see fourbar simulate')
+    return {'words': words, **{name: getattr(run, quantity)[every].tolist() for name, quantity in (
+        ('time', 'time'), ('input', 'position'), ('rate', 'rate'),
+        ('acceleration', 'acceleration'))}}
+
+
+def gif_answer(scene: Scene) -> Answer:
+    """Return the moving picture of ``fourbar draw --animate``, in base 64."""
+    with TemporaryDirectory() as folder:
+        file = animate(scene.linkage, float(scene.drive.speed), scene.points,
+                       Path(folder, 'moving.gif'))
+        return {'gif': b64encode(file.read_bytes()).decode()}
 
 
 def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> Answer:

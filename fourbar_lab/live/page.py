@@ -9,10 +9,12 @@ import re
 from typing import Any
 
 from fourbar_lab.export.statements import filled
-from fourbar_lab.live.answers import INTEGERS, structure_of
+from fourbar_lab.live.answers import Answer, INTEGERS, run_answer, structure_of
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.units import UNITS
 
+RUN = 5.0           # [s]
 HERE = Path(__file__).parent
 SCRIPTS = 'engine', 'picture', 'curves', 'panel', 'draw', 'page'
 NOT_IN_FILE = re.compile(r'^import .*\n|^export (?=class|const|function|async)|^//.*\n', re.M)
@@ -30,6 +32,7 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
             'units': {unit: {name: float(size) if isinstance(size, float) else f'1e{_power(size)}'
                              if _power(size) is not None else float(size)
                              for name, size in sizes.items()} for unit, sizes in UNITS.items()},
+            'run': None if can_ask or not scene else _run(scene),
             'scene': nested({name: value for name, value in values.items() if _is_given(
                 name, value)}), 'structure': structure_of(scene or load('paper'))}
     return filled(_text('page.html'), {
@@ -38,6 +41,14 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
         'PAGE_CSS': _text('page.css'), 'PICTURE_CSS': _text('picture.css'),
         'DATA': as_json(data).replace('<', '\\u003c'),
         'SCRIPT': '\n'.join(NOT_IN_FILE.sub('', _text(f'js/{script}.js')) for script in SCRIPTS)})
+
+
+def _run(scene: Scene) -> Answer | None:
+    """Return the run that a page without a server plays, None without motion from torque."""
+    try:
+        return run_answer(scene, RUN) if scene.dynamics else None
+    except FourBarError as error:
+        return {'problem': str(error)}
 
 
 def as_json(answer: Any) -> str:

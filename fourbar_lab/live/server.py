@@ -27,7 +27,7 @@ HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
 PORT = 8420
 LARGEST = 1_000_000         # [bytes] of a question
-QUESTIONS = 'structure', 'extrema', 'check', 'save'
+QUESTIONS = 'structure', 'extrema', 'run', 'gif', 'check', 'save'
 # No page of others may show this one in a frame, transparent above buttons of its own.
 HEADERS = {'content-security-policy': "frame-ancestors 'none'", 'x-frame-options': 'DENY',
            'cross-origin-resource-policy': 'same-origin', 'cache-control': 'no-store',

@@ -15,6 +15,7 @@ from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import from_values
 from fourbar_ros.scene.files import folder, shipped
+from fourbar_ros.scene.simulated import simulate_scene
 import numpy as np
 from PIL import Image
 import pytest
@@ -333,6 +334,27 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
     assert not errors(driver)
 
 
+def test_a_run_from_torque_is_played_along_its_time_line(driver, file, address):
+    linkage, run = load_scene('released').linkage, simulate_scene(load_scene('released'), 5.0).run
+    for page in (file('released'), f'{address}?scene=released'):
+        tab = Tab(driver, page)
+        if page.startswith('http'):
+            tab.driver.find_element('id', 'simulate').click()
+        tab.until(lambda: tab.driver.find_element('id', 'time').is_displayed(), 'the run')
+        tab.script("page.play(false); const time = document.getElementById('time'); "
+                   "time.value = 300; time.dispatchEvent(new Event('input'))")
+        sample = 300 * (1 + run.time.size // 1000)
+        motion = run.position[sample], run.rate[sample], run.acceleration[sample]
+        assert tab.state['view']['at'] == motion[0]
+        f21, torque = tab.script("return ['f21', 'driving_torque'].map(n => page.engine.get(n))")
+        assert f21 == pytest.approx(linkage.loads(*motion).f21, rel=1e-12)
+        assert abs(torque) < 1e-9 and f'{run.time[sample]:.4g} s' in tab.text_of('pose')
+        tab.click('play or pause')
+        tab.until(lambda: tab.state['view']['moment'] > 300, 'the next moments')
+        tab.write('input value', '30 deg')
+        assert tab.state['view']['moment'] is None
+
+
 def test_a_file_refuses_another_structure_in_words(driver, file):
     tab = Tab(driver, file('paper'))
     tab.script("page.store.dispatch({ set: { 'linkage.kind': 'slider_crank' } })")
@@ -390,6 +412,8 @@ def test_pictures_and_numbers_are_files_of_their_kinds(tab, download):
     assert len(colours) > 50 and max(colours)[1] == (255, 255, 255)
     png = Image.open(download(tab, 'picture (PNG)', 'png')).convert('RGB')
     assert png.width >= 1500 and max(png.getcolors(2**24))[1] == (255, 255, 255)
+    moving = Image.open(download(tab, 'moving picture (GIF)', 'gif'))
+    assert moving.format == 'GIF' and moving.n_frames > 80
     with download(tab, 'curves (CSV, mm and degrees)', 'csv').open() as text:
         rows = list(csv.DictReader(text))
     assert len(rows) == 361 and float(rows[90]['theta1 [deg]']) == pytest.approx(90.0)

@@ -6,6 +6,9 @@
 // them, and lengths, modes and points of links follow from the places. So a joint stands once, and all
 // that hangs on it comes along.
 
+import { draw } from './picture.js';
+import { html } from './panel.js';
+import { withLeaf } from './page.js';
 const NEW_RODS = { density: 7850.0, radius: 0.005 };    // steel, 10 mm
 const NEW_SPRING = 1000;            // [N/m]
 const NEW_FORCE = 400;              // [N], an arrow half as long as the picture is wide
@@ -35,12 +38,6 @@ function meeting(a, r, b, s, near) {
 function rodOf({ density, radius, width, thickness }, length) {
   const mass = density * length * (radius ? Math.PI * radius ** 2 : width * thickness);
   return { mass, cg_along: length / 2, inertia: mass * ((radius ? 3 * radius ** 2 : width ** 2) + length ** 2) / 12 };
-}
-
-/** A scene whose lengths, directions and masses that are texts, as 40mm, are numbers in SI. */
-function inNumbers(scene, number) {
-  const units = { direction_1: 'rad', direction_2: 'rad', mass: 'kg', density: 'kg/m^3' }, isLength = /^(a[1-4]|x|y|along|across|offset|length_\d|distance_\d|radius|width|thickness)$/;
-  return JSON.parse(JSON.stringify(scene), (name, value) => (typeof value === 'string' && (name in units || isLength.test(name)) ? number(value, units[name] || 'm') : value));
 }
 
 /** The machine of a four-bar or slider-crank, with the same links, in the same frame; null of others. */
@@ -150,15 +147,7 @@ function settle(sketch, before, held) {
 }
 
 /** A scene with other values at paths; null deletes. */
-function written(scene, set) {
-  const made = structuredClone(scene);
-  for (const [path, value] of Object.entries(set)) {
-    const names = path.split('.'), last = names.pop(), group = names.reduce((of, name) => (of[name] ||= {}), made);
-    if (value === null) delete group[last];
-    else group[last] = value;
-  }
-  return made;
-}
+const written = (scene, set) => Object.entries(set).reduce((made, [path, value]) => withLeaf(made, path, value), scene);
 
 /** What a sketch changes in a scene (numbers in SI): {path: value, subtree or null}; `before` is the sketch of the scene. */
 export function changesOf(scene, sketch, before = null, held = null) {
@@ -268,8 +257,7 @@ export function addDrawing(page) {
   const { store, say, refuse } = page;
   let draft = {};             // clicks that are no scene yet: origin, crank, ends [{name, pin, link, at}], guide
   let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
-  let numbers = {};           // the scene in numbers, and of which it was made
-  const scene = () => (numbers.of === store.state.scene ? numbers : numbers = { of: store.state.scene, scene: inNumbers(store.state.scene, page.numberOf) }).scene;
+  const scene = () => store.state.scene;
   const isEmpty = () => !Object.keys(store.state.scene).length;
   const sketchNow = () => {
     const x = page.engine.inside(store.state.view.at);
@@ -293,36 +281,31 @@ export function addDrawing(page) {
 
   // --- what is drawn above the picture --------------------------------------------------------------
 
-  const give = (element, attributes) => {
-    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-    return element;
-  };
-  function put(name, attributes, text = '') {
-    const element = give(document.createElementNS('http://www.w3.org/2000/svg', name), attributes);
-    element.textContent = text;
-    page.picture.over.append(element);
-    return element;
-  }
+  const put = (tag, attributes, text) => draw(page.picture.over, tag, attributes, text);
   const clear = () => page.picture.over.replaceChildren();
-  const at = (place, x, y) => Object.fromEntries([x, y].map((name, i) => [name, page.picture.pixels(place)[i]]));
-  const line = (a, b, kind) => put('line', { class: kind, ...at(a, 'x1', 'y1'), ...at(b, 'x2', 'y2') });
-  const mark = (place, kind, r = 5) => put('circle', { class: kind, ...at(place, 'cx', 'cy'), r });
-  const label = (place, text) => {
-    const isLeft = page.picture.pixels(place)[0] < 0.6 * page.picture.width;
-    return put('text', { class: 'dimension', dx: isLeft ? 8 : -8, dy: -8, 'text-anchor': isLeft ? 'start' : 'end', ...at(place, 'x', 'y') }, text);
+  const line = (a, b, kind) => {
+    const [[x1, y1], [x2, y2]] = [a, b].map(place => page.picture.pixels(place));
+    put('line', { class: kind, x1, y1, x2, y2 });
+  };
+  const mark = (place, kind, r = 5, more = {}) => {
+    const [cx, cy] = page.picture.pixels(place);
+    return put('circle', { class: kind, cx, cy, r, ...more });
+  };
+  const label = (place, text, more = {}) => {
+    const [x, y] = page.picture.pixels(place), isLeft = x < 0.6 * page.picture.width;
+    return put('text', { class: 'dimension', x, y, dx: isLeft ? 8 : -8, dy: -8, 'text-anchor': isLeft ? 'start' : 'end', ...more }, text);
   };
   const inWords = metres => (metres < 1 ? `${Number((metres * 1000).toPrecision(4))} mm` : `${Number(metres.toPrecision(4))} m`);
   /** A length beside its link; a click or Enter on it asks for the number of the parameter `path`. */
   function dimension(a, b, path) {
     line(a, b, 'dimension');
-    const text = label([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], inWords(distance(a, b)));
+    const words = inWords(distance(a, b)), text = label([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], words,
+      path && { tabindex: 0, role: 'button', 'data-length': path, 'aria-label': `${path}, ${words}: type another` });
     if (!path) return;
-    give(text, { tabindex: 0, role: 'button', 'data-length': path, 'aria-label': `${path}, ${text.textContent}: type another` });
     const ask = event => {
       event.stopPropagation();
       event.preventDefault();
-      const box = text.getBoundingClientRect(), field = give(document.createElement('input'), { class: 'typed', 'aria-label': path, style: `position: fixed; left: ${box.left}px; top: ${box.top - 6}px; width: 7em` });
-      field.value = text.textContent;
+      const box = text.getBoundingClientRect(), field = html('input', { className: 'typed', 'aria-label': path, value: words, style: `position: fixed; left: ${box.left}px; top: ${box.top - 6}px; width: 7em` });
       document.body.append(field);
       field.select();
       const close = () => field.isConnected && setTimeout(() => field.remove());         // not within its own blur
@@ -631,7 +614,7 @@ export function addDrawing(page) {
     for (const [dyad, place] of mirrors(sketch)) {
       line(placeOfEnd(sketch, dyad.first), place, 'mirror');
       if (dyad.kind === 'RRR') line(placeOfEnd(sketch, dyad.second), place, 'mirror');
-      const grip = give(mark(place, 'mirror', 9), { tabindex: 0, role: 'button', 'data-mirror': dyad.name, 'aria-label': `other mode of ${dyad.name}` });
+      const grip = mark(place, 'mirror', 9, { tabindex: 0, role: 'button', 'data-mirror': dyad.name, 'aria-label': `other mode of ${dyad.name}` });
       grip.addEventListener('keydown', event => { if (event.key === 'Enter') flip(dyad.name); });
     }
   }

@@ -30,10 +30,10 @@ export class Engine {
   get isAngle() { return this.structure.input.unit === "rad"; }
 
   // --- a pose ---
-  /** Compute the pose at an input; false if there is none. */
-  at(x) {
+  /** Compute the pose at an input, and loads at its rate and acceleration; false if there is none. */
+  at(x, rate = this.rate, acceleration = this.acceleration) {
     this.x = x;
-    this.status = this.module.step(this.constants, x, this.rate, this.acceleration, this.to);
+    this.status = this.module.step(this.constants, x, rate, acceleration, this.to);
     return this.status !== 1;
   }
   get(name) { return this.to[this.index[name]]; }

@@ -61,7 +61,7 @@ export class Store {
       if (!(merge && merge === this.past.at(-1)?.merge)) this.past.push({ scene: state.scene, merge });
       this.future = [];
     }
-    this.change({ scene: next, view: { ...state.view, ...view } });
+    this.change({ scene: next, view: { ...state.view, ...("at" in view && { moment: null }), ...view } });
   }
   /** Begin a new entry of undo at the next change, though it merges with the one before by its word. */
   seal() { if (this.past.length) this.past.at(-1).merge = null; }
@@ -89,7 +89,7 @@ function readAddress(hash, base) {
     else {
       let value = text;
       try { value = JSON.parse(text); } catch { /* a word */ }
-      if (text !== "" && typeof flat[name] === "number" && typeof value !== "number") throw new RangeError(`${name} = '${text}': must be a number`);
+      if (text !== "" && typeof value !== "number" && (typeof flat[name] === "number" || /^[-+.\d]/.test(text))) throw new RangeError(`${name} = '${text}': must be a number`);
       scene = withLeaf(scene, name, text === "" ? null : value);
     }
   }
@@ -138,7 +138,7 @@ export async function start(data, source) {
 
   let first = { scene: data.scene, view: {} }, notice = "";       // what is wrong with the address
   try { first = readAddress(location.hash, data.scene); } catch (error) { notice = error.message; }
-  const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", ...first.view };
+  const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", moment: null, ...first.view };
   view.at = "at" in first.view ? first.view.at / factorOf() : structure.start;
   const store = (page.store = new Store(first.scene, view));
 
@@ -184,7 +184,7 @@ export async function start(data, source) {
   // --- draw ---
   const picture = (page.picture = new Picture(svg)), curves = new Curves(find("curves"), at => store.dispatch({ view: { at } }));
   const panel = (page.panel = new Panel(find("panel"), page));
-  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => store.dispatch({ view: { at } }), structure.input.unit === "rad" ? "deg" : "m");
+  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => (page.play(false), store.dispatch({ view: { at } })), structure.input.unit === "rad" ? "deg" : "m");
   find("at").after(inputField, inputWords);
   let hasTurned = false;
   /** Where a crank turns that turned fully before, and the dyad that is stretched there. */
@@ -214,8 +214,27 @@ export async function start(data, source) {
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
+    showRun(state.scene === data.scene ? data.run : null);
     if (isFitted) drawRest();
     else drawAll(state);
+  };
+  /** Show the time line of a run {time, input, rate, acceleration, words}, of none the button that asks for it. */
+  const showRun = run => {
+    page.run = run?.time ? run : null;
+    find("run").hidden = !structure.isMovedByTorque || !(run || data.canAsk);
+    find("simulate").hidden = find("until").parentElement.hidden = !data.canAsk;
+    Object.assign(find("time"), { hidden: !page.run, max: page.run ? run.time.length - 1 : 0, value: 0 });
+    if (run) tell(find("runWords"), run.problem ?? run.words);
+  };
+  const goTo = moment => store.dispatch({ view: { at: page.run.input[moment], moment } });
+  find("time").oninput = event => (page.play(false), goTo(Number(event.target.value)));
+  find("simulate").onclick = async () => {
+    const { scene } = store.state;
+    tell(find("runWords"), "integrating ...");
+    const run = await page.ask("run", { scene, until: Number(find("until").value) });
+    if (isOtherNow(scene)) return;
+    showRun(run);
+    if (page.run) page.play(true);
   };
   /** Nothing is drawn of an empty scene. */
   const blank = () => {
@@ -246,17 +265,19 @@ export async function start(data, source) {
     choose(state);
     drawPose(state);
   };
-  const drawPose = ({ view: { at, layers, panel: open } }) => {
+  const drawPose = ({ view: { at, moment, layers, panel: open } }) => {
     const { engine } = page, x = engine.inside(at), span = engine.ranges.reduce((sum, [low, high]) => sum + high - low, 0);
     const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
-    engine.at(x);
+    const isRun = page.run && moment !== null;
+    engine.at(x, ...(isRun ? [page.run.rate[moment], page.run.acceleration[moment]] : []));
     const near = curves.extrema.filter(one => Math.abs(one.input - here) < 1e-5 * span && one.isGlobal);
     const note = near.slice(0, 2).map(({ kind, quantity, value }) => {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
       return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
     }).join(", ");
     picture.draw(engine, layers);
-    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [note, structure.lacks].filter(Boolean).join("; "));
+    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
+    if (isRun) find("time").value = moment;
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
     Object.assign(slider, { min: low, max: high, step: (high - low) / 720, value: here * factorOf() });
@@ -383,7 +404,7 @@ export async function start(data, source) {
   });
 
   // --- play ---
-  let last = 0, way = 1;
+  let last = 0, way = 1, lag = 0;         // of a run: time since the moment that is shown [s]
   page.play = (isPlaying = find("play").getAttribute("aria-pressed") !== "true") => {
     find("play").setAttribute("aria-pressed", isPlaying);
     find("play").textContent = isPlaying ? "❚❚" : "▶";
@@ -393,8 +414,14 @@ export async function start(data, source) {
   };
   const advance = now => {
     if (find("play").getAttribute("aria-pressed") !== "true" || !page.engine) return;
-    const { engine } = page, seconds = Math.min((now - last) / 1000, 0.2), { pace } = store.state.view;
+    const { engine, run } = page, seconds = Math.min((now - last) / 1000, 0.2), { pace, moment } = store.state.view;
     last = now;
+    requestAnimationFrame(advance);
+    if (run) {                  // as long as it lasts, then again
+      const time = (run.time[moment ?? 0] + lag + seconds) % run.time.at(-1), next = Math.max(run.time.findLastIndex(one => one <= time), 0);
+      lag = time - run.time[next];
+      return goTo(next);
+    }
     const [low, high] = engine.ranges.find(([from, to]) => from <= engine.x + 1e-9 && engine.x <= to + 1e-9) ?? engine.ranges[0];
     let x = engine.x;
     if (engine.turnsFully) x = (((x + (seconds * (high - low)) / pace) % (high - low)) + high - low) % (high - low);
@@ -403,7 +430,6 @@ export async function start(data, source) {
       if (x <= low || x >= high) way = x <= low ? 1 : -1;
     }
     store.dispatch({ view: { at: engine.inside(x) } });
-    requestAnimationFrame(advance);
   };
   find("play").onclick = () => page.play();
   find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
@@ -451,9 +477,14 @@ export async function start(data, source) {
       send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
     },
     "page without a server (HTML)": () => {
-      const text = JSON.stringify({ ...data, name: nameNow(), canAsk: false, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
+      const text = JSON.stringify({ ...data, name: nameNow(), canAsk: false, run: page.run, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
+    ...(data.canAsk && { "moving picture (GIF)": async () => {
+      const { problem: why, gif } = await page.ask("gif", { scene: store.state.scene });
+      if (why) page.refuse(why);
+      else send(new Blob([Uint8Array.from(atob(gif), letter => letter.charCodeAt(0))]), "gif");
+    } }),
     ...(data.canAsk && { "check": async () => {
       const { problem: why, warnings } = await page.ask("check", { scene: store.state.scene });
       page.say(why || warnings.join("; ") || "checked: no problem");

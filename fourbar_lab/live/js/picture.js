@@ -197,7 +197,7 @@ export class Picture {
         if (tip) labels.push({ kind: "force", anchor: tip, away: Math.atan2(-vector[1], vector[0]), words, extra: true, name });
       }
       const torque = engine.get(engine.structure.drive);
-      if (engine.isAngle && Math.abs(torque) > 0) {
+      if (engine.isAngle && Math.abs(torque) * this.view.perNewton > 1e-10 * engine.size ** 2) {      // more than rounding
         const [x, y] = joints[Object.keys(joints)[0]], sense = torque > 0 ? 1 : -1;
         this.turn(main, x, y, sense);
         labels.push({ kind: "drive", anchor: [x - 24, y - 18], away: -2.3, words: `T = ${significant(torque)} N m`, extra: true, name: "drive" });
