@@ -32,6 +32,18 @@ class Connection(NamedTuple):
     axis: tuple[float, float] | None = None
     turn: float = 0.0
 
+    def pose(self, q: float) -> tuple[float, float, float]:
+        """Return (x, y, angle) of the child's frame in the parent's at a coordinate."""
+        (x, y), turn = self.on_parent, self.turn
+        if self.axis is None:
+            turn += q
+        else:
+            x, y = x + q * self.axis[0], y + q * self.axis[1]
+        if any(self.on_child):
+            (along, across), (c, s) = self.on_child, direction(turn)
+            x, y = x - (along * c - across * s), y - (along * s + across * c)
+        return x, y, turn
+
     def reversed(self) -> Connection:
         """Return the same joint with parent and child exchanged; a pin has -q then."""
         c, s = cos(self.turn), sin(self.turn)

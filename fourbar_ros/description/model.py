@@ -63,12 +63,7 @@ class ModelJoint(NamedTuple):
     def at_zero(self) -> tuple[float, float, float]:
         """Return (x, y, angle) of the child's frame in the parent's at joint position zero."""
         # the coordinate there: ratio is 1 or -1, its own inverse
-        (x, y), q = self.connection.on_parent, -self.ratio * self.offset + 0.0
-        a_x, a_y = self.connection.axis or (0.0, 0.0)
-        turn = self.connection.turn + (0.0 if self.slides else q)
-        (along, across), (cosine, sine) = self.connection.on_child, direction(turn)
-        return (x + q * a_x - (along * cosine - across * sine),
-                y + q * a_y - (along * sine + across * cosine), turn)
+        return self.connection.pose(-self.ratio * self.offset + 0.0)
 
     @property
     def axis(self) -> tuple[float, float, float]:

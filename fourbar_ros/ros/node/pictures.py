@@ -79,12 +79,7 @@ def frames_maker(scene: Scene) -> Make:
             q = values[i]                        # the joint coordinate [rad or m]
             if isnan(q):
                 return None
-            (x, y), angle = connection.on_parent, connection.turn
-            if connection.axis is None:
-                angle += q
-            else:
-                x, y = x + q * connection.axis[0], y + q * connection.axis[1]
-            transform.translation.x, transform.translation.y = x, y
+            transform.translation.x, transform.translation.y, angle = connection.pose(q)
             transform.rotation.z, transform.rotation.w = sin(0.5 * angle), cos(0.5 * angle)
         return message
     return make
