@@ -18,7 +18,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / 'docs')]
 
 import formulas  # noqa: E402
 from fourbar_lab.studies.measures import INPUT, OF_MECHANISM, PARTS, QUANTITY  # noqa: E402
-from fourbar_ros.cli import main  # noqa: E402, I100
+from fourbar_ros import load_scene  # noqa: E402, I100
+from fourbar_ros.cli import main  # noqa: E402
 from fourbar_ros.mechanisms.kinds import KINDS  # noqa: E402
 from fourbar_ros.mechanisms.load_table import LOADS  # noqa: E402
 from fourbar_ros.mechanisms.quantities import (  # noqa: E402
@@ -50,6 +51,13 @@ from fourbar_ros.scene.topics import (  # noqa: E402
 from fourbar_ros.scene.units import UNITS  # noqa: E402
 
 DOCS, MESSAGE = ROOT / 'docs', ROOT / 'msg_defs/msg/LinkageLoads.msg'
+# how the names of parameters begin that a node has, and no desk needs
+OF_NODE = (
+    'outputs', 'pictures', 'services', 'frame', 'joint_', 'trajector', 'recording', 'base.',
+    'external.timeout', 'external.when', 'external.extra', 'external.NAME.from_topic',
+    'drive.rate', 'drive.when', 'drive.joint', 'drive.window', 'drive.jump', 'drive.top_speed',
+    'drive.timeout', 'drive.out_of_range', 'drive.budget'
+)
 COMMON = 3              # so many verbs share an argument that is listed once
 
 
@@ -94,8 +102,31 @@ def messages():
                        f'{file.read_text(encoding="utf-8").strip()}\n```' for file in files)
 
 
-def reference_tables():
-    """Return {name: Markdown} of reference.md."""
+def parameters(of_node):
+    """Return the table of the parameters of a node, or of what a desk needs of its scene."""
+    return formulas.table(
+        ('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
+        [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live else '', p.text)
+         for table_of in (PARAMETERS, *FAMILIES.values()) for p in table_of.values()
+         if p.name.startswith(OF_NODE) == of_node])
+
+
+def fields():
+    """Return the table of the fields of motion and loads, and which kinds have them."""
+    known = {}          # {(name, unit, meaning): kinds}
+    for kind_name, kind in KINDS.items():
+        for name in (*kind.MOTION._shown, *kind.LOADS._shown):
+            record = kind.MOTION if name in kind.MOTION._shown else kind.LOADS
+            unit, _, text = getattr(record, name).__doc__.removeprefix('[').partition('] ')
+            known.setdefault((name, unit, text), []).append(kind_name)
+    return formulas.table(
+        ('field', 'unit', 'what', 'of'),
+        [(f'`{name}`', unit, text, 'all kinds' if kinds == list(KINDS) else ', '.join(kinds))
+         for (name, unit, text), kinds in known.items()])
+
+
+def robot_tables():
+    """Return {name: Markdown} of reference_robot.md."""
     table = formulas.table
     return {
         'inputs': table(('`drive.source`', 'topic', 'type', 'what'),
@@ -120,22 +151,34 @@ def reference_tables():
                                for t in TRAJECTORIES.values()]),
         'services': table(('service', 'type', 'what'),
                           [(f'`{s.service}`', f'`{s.type}`', s.text) for s in SERVICES.values()]),
-        'parameters': table(('parameter', 'type', 'unit', 'default', 'allowed', 'live', 'what'),
-                            [(f'`{p.name}`', p.type, p.unit, default(p), p.allowed, 'yes' if p.live
-                              else '', p.text)
-                             for table_of in (PARAMETERS, *FAMILIES.values())
-                             for p in table_of.values()]),
+        'node_parameters': parameters(of_node=True),
         'joints': table(('`linkage.kind`', 'joints in this order: place, coordinate'),
                         [(f'`{name}`', '; '.join(f'{joint.place} `{joint.coordinate.position}`'
                                                  for joint in kind.JOINTS))
                          for name, kind in KINDS.items()]),
-        'quantities': table(('quantity', 'unit', 'what', 'of'),
-                            [(f'`{q.name}`', q.unit, q.text, having(q.name))
-                             for q in (*QUANTITIES.values(), *POSITIONS.values())]
-                            + drive_quantities()),
-        'units': table(('SI', 'units'), [(si, ', '.join(units)) for si, units in UNITS.items()]),
+        'machine_joints': table(('scene', 'joints in this order: name `coordinate`'),
+                                [(f'`{name}`', '; '.join(
+                                    f'{joint.name or joint.place} `{joint.coordinate.position}`'
+                                    for joint in load_scene(name).linkage.JOINTS))
+                                 for name in ('jansen', 'v_engine')]),
         'messages': messages(),
     }
+
+
+def desk_tables():
+    """Return {name: Markdown} of reference_desk.md."""
+    return {'scene_parameters': parameters(of_node=False),
+            'units': formulas.table(('SI', 'units'),
+                                    [(si, ', '.join(units)) for si, units in UNITS.items()])}
+
+
+def python_tables():
+    """Return {name: Markdown} of reference_python.md."""
+    return {'quantities': formulas.table(
+                ('quantity', 'unit', 'what', 'of'),
+                [(f'`{q.name}`', q.unit, q.text, having(q.name))
+                 for q in (*QUANTITIES.values(), *POSITIONS.values())] + drive_quantities()),
+            'fields': fields()}
 
 
 def _verbs():
@@ -200,7 +243,9 @@ def pages():
     """Return {path: text as it should be} of the pages with tables, and of LinkageLoads.msg."""
     return {MESSAGE: with_loads(MESSAGE.read_text(encoding='utf-8'))} | {
             DOCS / name: filled(DOCS / name, tables)
-            for name, tables in (('reference.md', reference_tables()),
+            for name, tables in (('reference_robot.md', robot_tables()),
+                                 ('reference_desk.md', desk_tables()),
+                                 ('reference_python.md', python_tables()),
                                  ('formulas.md', formulas.tables()),
                                  ('command_line.md', command_tables()),
                                  ('studies.md', study_tables()))}

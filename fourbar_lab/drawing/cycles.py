@@ -86,7 +86,7 @@ def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, accelerat
                        paper: Paper = Paper()) -> Figure:
     """Return a figure of the forces on the ground over a cycle; CannotDraw without masses."""
     if not linkage.has_loads:
-        raise CannotDraw('forces need masses: see bodies.* in docs/reference.md')
+        raise CannotDraw('forces need masses: see bodies.* in docs/reference_desk.md')
     steps = [linkage.loads(inputs, speed, acceleration)
              for inputs in cycles(linkage, from_zero=linkage.turns > 1, turns=linkage.turns)]
     low, high = linkage.input_ranges[0]        # any pose will do: the joints are the same

@@ -62,7 +62,7 @@ class _Solver:
         model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
                                    | mujoco.mjtDisableBit.mjDSBL_LIMIT)
         self.data.eq_active[:] = [
-            model.eq_type[index] in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+            int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
             and equality_name(model, index) not in cut for index in range(model.neq)]
         drive = loop.drive.joint
         self.joints = [scale.joint for scale in loop.scales.values()
@@ -182,7 +182,7 @@ def mujoco_of(path: Path, robot: Robot) -> tuple[Any, Array]:
         equality.name1, equality.name2 = (f'{joint.name} on {body}'
                                           for body in (joint.parent, joint.child))
         if is_weld:
-            equality.data[:] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
+            equality.data[:11] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
     model = spec.compile()
     model.opt.gravity[:] = robot.gravity
     pose = model.qpos0.copy()

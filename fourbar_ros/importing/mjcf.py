@@ -40,7 +40,7 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
     lost = set()
     for geom in list(spec.geoms):
         kinds = mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD
-        if geom.meshname or geom.type in kinds:
+        if geom.meshname or int(geom.type) in kinds:
             if not geom.parent.explicitinertial and geom.parent.name != 'world' and geom.mass != 0:
                 lost.add(geom.parent.name)
             spec.delete(geom)
@@ -135,7 +135,7 @@ def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
             start = model.tendon_adr[target]
             robot.drives += [joints[model.wrap_objid[wrap]]
                              for wrap in range(start, start + model.tendon_num[target])
-                             if model.wrap_type[wrap] == mujoco.mjtWrap.mjWRAP_JOINT]
+                             if int(model.wrap_type[wrap]) == mujoco.mjtWrap.mjWRAP_JOINT]
         else:
             how = ('is a slider-crank without bodies' if by == transmissions.mjTRN_SLIDERCRANK
                    else 'acts on no joint')

@@ -153,7 +153,8 @@ def wanted_units(text: str) -> dict[str, str]:
         if not si:
             known = [unit for units in UNITS.values() for unit in units]
             raise ArgumentTypeError(f'{word!r} is no unit'
-                                    + (nearest(word, known) or '; docs/reference.md lists all'))
+                                    + (nearest(word, known)
+                                       or '; docs/reference_desk.md lists all'))
         if wanted.setdefault(si, unit) != unit:
             raise ArgumentTypeError(f'{wanted[si]} and {unit} measure the same: name one')
     return wanted

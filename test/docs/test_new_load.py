@@ -107,8 +107,8 @@ def test_a_row_makes_a_load_of_table_message_manual_page_and_fmu(tree):
     add(tree, *EXAMPLE, OF_MASSES)
     run(tree, 'docs/tables.py')
     assert '| `winding_loss` | W | heat in the winding | all kinds |' in (
-        tree / 'docs/reference.md').read_text()
-    assert 'float64 winding_loss' in (tree / 'docs/reference.md').read_text()
+        tree / 'docs/reference_python.md').read_text()
+    assert 'float64 winding_loss' in (tree / 'docs/reference_robot.md').read_text()
     assert '# [W] heat in the winding' in (tree / 'msg_defs/msg/LinkageLoads.msg').read_text()
     found = json.loads(run(tree, '-c', SCRIPT).splitlines()[-1])
     assert found['home'].startswith(str(tree))

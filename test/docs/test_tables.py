@@ -15,6 +15,17 @@ def test_the_tables_of_the_manual_are_those_of_the_code():
         assert page.read_text(encoding='utf-8') == text, f'{page.name}: run python docs/tables.py'
 
 
+def test_every_parameter_stands_once_for_the_robot_or_the_desk():
+    from fourbar_ros.scene.settings import FAMILIES, PARAMETERS
+    row = re.compile(r'^\| `([\w.]+)` \| [\w ]+ \| [^|]* \| [^|]+ \| [^|]* \| (?:yes)? \|', re.M)
+    robot, desk = (row.findall((ROOT / f'docs/reference_{name}.md').read_text())
+                   for name in ('robot', 'desk'))
+    every = [name for table in (PARAMETERS, *FAMILIES.values()) for name in table]
+    assert sorted(robot + desk) == sorted(every)
+    assert {'outputs', 'frame_id', 'recording.start'} <= set(robot)
+    assert {'linkage.a1', 'bodies.NAME.mass', 'drive.speed'} <= set(desk)
+
+
 def test_a_label_names_one_equation_in_the_whole_tree():
     """A label stands before an equation, or at the end of its line."""
     import formulas
