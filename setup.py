@@ -111,8 +111,9 @@ setup(
         ],
         # What fourbar_ros finds of the lab without importing it: verbs, and tools by name.
         'fourbar.verbs': [f'{verb} = {LAB}.cli.{verb}'
-                          for verb in ('balance', 'draw', 'generate', 'list', 'live',
-                                       'new', 'record', 'reproduce', 'show', 'study', 'table')],
+                          for verb in ('balance', 'draw', 'generate', 'list', 'live', 'new',
+                                       'record', 'reproduce', 'show', 'study', 'table')] + [
+                              f'plot = {LAB}.cli.table'],
         'fourbar.lab': [f'mjcf = {LAB}.export.mjcf:mjcf',
                         f'plot = {LAB}.drawing.recorded:plot',
                         f'views = {LAB}.drawing.views'],

@@ -78,6 +78,7 @@ def main():
                         help='how many, where a measurement takes samples')
     parser.add_argument('--against', metavar='COMMIT',
                         help='which version, where one is measured beside an earlier one')
+    parser.add_argument('--scene', metavar='SCENE', help='of which, where one is measured')
     parser.add_argument('--folder', metavar='DIR',
                         help='where the files are, of a measurement of files of others')
     arguments = parser.parse_args()
@@ -89,7 +90,7 @@ def main():
         with contextlib.redirect_stdout(Tee()) as kept:
             run = importlib.import_module(f'bench.{name}').main
             known = inspect.signature(run).parameters
-            run(**{option: value for option in ('samples', 'against', 'folder')
+            run(**{option: value for option in ('samples', 'against', 'folder', 'scene')
                    if option in known
                    and (value := getattr(arguments, option)) is not None})
         if arguments.write:

@@ -17,6 +17,7 @@ from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
 from fourbar_lab.drawing.tables import linkage_table, mode_name, rates_in_words
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.cli.scene import errors_and_times
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import known_quantities, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
@@ -169,6 +170,7 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
                   f'largest difference {recomputation.largest:g}', soft_wrap=True)
     console.print(f'bag: {bag}\nfor Foxglove and PlotJuggler: {bag / (name + "_0.mcap")}',
                   soft_wrap=True)
+    console.print('\n'.join(errors_and_times(scene)), soft_wrap=True)
     return not recomputation.problems() and code == 0
 
 

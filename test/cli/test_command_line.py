@@ -155,7 +155,7 @@ def test_a_picture_is_where_the_output_says(given, written, tmp_path, capsys):
      'fourbar: draw requires matplotlib: pip install matplotlib'),
     ('main("reproduce --html x.html".split())', 'matplotlib', 1,
      'fourbar: reproduce requires matplotlib: pip install matplotlib'),
-    ('main("scene check paper".split())', 'fourbar_lab', 0,
+    ('main(["--help"])', 'fourbar_lab', 0,
      'fourbar: no verb balance, draw, generate'),
     ('main("describe paper --as mjcf".split())', 'fourbar_lab', 1,
      'fourbar: describe requires fourbar_lab: pip'),
@@ -176,3 +176,22 @@ def test_an_error_of_ours_is_not_taken_for_a_missing_package():
     assert not MissingPackage.explains(ModuleNotFoundError("No module named 'fourbar_ros.typo'",
                                                            name='fourbar_ros.typo'))
     assert MissingPackage.explains(ModuleNotFoundError('', name='mcap.opcode'))
+
+
+def test_a_verb_imports_no_other_and_help_knows_all():
+    def loaded(*words):
+        done = subprocess.run([sys.executable, '-c', f"""
+import sys
+from fourbar_ros.cli.main import main
+try:
+    main({list(words)!r})
+except SystemExit:
+    pass
+print(sorted(name for name in sys.modules if '.cli.' in name and name.count('.') == 2))
+"""], capture_output=True, text=True, check=True)
+        return done.stdout.splitlines()[-1]
+    assert loaded('scene', 'print', 'paper') == (
+        "['fourbar_ros.cli.common', 'fourbar_ros.cli.main', 'fourbar_ros.cli.scene']")
+    assert 'fourbar_lab.cli.study' not in loaded('list')
+    for words in (['--help'], ['nosuch'], []):
+        assert 'fourbar_lab.cli.study' in loaded(*words), words
