@@ -12,13 +12,10 @@ import numpy as np
 
 
 class LinkMotion(NamedTuple):
-    """
-    Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning.
+    """Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning."""
 
-    At unit rate and zero acceleration of the input, its rates and accelerations are first and
-    second derivatives with respect to the input.
-    """
-
+    # At unit rate and zero acceleration of the input, its rates and accelerations are first and
+    # second derivatives with respect to the input.
     x: Scalar                 # [m] of the first joint
     y: float
     v_x: Scalar               # [m/s]

@@ -174,12 +174,9 @@ class TorsionSpring:
 
 @dataclass(frozen=True)
 class TableForce:
-    """
-    The function s -> F(s) of a table, of floats and arrays, real or complex.
+    """The function s -> F(s) of a table, of floats and arrays, real or complex."""
 
-    ``middle``: s is an angle that counts within half a turn of it; None: it is no such angle.
-    """
-
+    # middle: s is an angle that counts within half a turn of it; None: it is no such angle.
     table: ForceTable
     middle: float | None
 

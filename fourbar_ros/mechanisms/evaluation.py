@@ -24,12 +24,9 @@ MOST_STRUCTURES = 256      # whose traces and lines are kept
 
 
 class Constants(NamedTuple):
-    """
-    The data of a mechanism that its formulas are made for, as floats.
+    """The data of a mechanism that its formulas are made for, as floats."""
 
-    :func:`~fourbar_ros.numerics.number_types.converted` puts other kinds of numbers there.
-    """
-
+    # converted() puts other kinds of numbers there.
     lengths: Any
     sign: Any
     bodies: Any
@@ -81,14 +78,11 @@ def trace_of(formula: Formula) -> Trace:
 
 
 class Recorded(NamedTuple):
-    """
-    The trace of a mechanism's formula with its constants.
+    """The trace of a mechanism's formula with its constants."""
 
-    ``constants``: by index in the trace its value, None if it needs the input; ``zeros``: the
-    indices of constants that are zero and used together with inputs, so that a
-    program can leave out products with them.
-    """
-
+    # constants: by index in the trace its value, None if it needs the input; zeros: the indices of
+    # constants that are zero and used together with inputs, so that a program can leave out
+    # products with them.
     trace: Trace
     constants: list[float | None]
     zeros: frozenset[int]

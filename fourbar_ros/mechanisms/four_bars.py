@@ -177,8 +177,6 @@ class FourBar(FourBarLinks):
         return condition_of_rods(fabs, (a1, a4, a2, a3), coordinates[THETA2][0],
                                  coordinates[THETA3], coordinates[BETA][0])
 
-    # --- what it is -----------------------------------------------------------------------------
-
     @property
     def description(self) -> str:
         return self.classification
@@ -220,12 +218,11 @@ class FourBar(FourBarLinks):
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
-        from fourbar_ros.mechanisms.machine.seen_from_link import (
-            SeenFromLink,  # motion by torque alone
-        )
+        from fourbar_ros.mechanisms.machine import seen_from_link  # motion by torque alone
         drive = self.drive
-        return tuple([SeenFromLink(drive.layout, [drive.lengths(*self.lengths)], [self.sign], 0,
-                                   mode) for mode in self.MODES])
+        return tuple([seen_from_link.SeenFromLink(
+            drive.layout, [drive.lengths(*self.lengths)], [self.sign], 0, mode)
+            for mode in self.MODES])
 
 
 @dataclass(frozen=True, repr=False)

@@ -159,8 +159,6 @@ def sign_of(n: NumberType, x: Scalar) -> Scalar:
     return sign
 
 
-# --- what it does to a mechanism -----------------------------------------------------------------
-
 def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
     still = mechanism.with_friction([
         (name, replace(friction, viscous=0.0, **({'slip_speed': 0.0} if name == DRIVE else {})))

@@ -337,8 +337,6 @@ class MechanismGeometry(StatedMechanism):
         fields.update(zip(self.input_coordinate, (position, rate, acceleration)))
         return self.MOTION(**fields)
 
-    # --- made and copied ------------------------------------------------------------------------
-
     def _set(self, **values: Any) -> None:      # past the frozen dataclass
         for name, value in values.items():
             object.__setattr__(self, name, value)

@@ -49,38 +49,20 @@ Coordinates = Mapping[Coordinate, Sequence[Scalar]]
 
 
 class DrivenMachine(NamedTuple):
-    """
-    The machine that a kind is when one of its coordinates is driven.
+    """The machine that a kind is when one of its coordinates is driven."""
 
-    Parameters
-    ----------
-    layout : Layout
-        Its structure, see :func:`one_dyad`. A driven slider slides along x, at ``offset``.
-    lengths : callable
-        Lengths of the kind -> the :class:`.DyadLengths` of the dyad.
-    ranges, singular : callable
-        Lengths of the kind -> ``closing_ranges``, ``singular_inputs``.
-    reactions : dict
-        {load of the kind: load of the machine, after '-' as it acts on the other link}.
-    slides : tuple of Coordinate
-        Slides of the dyad, in order.
-    reversed : dict
-        {link that the machine takes from its other joint on: name of its length}.
-    sign : float
-        -1.0 where the dyad has the sign of the other mode.
-    transmission : Coordinate, optional
-        Angle whose size the transmission angle is; None: that of the dyad.
-
-    """
-
-    layout: Layout
+    layout: Layout      # see one_dyad(); a driven slider slides along x, at offset
+    # lengths of the kind -> those of the dyad, closing_ranges, singular_inputs
     lengths: Callable[..., DyadLengths]
     ranges: Callable[..., parts.Ranges]
     singular: Callable[..., list[complex]]
+    # {load of the kind: load of the machine, after '-' as it acts on the other link}
     reactions: Mapping[str, str]
-    slides: tuple[Coordinate, ...] = ()
+    slides: tuple[Coordinate, ...] = ()     # of the dyad, in order
+    # {link that the machine takes from its other joint on: name of its length}
     reversed: Mapping[str, str] = {}
-    sign: float = 1.0
+    sign: float = 1.0       # -1.0 where the dyad has the sign of the other mode
+    # angle whose size the transmission angle is; None: that of the dyad
     transmission: Coordinate | None = None
 
 
@@ -95,11 +77,9 @@ def one_dyad(driver: str, frame: str, driven: str, dyad: str, links: tuple[str, 
 
 
 class Kind(Mechanism):
-    """
-    Base of the kinds, which state their fields and, for each input, a :class:`DrivenMachine`.
+    """Base of the kinds, which state fields and, for each input, a :class:`DrivenMachine`."""
 
-    ``PARTS`` are the coordinates in the order of the fields of a motion.
-    """
+    # PARTS are the coordinates in the order of the fields of a motion.
 
     DRIVES: ClassVar[Mapping[str, DrivenMachine]]
     CLASSES: ClassVar[Mapping[tuple[int, ...], str]]    # {signs of the margins: classification}
@@ -155,8 +135,6 @@ class Kind(Mechanism):
                 *['driving_force'] * (parts.SLIDE in cls.INPUTS), 'shaking_force_x',
                 'shaking_force_y', 'shaking_force', 'shaking_moment',
                 *[row.name for row in DERIVED])
-
-    # --- motion ---------------------------------------------------------------------------------
 
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
         return partial(self.motion_in, n, constants)
@@ -264,8 +242,6 @@ class Kind(Mechanism):
         sine: Scalar = motion.sine
         return sine
 
-    # --- loads ----------------------------------------------------------------------------------
-
     @property
     def layout(self) -> Layout:
         return self.drive.layout
@@ -317,8 +293,6 @@ class Kind(Mechanism):
         """Return loads of the machine in place of those that would lose digits."""
         return {}
 
-
-# --- shared by kinds -----------------------------------------------------------------------------
 
 CRANK_LENGTH = parts.Length('a1', 'length of the crank O1-A')
 COUPLER_LENGTH = parts.Length('a2', 'length of the coupler A-B')

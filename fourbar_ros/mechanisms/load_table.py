@@ -15,15 +15,12 @@ from fourbar_ros.errors import FourBarError
 
 
 class Load(NamedTuple):
-    """
-    A load, which the message LinkageLoads has as a field of its name.
+    """A load, which the message LinkageLoads has as a field of its name."""
 
-    ``text`` says what it is where it can be asked for by name, as for extrema; ``label``: in the
-    table of a pose. ``of``: of a load that follows from others, the function (mechanism, its
-    constants, motion, loads above) -> its value; of it mechanisms need state nothing. One trace
-    serves all mechanisms of a structure, so masses and lengths come from the constants.
-    """
-
+    # text says what it is where it can be asked for by name, as for extrema; label: in the table
+    # of a pose. of: of a load that follows from others, the function (mechanism, its constants,
+    # motion, loads above) -> its value; of it mechanisms need state nothing. One trace serves all
+    # mechanisms of a structure, so masses and lengths come from the constants.
     name: str
     unit: str
     text: str = ''

@@ -106,12 +106,9 @@ def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
 
 
 class HalfAngle(NamedTuple):
-    """
-    Half an angle x: sine and cosine of x/2, which tell odd turns of x from even ones.
+    """Half an angle x: sine and cosine of x/2, which tell odd turns of x from even ones."""
 
-    And their squares and product, which keep their digits near x = 0 and pi.
-    """
-
+    # And their squares and product, which keep their digits near x = 0 and pi.
     sine: Scalar
     cosine: Scalar
     ss: Scalar

@@ -45,12 +45,9 @@ SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'descri
 
 
 class Mechanism(MechanismGeometry):
-    """
-    Base of the mechanisms: four-bars, kinds with a slide, machines of dyads.
+    """Base of the mechanisms: four-bars, kinds with a slide, machines of dyads."""
 
-    They are frozen dataclasses of what :class:`.StatedMechanism` names.
-    """
-
+    # They are frozen dataclasses of what StatedMechanism names.
     _repr_html_ = as_html
 
     def __repr__(self) -> str:
@@ -180,8 +177,6 @@ class Mechanism(MechanismGeometry):
                 free = replace(self, input=name, mode=OPEN, stroke=None, elements=())
                 return tuple([free.in_mode(mode) for mode in sorted(free.modes)])
         return ()
-
-    # --- evaluated ------------------------------------------------------------------------------
 
     def motion(self, position: ArrayLike, rate: ArrayLike = 0.0, acceleration: ArrayLike = 0.0,
                fields: Iterable[str] | None = None) -> Any:

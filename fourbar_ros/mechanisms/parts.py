@@ -158,12 +158,9 @@ class Link(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """
-    A joint as ``joint_states`` shows it.
+    """A joint as ``joint_states`` shows it."""
 
-    ``place``: 'A', 'guide'; ``name``: its default name in that message, its place if empty.
-    """
-
+    # place: 'A', 'guide'; name: its default name in that message, its place if empty.
     place: str
     coordinate: Coordinate
     name: str = ''
@@ -174,12 +171,9 @@ DRIVE = 'drive'        # of which there may be friction, besides that of joints
 
 
 class Reaction(NamedTuple):
-    """
-    Action of one body on another at a joint: force along the ground axes, and couple.
+    """Action of one body on another at a joint: force along the ground axes, and couple."""
 
-    ``magnitude``, ``x``, ``y`` and ``couple`` are names of fields of the loads: f41, f41_x, f41_y.
-    """
-
+    # magnitude, x, y and couple are names of fields of the loads: f41, f41_x, f41_y.
     joint: str          # its name: letters, digits and _. A topic is named after it
     text: str           # acting and loaded body: 'ground on crank'
     magnitude: str      # [N]

@@ -41,17 +41,13 @@ class Function(NamedTuple):
 
 
 class OfDrive(NamedTuple):
-    """
-    A quantity of the drive at a rate and an acceleration of its own, not at those of the input.
-
-    It is ``quantity`` of the links there, or one over it; ``rate`` None: that of the input.
-    """
+    """A quantity of the drive at a rate and acceleration that are not those of the input."""
 
     name: str
     unit: str
     text: str
     quantity: Quantity
-    rate: float | None = 0.0        # of the input [rad/s] or [m/s]
+    rate: float | None = 0.0        # [rad/s] or [m/s]; None: that of the input
     acceleration: float = 0.0
     is_weightless: bool = False     # of the links without weight and external loads
     is_inverse: bool = False        # one over the quantity

@@ -48,12 +48,9 @@ class RodMotion(NamedTuple):
 
 
 class BarMotion(NamedTuple):
-    """
-    Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x.
+    """Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x."""
 
-    ``sine``, ``cosine``: of the transmission angle, from the bar to A - O4.
-    """
-
+    # sine, cosine: of the transmission angle, from the bar to A - O4.
     cos_y: Scalar
     sin_y: Scalar
     cos_2: Scalar

@@ -23,15 +23,11 @@ if TYPE_CHECKING:
 
 
 class StatedMechanism(ABC):
-    """
-    Base of the mechanisms: frozen dataclasses of lengths and what else they are made with.
+    """Base of the mechanisms: frozen dataclasses of lengths and what else they are made with."""
 
-    The fields besides lengths: ``mode``, ``input``, ``bodies``, ``gravity``, ``external``,
-    ``elements``, ``stroke``. A kind has its facts as attributes of its class, a machine put
-    together at run time as its own attributes. The numbers of links, joints, loads and outputs are
-    known nowhere else.
-    """
-
+    # The fields besides lengths: mode, input, bodies, gravity, external, elements, stroke. A kind
+    # has its facts as attributes of its class, a machine put together at run time as its own
+    # attributes. The numbers of links, joints, loads and outputs are known nowhere else.
     TITLE: str                      # name of the kind in texts
     TEXT: str                       # description, for the manual
     LENGTHS: tuple[parts.Length, ...]     # in the order of ``lengths``
@@ -62,8 +58,6 @@ class StatedMechanism(ABC):
     LEAVES_OUT_ZEROS: bool = False
     TORQUE: str = 'T_{41}'          # symbol of the driving torque: of which link on which
 
-    # --- parameters besides lengths --------------------------------------------------------------
-
     __dataclass_fields__: ClassVar[dict[str, Any]]
     mode: int
     input: str
@@ -73,8 +67,6 @@ class StatedMechanism(ABC):
     elements: tuple[Any, ...]       # springs, dampers, forces over a position: :mod:`.elements`
     friction: Any       # pairs of :data:`.mechanisms.friction.Friction`
     stroke: tuple[float, float] | None      # lowest and highest input [rad or m]
-
-    # --- each kind must give these --------------------------------------------------------------
 
     @abstractmethod
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:
@@ -132,8 +124,6 @@ class StatedMechanism(ABC):
 
         Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
         """
-
-    # --- some kinds give these ------------------------------------------------------------------
 
     def stalls(self, side: float) -> Iterable[Any]:
         """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""

@@ -14,13 +14,10 @@ from fourbar_ros.numerics.arguments import finite
 
 
 class NumberField(NamedTuple):
-    """
-    A number in a frozen dataclass: its meaning and allowed values.
+    """A number in a frozen dataclass: its meaning and allowed values."""
 
-    ``least`` and ``above``: it must be at least, and more than that. ``instead``: a value that
-    counts as no number, as None. ``parameter``: its name in scenes, if another one.
-    """
-
+    # least and above: it must be at least, and more than that. instead: a value that counts as no
+    # number, as None. parameter: its name in scenes, if another one.
     unit: str = ''
     text: str = ''
     least: float = -inf

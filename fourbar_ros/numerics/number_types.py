@@ -46,34 +46,20 @@ TINY = 2.0**-1074
 
 @dataclass(frozen=True, eq=False)
 class NumberType:
-    """
-    The functions that formulas may use, for one type of number.
+    """The functions that formulas may use, for one type of number."""
 
-    Parameters
-    ----------
-    sin, cos, sqrt, atan2, hypot, fabs : callable
-        As in :mod:`math`.
-    where : callable
-        ``where(condition, if_true, if_false)``; both may be tuples of equal length. Both are
-        computed, whatever the condition: neither may divide by zero.
-    exact_sum : callable
-        Sum of a tuple of lengths, as :func:`exact_sum`.
-    power_of_two : callable
-        The power of two next above the largest of some lengths. Scaling by it rounds nothing.
-    call : callable
-        ``call(function, x)``: a function that is no formula, as a table, of a float or an array.
-
-    """
-
-    sin: Function
+    sin: Function       # these as in math
     cos: Function
     sqrt: Function
     atan2: Function
     hypot: Function
     fabs: Function
+    # where(condition, if_true, if_false); both may be tuples of equal length, and both are
+    # computed, whatever the condition: neither may divide by zero
     where: Function
-    exact_sum: Function
-    power_of_two: Function
+    exact_sum: Function         # of a tuple of lengths, see exact_sum()
+    power_of_two: Function      # next above the largest of some lengths: scaling rounds nothing
+    # call(function, x): a function that is no formula, as a table, of a float or an array
     call: Function = lambda function, x: function(x)
 
     def difference_of_squares(self, a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:

@@ -38,8 +38,6 @@ def run(trace: Trace, order: Sequence[int], table: Table, values: list[Any],
     return values
 
 
-# --- arrays: real ones, complex ones for derivatives by a complex step, columns of data ----------
-
 ARRAYS: Table = {
     **OPERATIONS, 'sin': np.sin, 'cos': np.cos, 'sqrt': np.sqrt, 'where': np.where,
     'atan2': number_types.angle_of_complex, 'hypot': number_types.hypot_of_complex,
@@ -48,8 +46,6 @@ ARRAYS: Table = {
     'exact_sum': lambda *terms: exact_sum_of_four(terms),
     'power_of_two': number_types.power_of_two_of_arrays}
 
-
-# --- derivatives and rounding errors -------------------------------------------------------------
 
 # {operation: the derivatives of its result w by each argument: numbers, or functions of w and all}
 #     (P1)  (u v)' = v u' + u v',   (u/v)' = u'/v - (u/v^2) v',   sqrt(u)' = u' / (2 sqrt(u))

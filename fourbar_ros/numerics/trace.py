@@ -46,13 +46,10 @@ MakeFormula = Callable[[NumberType, Any], Function]
 
 
 class Step(NamedTuple):
-    """
-    One operation of a trace.
+    """One operation of a trace."""
 
-    It is one of :data:`OPERATIONS`; 'call' of a function that is no formula; 'input', 'datum' or
-    'constant' of a number that is given; 'nothing' where a step was left out.
-    """
-
+    # It is one of OPERATIONS; 'call' of a function that is no formula; 'input', 'datum' or
+    # 'constant' of a number that is given; 'nothing' where a step was left out.
     operation: str
     arguments: tuple[int, ...] = ()      # indices of the steps whose results it takes
     value: Any = None                    # of a constant its number, of a call its function
@@ -141,19 +138,9 @@ class Trace:
 
     ``make_formula``: (number type, data) -> formula, a function of ``count`` numbers that gives a
     sequence of numbers or of such sequences. ``data``: nested records of floats, any, as all data
-    of a structure have the same record.
-
-    Attributes
-    ----------
-    steps : list of Step
-        First the inputs, then the data, then all others, each after its arguments.
-    count, size : int
-        Number of inputs and of data.
-    results : nested tuples of int
-        Indices of the formula's results.
-    varies : set of int
-        Indices of all that depends on an input.
-
+    of a structure have the same record. ``size``: how many. ``steps``: first the inputs, then the
+    data, then all others, each after its arguments. ``results``, nested, and ``varies``, a set:
+    the indices of the results of the formula, and of all that depends on an input.
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
@@ -222,8 +209,6 @@ class Trace:
         """Return the number of steps so far; from here on none of them is used again."""
         self._index_of.clear()
         return len(self.steps)
-
-    # --- known facts about it -------------------------------------------------------------------
 
     def part(self, i: int) -> NestedIndices:
         assert not isinstance(self.results, int), 'the formula returns one number'

@@ -308,20 +308,11 @@ def lengths_of(dyads: Sequence[Dyad]) -> list[tuple[Length, float]]:
     return [(length, value) for length, value in lengths if value]
 
 
-# --- the structure of a machine from its dyads ---------------------------------------------------
-
 def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
               carrier: str = GROUND) -> Layout:
-    """
-    Return the :class:`Layout` of dyads, a cylinder's own first; ``carrier``: as of a Machine.
-
-    Raises
-    ------
-    InvalidParameter
-        A name twice, a link that is not there, or not yet: with the order of dyads that works, or
-        the links that no order solves.
-
-    """
+    """Return the :class:`Layout` of dyads, a cylinder's own first; ``carrier``: of a Machine."""
+    # InvalidParameter for a name twice, a link that is not there, or not yet: with the order of
+    # dyads that works, or the links that no order solves.
     driven = structure.SLIDER_LINK if driver == 'slide' else structure.CRANK_LINK
     frame = dyads[0].second.link if driver == CYLINDER else carrier
     links, owners, stages = [frame, driven], {frame: '', driven: 'the driven link'}, []

@@ -198,8 +198,6 @@ class Machine(Mechanism):
         """Return the structure, with the pairs that lie flat nowhere, see :func:`.find_ranges`."""
         return self._ranges.layout or self.base_layout
 
-    # --- lengths and modes ----------------------------------------------------------------------
-
     @property
     def lengths(self) -> tuple[float, ...]:
         """Return the lengths that are not zero [m]: of points, rods and offsets."""
@@ -251,8 +249,6 @@ class Machine(Mechanism):
     def crank_angle(self, motion: NamedFields) -> Scalar:
         angle: Scalar = motion.theta_crank if self.input != SLIDE else nan * motion.rate
         return angle
-
-    # --- where it closes -------------------------------------------------------------------------
 
     @cached_by_lengths
     def _ranges(self) -> ranges.DyadRanges:
@@ -402,8 +398,6 @@ class Machine(Mechanism):
             except (ValueError, ZeroDivisionError):
                 return dyad.name
         return self.stages[-1].name         # all others can be solved
-
-    # --- what it states --------------------------------------------------------------------------
 
     @property
     def structure(self) -> tuple[object, ...]:

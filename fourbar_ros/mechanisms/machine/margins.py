@@ -34,13 +34,11 @@ Measure = Callable[[Ends], Any]      # of the ends of a dyad, wherever they are
 
 
 class PairRange:
-    """
-    Where a pair closes: where the factors of its discriminant are positive.
+    """Where a pair closes: where the factors of its discriminant are positive."""
 
-    Of two factors one at most is negative. One that vanishes in one direction and is positive
-    elsewhere makes a change point; their exact signs tell. ``flats`` has its directions: +1.0 for
-    x = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
-    """
+    # Of two factors one at most is negative. One that vanishes in one direction and is positive
+    # elsewhere makes a change point; their exact signs tell. flats has its directions: +1.0 for x
+    # = 0, -1.0 for x = pi, or 0.0 for sigma = 0 of a slide.
 
     def __init__(self, stage: Stage, lengths: DyadLengths) -> None:
         """Compute the factors once, from the dyad's lengths with their ``shape``."""

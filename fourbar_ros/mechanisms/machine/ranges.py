@@ -63,12 +63,9 @@ DOUBLE = 2.0**-20       # the same: so far a double root is found beside where i
 
 
 class Limit(NamedTuple):
-    """
-    An end of a range: the input [rad or m] and the dyad that is at a toggle there, or ''.
+    """An end of a range: the input [rad or m] and the dyad that is at a toggle there, or ''."""
 
-    ``is_flat``: it is a change point, the same limit of the ranges on both sides.
-    """
-
+    # is_flat: it is a change point, the same limit of the ranges on both sides.
     x: float
     dyad: str
     is_flat: bool = False
@@ -159,12 +156,9 @@ def flats_of_driven(pair_range: margins.PairRange, is_moving: bool, limits: Sequ
 
 
 class _Path(NamedTuple):
-    """
-    The inputs from ``low`` to ``high`` as a function of phi, in which margins are analytic.
+    """The inputs from ``low`` to ``high`` as a function of phi, in which margins are analytic."""
 
-    Of a full turn (``is_closed``) phi is the input; else input = middle + half sin(phi).
-    """
-
+    # Of a full turn (is_closed) phi is the input; else input = middle + half sin(phi).
     low: float
     high: float
     is_closed: bool
@@ -197,12 +191,10 @@ class _Sampled(NamedTuple):
 
 
 class _Search:
-    """
-    The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`.
+    """The search for the ranges of a machine, dyad by dyad; see :func:`find_ranges`."""
 
-    Dyads that are searched at the same inputs share the poses of those that carry them: in a
-    chain the work grows with its length, not with the square of it.
-    """
+    # Dyads that are searched at the same inputs share the poses of those that carry them: in a
+    # chain the work grows with its length, not with the square of it.
 
     def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],
                  signs: Sequence[float]) -> None:

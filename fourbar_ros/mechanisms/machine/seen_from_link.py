@@ -29,14 +29,11 @@ from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 
 class SeenFromLink:
-    """
-    A machine driven at a link on the ground, whose angle is the coordinate p [rad].
+    """A machine driven at a link on the ground, whose angle is the coordinate p [rad]."""
 
-    ``layout``, ``dyad_lengths``, ``signs``: as for :func:`.motion.motion_of`; ``dyad``: index of
-    the dyad that has this link; ``mode`` 2: from the rod, B to P, to the crank, O1 to P, the turn
-    is to the left by less than pi, 1: to the right; of a change point the sign of R, (M13).
-    """
-
+    # layout, dyad_lengths, signs: as for motion_of(); dyad: index of the dyad that has this link;
+    # mode 2: from the rod, B to P, to the crank, O1 to P, the turn is to the left by less than pi,
+    # 1: to the right; of a change point the sign of R, (M13).
     input_unit = 1.0
 
     def __init__(self, layout: Layout, dyad_lengths: Sequence[DyadLengths],

@@ -103,14 +103,11 @@ class Stage(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """
-    The structure of a machine.
+    """The structure of a machine."""
 
-    The first of its ``links`` is the frame from which all is solved: the ground, or of a drive
-    between two moving links that which carries the crank or the base of the cylinder. The second
-    is the driven one.
-    """
-
+    # The first of its links is the frame from which all is solved: the ground, or of a drive
+    # between two moving links that which carries the crank or the base of the cylinder. The second
+    # is the driven one.
     driver: str                     # 'crank', 'slide' or 'cylinder'
     links: tuple[str, ...]          # names of all links
     stages: tuple[Stage, ...]       # in order; with a cylinder its own first
@@ -194,8 +191,6 @@ def load_fields(layout: Layout) -> tuple[str, ...]:
     return (*fields, 'driving_torque', 'driving_force', 'shaking_force_x', 'shaking_force_y',
             'shaking_force', 'shaking_moment', *(row.name for row in DERIVED))
 
-
-# --- what a machine states by its layout: LINKS to QUANTITIES ------------------------------------
 
 # {kind of dyad: of both links the name in texts, the first joint, and which length it has}
 LINKS_OF_DYADS = {

@@ -35,21 +35,8 @@ from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve import dyads, pairs
-from fourbar_ros.mechanisms.machine.solve.dyads import (
-    Direction,
-    Driven,
-    DyadMotion,
-    Ends,
-    ORIGIN,
-)
-from fourbar_ros.mechanisms.machine.solve.pairs import (
-    FIRST_JOINT,
-    half_angle,
-    Joints,
-    OnBoth,
-    OnLink,
-    turned_by,
-)
+from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, Ends
+from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, Joints, OnBoth, OnLink
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.slides import triangle
 from fourbar_ros.numerics.number_types import NumberType, Scalar, TINY
@@ -122,12 +109,10 @@ def slid(start: OnLink, direction: OnLink, slide: Sequence[Scalar]) -> LinkMotio
                       change * s, c, s, 0.0, 0.0)
 
 
-# --- the driven link -----------------------------------------------------------------------------
-
 def driven_crank(n: NumberType, angle: Scalar) -> Driven:
     """Return a crank about the origin, by half its angle, the input."""
     c, s = n.cos(0.5 * angle), n.sin(0.5 * angle)
-    curve = LinkMotion(*ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
+    curve = LinkMotion(*dyads.ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
     return Driven(curve, (0.0, 0.0), (c, s))
 
 
@@ -157,32 +142,28 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
     root = n.sqrt(s)                                    # no length is below zero
     sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (K2)
-    directions = (turned_by(turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
-                  turned_by((sides.cos_x, -sides.sin_x), of_base))
+    directions = (pairs.turned_by(pairs.turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
+                  pairs.turned_by((sides.cos_x, -sides.sin_x), of_base))
     # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
-    (x, y), z = turned_by(of_base, of_pin), sign * sides.sin_2
-    middle = half_angle(n, sign * y, -sign * x, True)
-    beyond = half_angle(n, -z, sign * sides.cos_2, True)
-    half = turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
+    (x, y), z = pairs.turned_by(of_base, of_pin), sign * sides.sin_2
+    middle = pairs.half_angle(n, sign * y, -sign * x, True)
+    beyond = pairs.half_angle(n, -z, sign * sides.cos_2, True)
+    half = pairs.turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
     error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
         n.fabs(sides.sin_2) + TINY)                                                      # (K3)
     square = per * per
-    return Driven(LinkMotion(*ORIGIN, *directions[0], sides.d_theta2 * per,
+    return Driven(LinkMotion(*dyads.ORIGIN, *directions[0], sides.d_theta2 * per,
                              sides.dd_theta2 * square),
                   (0.0, error), half, None,
                   (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
                    sides.cos_b))
 
 
-# --- poses ---------------------------------------------------------------------------------------
-
 class Poses:
-    """
-    What is known so far of one pose: the curves of links as the frame sees them, and the dyads.
+    """What is known so far of a pose: the curves of links as the frame sees them, the dyads."""
 
-    Links have indices: 0 the frame, 1 the driven link, then those of the dyads in their order.
-    Dyads are added in any order in which each comes after those that carry it.
-    """
+    # Links have indices: 0 the frame, 1 the driven link, then those of the dyads in their order.
+    # Dyads are added in any order in which each comes after those that carry it.
 
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
         self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half

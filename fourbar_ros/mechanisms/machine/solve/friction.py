@@ -47,16 +47,10 @@ from typing import Any, NamedTuple
 from fourbar_ros.mechanics.newton_euler import Needs, Vector
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion
 from fourbar_ros.mechanisms.friction import sign_of
+from fourbar_ros.mechanisms.machine import structure
 from fourbar_ros.mechanisms.machine.solve.loads import DyadForces, with_drive_along
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.machine.structure import (
-    BASE,
-    CYLINDER,
-    DyadLengths,
-    Layout,
-    SLIDES,
-    Stage,
-)
+from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, DyadLengths, Stage
 from fourbar_ros.mechanisms.parts import DRIVE, SLIDE
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.linear_forms import CONSTANT, LinearForm
@@ -95,27 +89,12 @@ class Rubbing(NamedTuple):
 
 
 class MachineFriction:
-    """
-    Friction of the joints of a machine in a pose.
+    """Friction of the joints of a machine in a pose."""
 
-    Parameters
-    ----------
-    n : NumberType
-    layout : Layout
-    by_joint : mapping
-        {joint of the layout, or 'drive': its friction}.
-    dry : mapping
-        {joint that has a coefficient: whether its block has a length}.
-    rate, direction : number
-        Of the input; its direction by :func:`direction_of`.
-    unit : number
-        Of lengths [m].
-    told : list of Told
-        To it those of the joints are appended, by dyad.
-
-    """
-
-    def __init__(self, n: NumberType, layout: Layout, by_joint: Mapping[str, Any],
+    # by_joint: {joint of the layout, or 'drive': its friction}; dry: {joint that has a
+    # coefficient: whether its block has a length}; rate, direction: of the input, its direction by
+    # direction_of(); unit: of lengths [m]; told: to it those of the joints are appended, by dyad.
+    def __init__(self, n: NumberType, layout: structure.Layout, by_joint: Mapping[str, Any],
                  dry: Mapping[str, bool], rate: Scalar, direction: Scalar, unit: Scalar,
                  told: Any) -> None:
         self._n, self._layout, self._by_joint, self._dry = n, layout, by_joint, dry
@@ -129,8 +108,6 @@ class MachineFriction:
         for told in self._told:
             gate = gate + told.locks
         return gate
-
-    # --- joints that rub ------------------------------------------------------------------------
 
     def _pin(self, name: str, joint: str, first: LinkMotion, second: LinkMotion,
              needs: tuple[Needs, Needs]) -> Rubbing:
@@ -164,13 +141,13 @@ class MachineFriction:
             if name not in self._by_joint:
                 continue
             # what the dyad needs more for an effort of one against the rate
-            if joint not in SLIDES[stage.kind]:
+            if joint not in structure.SLIDES[stage.kind]:
                 first, second = stage.ends(joint)
                 joints.append(self._pin(name, joint, curves[first], curves[second], (
                     Needs(NO_FORCE, (second == stage.link) - float(first == stage.link)),
                     Needs(NO_FORCE, float(second == stage.link + 1)))))
                 continue
-            k = list(SLIDES[stage.kind]).index(joint)
+            k = list(structure.SLIDES[stage.kind]).index(joint)
             block, (carrier, start, along) = sliding[k]
             t = Vector(*along).along(e[carrier])
             arm = (Vector(*start) + Vector(*along) * slides[k]).along(e[carrier])
@@ -184,29 +161,15 @@ class MachineFriction:
                 Needs(NO_FORCE, 0.0), Needs(NO_FORCE, 0.0))))
         return joints
 
-    # --- the forces with their efforts ----------------------------------------------------------
-
     def of_dyad(self, stage: Stage, lengths: DyadLengths, slides: Sequence[Scalar],
                 e: Sequence[Vector], curves: Sequence[LinkMotion], held: Sequence[Needs],
                 solve: Callable[[Needs, Needs], DyadForces], drive: Scalar,
                 borne: Mapping[str, Vector]) -> tuple[DyadForces, Scalar]:
-        """
-        Return the forces of a dyad, and the drive, with the friction of its joints.
-
-        Parameters
-        ----------
-        stage, lengths, slides
-            The dyad, how long it is, how far its joints slide.
-        e, curves, held
-            Of all links: direction, motion at unit rate of the input, needs without the dyad.
-        solve : callable
-            Needs of both links -> forces of the dyad.
-        drive : number
-            The drive without the dyad's friction.
-        borne : mapping
-            {joint: a force that it transmits besides those of the dyad}.
-
-        """
+        """Return the forces of a dyad, and the drive, with the friction of its joints."""
+        # slides: how far its joints slide; e, curves, held: of all links direction, motion at unit
+        # rate of the input, needs without the dyad; solve: needs of both links -> forces of the
+        # dyad; drive: without the friction of the dyad; borne: {joint: a force that it transmits
+        # besides those of the dyad}.
         joints, is_cylinder = self._joints_of(stage, lengths, slides, e, curves), (
             stage.name == CYLINDER)
         if is_cylinder:

@@ -69,12 +69,10 @@ def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
 
 
 class Joints:
-    """
-    All joints of a machine, by the indices of their links.
+    """All joints of a machine, by the indices of their links."""
 
-    ``pins``: {(a link, the link it is pinned to): points of both}, ``slides``: {(a link, its
-    carrier): start and direction of the slide on the carrier}.
-    """
+    # pins: {(a link, the link it is pinned to): points of both}, slides: {(a link, its carrier):
+    # start and direction of the slide on the carrier}.
 
     def __init__(self, driver: str, stages: Sequence[Stage], dyad_lengths: Sequence[DyadLengths]
                  ) -> None:
@@ -111,8 +109,6 @@ class Joints:
                 return Pair(carrier, True)
         return None
 
-
-# --- what follows from the lengths ---------------------------------------------------------------
 
 def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
                is_cosine_positive: bool) -> HalfAngle:
@@ -185,8 +181,6 @@ def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
         with_shapes.append(lengths._replace(reach=reach, shape=shape))
     return with_shapes
 
-
-# --- how a pair moves ----------------------------------------------------------------------------
 
 # {(a link, a second link): :data:`Direction` of the first seen from the second}
 Relations = dict[tuple[int, int], Direction]
