@@ -17,7 +17,7 @@ from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct
 from fourbar_lab.export.statements import filled, literal, snippet, Statements
 from fourbar_ros.dynamics import equation, node_step, rosenbrock, sources
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
-from fourbar_ros.numerics.number_fields import quantities_of
+from fourbar_ros.numerics.arguments import quantities_of
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.topics import TORQUE

@@ -27,7 +27,7 @@ from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.newton import halve
+from fourbar_ros.numerics.roots import halve
 import numpy as np
 
 SAMPLES, MOST_SAMPLES = 1024, 2**17     # of a turn

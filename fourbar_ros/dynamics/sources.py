@@ -42,8 +42,7 @@ from math import inf, tau
 from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.numerics.arguments import array
-from fourbar_ros.numerics.number_fields import check_quantities, quantity
+from fourbar_ros.numerics.arguments import array, check_quantities, quantity
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 import numpy as np
 

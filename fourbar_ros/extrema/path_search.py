@@ -23,8 +23,7 @@ from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath, PIECE, REGULAR
 from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.newton import newton_roots, SMALL
-from fourbar_ros.numerics.roots import find_brackets, rises, turn_after
+from fourbar_ros.numerics.roots import find_brackets, newton_roots, rises, SMALL, turn_after
 import numpy as np
 
 # Power of sin(mu) by which derivatives grow at toggles (for accelerations; forces grow faster by

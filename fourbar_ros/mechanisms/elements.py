@@ -24,9 +24,8 @@ from fourbar_ros.mechanics.bodies import Applied, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
-from fourbar_ros.numerics.arguments import finite
+from fourbar_ros.numerics.arguments import check_quantities, finite, quantity
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.numerics.number_fields import check_quantities, quantity
 from fourbar_ros.numerics.number_types import converted, direction, NumberType, Scalar
 from fourbar_ros.numerics.tables import slope_of
 import numpy as np

@@ -12,7 +12,7 @@ from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base, UnknownBase
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.numerics.number_fields import quantities_of
+from fourbar_ros.numerics.arguments import quantities_of
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues
 
 

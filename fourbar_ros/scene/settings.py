@@ -18,8 +18,7 @@ from fourbar_ros.dynamics import sources
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND, JOINT_A, Length, SLIDE
-from fourbar_ros.numerics.arguments import FARTHEST, FASTEST
-from fourbar_ros.numerics.number_fields import quantities_of
+from fourbar_ros.numerics.arguments import FARTHEST, FASTEST, quantities_of
 from fourbar_ros.scene import topics
 from fourbar_ros.scene.units import UNITS
 

@@ -4,7 +4,7 @@
 from math import pi
 
 from fourbar_ros.numerics import roots
-from fourbar_ros.numerics.newton import newton_roots
+from fourbar_ros.numerics.roots import newton_roots
 import numpy as np
 import pytest
 from scipy.optimize import brentq

@@ -415,15 +415,6 @@ class Machine(Mechanism):
             description.with_lengths(dyad, by_name).lengths for dyad in self.stages]))
 
     @property
-    def SLIDE_DIRECTION(self) -> tuple[str, str] | None:  # type: ignore[override]  # noqa: N802
-        rod = self.cylinder and self.cylinder.links[0]
-        return (f'cos_{rod}', f'sin_{rod}') if rod else None
-
-    @property
-    def TORQUE(self) -> str:        # type: ignore[override]  # noqa: N802
-        return 'T' if self.layout.ground else 'T_{41}'
-
-    @property
     def is_driven_by_slide(self) -> bool:
         return self.input != CRANK
 

@@ -38,8 +38,8 @@ from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, P
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout
 from fourbar_ros.numerics.arrays import Array, sine_between
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
-from fourbar_ros.numerics.newton import halve
 from fourbar_ros.numerics.number_types import ARRAY, Function, numbers_of, REAL
+from fourbar_ros.numerics.roots import halve
 from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 

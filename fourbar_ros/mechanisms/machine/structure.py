@@ -208,12 +208,15 @@ def names_of(layout: Layout) -> dict[str, Any]:
     links, fields = tuple(_links(layout)), motion_fields(layout)
     coordinates = {'crank': coordinate(BASE if layout.ground else CRANK_LINK),
                    'slide': travel(SLIDER_LINK)}
-    if layout.driver == CYLINDER:
-        coordinates = {CYLINDER: travel(layout.stages[0].links[0])}
+    rod = layout.stages[0].links[0] if layout.driver == CYLINDER else ''
+    if rod:
+        coordinates = {CYLINDER: travel(rod)}
     shown = {coordinate(link): f'{link} ({text})' for link, text, *_ in links if link in turning}
     shown.update((travel(link), f'{link} slides') for link in layout.slides())
     driven = coordinates[layout.driver]
     names = {
+        'TORQUE': 'T' if layout.ground else 'T_{41}',
+        'SLIDE_DIRECTION': (f'cos_{rod}', f'sin_{rod}') if rod else None,
         'LINKS': links, 'JOINTS': tuple(_joints(layout)), 'REACTIONS': tuple(_reactions(layout)),
         'PARTS': shown, 'DRAWN': tuple(dict.fromkeys((driven, output_of(layout).coordinate))),
         'INPUTS': {layout.driver: driven}, 'OUTPUTS': {layout.driver: _outputs(layout, driven)},
