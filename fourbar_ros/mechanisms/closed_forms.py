@@ -98,8 +98,7 @@ def singular_angles_of_rod(a1: float, a2: float, e: float) -> list[complex]:
         side = 1.0 if e + r > 0.0 else -1.0
         excess = exact_sum((side * e, side * r, -a1)) / a1          # |sin x| - 1
         if excess >= 0.0:
-            angles.append(complex(side * 0.5 * pi,
-                                  log1p(excess + sqrt(excess * (2.0 + excess)))))
+            angles.append(complex(side * 0.5 * pi, log1p(excess + sqrt(excess * (2.0 + excess)))))
         else:
             angle = side * (0.5 * pi - 2.0 * asin(sqrt(-0.5 * excess)))
             angles += [complex(angle), complex(pi - angle)]

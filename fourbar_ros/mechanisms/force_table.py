@@ -142,8 +142,7 @@ class ForceTable:
                 x = x - self.span * np.floor((x.real - first) / self.span)
             else:
                 x = first + (x - first) % self.span
-        *coefficients, start = self._columns[:, np.searchsorted(self.starts, x.real,
-                                                                side='right')]
+        *coefficients, start = self._columns[:, np.searchsorted(self.starts, x.real, side='right')]
         return coefficients, x - start
 
     def _value(self, x: Any, number: Any) -> Any:

@@ -282,8 +282,7 @@ class MovingJointFourBar(FourBarLinks):
             reversed={'output': 'a3', GROUND: 'a4', 'crank': 'a1'})}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        (a1, a2, a3, a4), of_crank, of_output = (
-            lengths, coordinates[THETA1], coordinates[THETA4])
+        (a1, a2, a3, a4), of_crank, of_output = (lengths, coordinates[THETA1], coordinates[THETA4])
         if self.input == parts.JOINT_A:
             return condition_of_rods(fabs, (a2, a1, a3, a4), coordinates[THETA3][0], of_output,
                                      of_crank[0] * of_output[0] + of_crank[1] * of_output[1])

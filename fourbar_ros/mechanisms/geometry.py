@@ -98,11 +98,7 @@ class MechanismGeometry(StatedMechanism):
 
     @cached_by_lengths
     def input_ranges(self) -> parts.Ranges:
-        """
-        Return the parts of :attr:`closing_ranges` that lie in the stroke, from low to high.
-
-        Of angles in the turn in which the stroke is.
-        """
+        """Return what of :attr:`closing_ranges` is in the stroke; of angles in its turn."""
         if not self.cut:
             return self.closing_ranges
         return (self.cut,) if self.closes_fully else parts.clipped(
@@ -365,11 +361,7 @@ class MechanismGeometry(StatedMechanism):
         return self.constants._replace(lengths=tuple(lengths))
 
     def with_external(self: _Self, external: External) -> _Self:
-        """
-        Return the same mechanism with other external loads, sharing what follows from geometry.
-
-        A node does this for each wrench message, so ranges and traces are not made again.
-        """
+        """Return the same mechanism with other external loads, sharing ranges and traces."""
         return self._copy(**self._geometry, external=external)
 
     def with_elements(self: _Self, *elements: Element) -> _Self:

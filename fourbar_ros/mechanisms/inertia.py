@@ -42,12 +42,8 @@ class Rigid(NamedTuple):
 
 def input_equation(mechanism: Mechanism, position: Any, rate: Any,
                    weightless: Mechanism | None = None) -> InputEquation:
-    """
-    Return the terms of T = J alpha + b; arguments, arrays too, and errors as of ``loads``.
-
-    ``weightless``: the mechanism's own :attr:`.Mechanism.weightless`, if other forces than its
-    constant ones act on it.
-    """
+    """Return the terms of T = J alpha + b; arguments, arrays too, and errors as of ``loads``."""
+    # weightless: the same without weight, if other forces than its constant ones act on it.
     free, drive = weightless or mechanism.weightless, mechanism.drive_load
     inertia, half_slope, static, bias = [
         getattr(links.loads(position, *rates), drive)

@@ -146,8 +146,7 @@ class Kind(Mechanism):
         lengths = [length / unit for length in constants.lengths]
         per = 1.0 / unit if self.is_driven_by_slide else 1.0
         v, a, x = rate * per, acceleration * per, position * per
-        driven = (driven_slider(x, lengths[-1]) if self.is_driven_by_slide
-                  else driven_crank(n, x))
+        driven = (driven_slider(x, lengths[-1]) if self.is_driven_by_slide else driven_crank(n, x))
         pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
                        [constants.sign if drive.sign > 0.0 else -constants.sign], driven)
         dyad = pose.dyads[0]

@@ -106,13 +106,9 @@ class Mechanism(MechanismGeometry):
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
-        """
-        Return the input and its two derivatives from coefficients of the links.
-
-        Inverse of :meth:`make_coefficients`: where the derivatives are with respect to another
-        coordinate, as of :meth:`.Mechanism.driven_otherwise`, so are those returned. An angle is
-        in [-pi, pi].
-        """
+        """Return the input and its two derivatives from coefficients of the links."""
+        # Inverse of make_coefficients(): where the derivatives are with respect to another
+        # coordinate, as of driven_otherwise(), so are those returned. An angle is in [-pi, pi].
         if self.is_driven_by_slide:
             return curves[-1].x, curves[-1].v_x, curves[-1].a_x
         crank = curves[0]

@@ -165,11 +165,8 @@ def of_kind(kind: type[Drawn], primitives: Iterable[Primitive]) -> list[Drawn]:
 
 
 def outlines(sign: Block | Pivot, size: float) -> tuple[Array, Array | None]:
-    """
-    Return the outline of a block or a pivot, shape (n, 2), and the line of its ground, (2, 2) [m].
-
-    The ground is None of a block that slides on a moving link. ``size``: an inch of the paper [m].
-    """
+    """Return the outline of a block or a pivot, (n, 2), and the line of its ground, (2, 2) [m]."""
+    # The ground is None of a block that slides on a moving link. size: an inch of the paper [m].
     corners, ground, (x, y) = _TRIANGLE, _GROUND, (1.0, 0.0)
     if isinstance(sign, Block):
         corners, ground, (x, y) = _BOX, _GUIDE if sign.is_guided else None, sign.direction

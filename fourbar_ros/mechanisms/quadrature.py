@@ -31,8 +31,7 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(points)
 
 
-def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()
-                  ) -> Ranges:
+def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()) -> Ranges:
     """Return the ranges of the input [rad or m], cut at flat positions and ends of pieces."""
     # ends: those of friction, within a cycle; ranges: others than those of the mechanism.
     parts = list[tuple[float, float]]()
@@ -72,14 +71,11 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
 
 def mean_over_input(mechanism: Mechanism, values_at: Callable[[Array], Array],
                     ranges: Ranges = (), least_size: Sequence[float] | float = 0.0) -> Array:
-    """
-    Return the means of k functions over the input, shape (k,); NaN if they do not settle.
-
-    ``values_at``: inputs [rad or m], shape (n,) -> values, shape (k, n). ``ranges`` as of
-    :func:`nodes`. Means settle to 1e-12 of the mean size of each function, or of ``least_size``
-    where it is smaller, jumps and narrow peaks included; those of functions that grow as one over
-    the distance from a toggle, or faster, and those of rounding noise do not.
-    """
+    """Return the means of k functions over the input, shape (k,); NaN if they do not settle."""
+    # values_at: inputs [rad or m], shape (n,) -> values, shape (k, n); ranges: as of nodes().
+    # Means settle to 1e-12 of the mean size of each function, or of least_size where it is
+    # smaller, jumps and narrow peaks included; those of functions that grow as one over the
+    # distance from a toggle, or faster, and those of rounding noise do not.
     points, mean = POINTS, np.array(np.nan)
     while points <= MOST:
         x, weights = nodes(mechanism, points, ranges)

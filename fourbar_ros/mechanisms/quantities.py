@@ -76,8 +76,7 @@ def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0
     """Return the quantity ``name.speed`` [m/s] of a point fixed to a link."""
     return Function(f'{name}.speed', 'm/s',
                     f'speed of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(2, 4)),
-                    is_smooth=True)
+                    partial(_size, mechanism, link, along, across, slice(2, 4)), is_smooth=True)
 
 
 def point_acceleration(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
@@ -85,8 +84,7 @@ def point_acceleration(mechanism: Mechanism, link: str, along: float, across: fl
     """Return the quantity ``name.acceleration``, its magnitude [m/s^2], of a point of a link."""
     return Function(f'{name}.acceleration', 'm/s^2',
                     f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(4, 6)),
-                    is_smooth=True)
+                    partial(_size, mechanism, link, along, across, slice(4, 6)), is_smooth=True)
 
 
 def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
@@ -214,8 +212,7 @@ def is_position(quantity: Named) -> bool:
     return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
 
 
-def select(names: Sequence[str], mechanism: Mechanism,
-           more: Sequence[Asked] = ()) -> list[Named]:
+def select(names: Sequence[str], mechanism: Mechanism, more: Sequence[Asked] = ()) -> list[Named]:
     """Return the quantities of these names; of none all but positions and those of the drive."""
     # Loads are left out where the mechanism has none. more: quantities that may be named too, as
     # those of the points of a scene, and that are part of "all" too.

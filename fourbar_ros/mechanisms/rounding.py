@@ -16,12 +16,9 @@ from fourbar_ros.numerics.trace import flat
 
 def rounding_errors(mechanism: Mechanism, positions: Sequence[float], rate: float,
                     acceleration: float, with_loads: bool) -> dict[str, float]:
-    """
-    Return {field of motion or loads: its largest rounding error at some inputs}.
-
-    Each error is over the largest size of the fields of its sort (all forces, all rates). Data and
-    inputs count as exact. Angles are left out: they are arc tangents of fields that are not.
-    """
+    """Return {field of motion or loads: its largest rounding error at some inputs}."""
+    # Each over the largest size of the fields of its sort (all forces, all rates). Data and inputs
+    # count as exact. Angles are left out: they are arc tangents of fields that are not.
     formula, data = formula_of(mechanism, with_loads)
     trace = trace_of(formula)
     indices = flat(trace.results)

@@ -290,8 +290,7 @@ class InvertedSlider(Kind):
                 yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
 
     def corrected(self, n: NumberType, constants: Constants, m: parts.NamedFields,
-                  needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
-                  ) -> Mapping[str, Scalar]:
+                  needs: Mapping[str, Needs], loads: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
         if self.input == CRANK:
             return {}
         (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)

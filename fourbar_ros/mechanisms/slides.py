@@ -196,8 +196,7 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
                   n.difference_of_squares(a2, 0.0, e, a1), -1.0)
     per_a2, a1_e, two_a1_e, level_square = 1.0 / a2, a1 * e, 2.0 * a1 * e, 0.25 * a2 * a2
     low, is_about_0 = cos_x * cos_x / (1.0 + fabs(sin_x)), fabs(sin_x).real < 0.5
-    u, w, gap, start = where(is_about_0, about_0,
-                             where(sin_x.real > 0.0, about_up, about_down))
+    u, w, gap, start = where(is_about_0, about_0, where(sin_x.real > 0.0, about_up, about_down))
     d, rest = where(is_about_0, (sin_x, a1_e * (1.0 + sin_x * sin_x)),
                     (-start * low, a1_e * low * low))
     at_x, step, h = a1 * cos_x, a1 * d, e - a1 * sin_x

@@ -75,11 +75,8 @@ class StatedMechanism(ABC):
     @abstractmethod
     def joint_loads(self, n: NumberType, constants: Constants, motion: parts.NamedFields,
                     told: list[Any] | None = None) -> Any:
-        """
-        Return the fields of LOADS that are no DERIVED ones, for constants of a number type.
-
-        ``told``: takes what joints with friction tell, each a :class:`.Told`.
-        """
+        """Return the fields of LOADS that are no DERIVED ones, for constants of a number type."""
+        # told: takes what joints with friction tell, each a Told.
 
     @property
     @abstractmethod
@@ -94,12 +91,9 @@ class StatedMechanism(ABC):
     @property
     @abstractmethod
     def singular_inputs(self) -> list[complex]:
-        """
-        Return the complex inputs where the dyad is in line, or quantities have a pole.
-
-        Toggles and flat positions of change points are real. One of each conjugate pair is enough.
-        The search for extrema puts more samples near them, where quantities change fast.
-        """
+        """Return the complex inputs where the dyad is in line, or quantities have a pole."""
+        # Toggles and flat positions of change points are real. One of each conjugate pair is
+        # enough. The search for extrema puts more samples near them, where quantities change fast.
 
     @property
     @abstractmethod
@@ -109,21 +103,15 @@ class StatedMechanism(ABC):
     @abstractmethod
     def link_motions(self, motion: parts.NamedFields, lengths: Any = None
                      ) -> Mapping[str, LinkMotion]:
-        """
-        Return {name of one of its ``LINKS``: its motion}, from one of its motions.
-
-        The 'coupler' of an inverted slider-crank is its block; 'output' is the slider of a
-        slider-crank, the bar of an inverted one. Fields are numbers of any type, and so are
-        ``lengths``, those of ``constants`` that take the place of its own.
-        """
+        """Return {name of one of its ``LINKS``: its motion}, from one of its motions."""
+        # The coupler of an inverted slider-crank is its block; output is the slider of a
+        # slider-crank, the bar of an inverted one. Fields are numbers of any type, and so are
+        # lengths, those of constants that take the place of its own.
 
     @abstractmethod
     def transmission_sine(self, motion: parts.NamedFields) -> Scalar:
-        """
-        Return a number of at most one in size that is zero where the dyad is in line.
-
-        Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
-        """
+        """Return a number of at most one in size that is zero where the dyad is in line."""
+        # Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
 
     def stalls(self, side: float) -> Iterable[Any]:
         """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""

@@ -57,21 +57,11 @@ def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str
              ) -> Callable[[Sequence[float]], Function]:
-    """
-    Return data -> Python function of floats, for all data of one structure.
-
-    It is written and compiled once. ``zeros``: indices of steps of data alone that are zero, or
-    false, for all of them: what they only add is left out. Without zeros nothing is known of the
-    data, and the line has the bits of the formula with floats, the signs of zeros too. ``name``:
-    as for :func:`straight_line`.
-
-    Examples
-    --------
-    >>> trace = Trace(lambda n, data: lambda r: (data[0] * r + data[1],), 1, (2.0, 1.0))
-    >>> lines_of(trace, (), 'an example')((3.0, 0.5))(2.0)
-    (6.5,)
-
-    """
+    """Return data -> Python function of floats, for all data of one structure."""
+    # It is written and compiled once. zeros: indices of steps of data alone that are zero, or
+    # false, for all of them: what they only add is left out. Without zeros nothing is known of the
+    # data, and the line has the bits of the formula with floats, the signs of zeros too. name: as
+    # for straight_line().
     if zeros:
         trace = trace.simplified({**trace.literals(), **dict.fromkeys(zeros, 0.0)})
     # Text of a function ``make``, which computes what depends on data alone, once, and returns the

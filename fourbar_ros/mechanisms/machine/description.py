@@ -267,8 +267,7 @@ def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
     changed: dict[str, Any] = {
         end: getattr(dyad, end)._replace(**{
             name: lengths[f'{dyad.name}.{end}.{name}'] for name in ('along', 'across')
-            if f'{dyad.name}.{end}.{name}' in lengths})
-        for end in ('first', 'second')}
+            if f'{dyad.name}.{end}.{name}' in lengths}) for end in ('first', 'second')}
     changed.update((name, lengths[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
                    if f'{dyad.name}.{name}' in lengths)
     copied = copy(dyad)
@@ -349,8 +348,7 @@ def layout_of(driver: str, dyads: Sequence[Dyad], output: str | None = None,
         for stage in stages]), '')
     moving = layout.moving
     if output is not None and output not in moving:
-        raise InvalidParameter('output', output,
-                               f'there is no such link{nearest(output, moving)}')
+        raise InvalidParameter('output', output, f'there is no such link{nearest(output, moving)}')
     layout = layout._replace(output=output or (driven if names == {CYLINDER} else moving[-1]))
     for names_of_fields in (structure.motion_fields(layout), structure.load_fields(layout)):
         name, count = Counter(names_of_fields).most_common(1)[0]

@@ -205,8 +205,7 @@ class Machine(Mechanism):
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
         by_name = dict(zip(self.length_names, lengths))
-        return self._with_stages([description.with_lengths(dyad, by_name)
-                                  for dyad in self.stages])
+        return self._with_stages([description.with_lengths(dyad, by_name) for dyad in self.stages])
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
         """Return a copy with other dyads, which are not checked."""
@@ -383,8 +382,7 @@ class Machine(Mechanism):
             x, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
         # within a range all dyads close, so that one of them is at a toggle
         if self.is_in_stroke(position) and any(
-                low <= x + turn <= high for low, high in self.closing_ranges
-                for turn in turns):
+                low <= x + turn <= high for low, high in self.closing_ranges for turn in turns):
             return Toggle(self.input_coordinate.position, position, unit, self._dyad_at(x))
         return error
 

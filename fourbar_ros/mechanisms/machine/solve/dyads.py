@@ -202,8 +202,7 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> D
     ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
     square, twice = turn * turn, 2.0 * turn
     dds, ddd = split(ddx + bend * y + square * x + twice * (ds * ty + dd * cy),
-                     ddy - bend * x + square * y - twice * (ds * tx + dd * cx),
-                     tx, ty)
+                     ddy - bend * x + square * y - twice * (ds * tx + dd * cx), tx, ty)
     swing = turn * s
     along, across = dds - turn * swing, bend * s + twice * ds
     yoke = LinkMotion(qx + s * tx, qy + s * ty,

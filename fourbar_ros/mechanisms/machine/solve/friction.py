@@ -351,8 +351,7 @@ class OpenFriction(MachineFriction):
         return 0.0
 
 
-def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]
-           ) -> DyadForces:
+def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]) -> DyadForces:
     for effort, of in zip(efforts, joints):
         if of.joint == BASE:
             continue
@@ -376,8 +375,7 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
     felt, sizes, matrix = list(near or at_none), [0.0] * len(laws), list[list[Scalar]]()
     before, solution = sizes, partial(_solution, n) if by_minors else _without_pivots
     for share in shares:
-        slopes = [(share * x, share * y) for law, pair in zip(laws, felt)
-                  for x, y in [law(pair)]]
+        slopes = [(share * x, share * y) for law, pair in zip(laws, felt) for x, y in [law(pair)]]
         matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in range(len(laws))]
                   for i in range(len(laws))]
         before, sizes = sizes, solution(matrix, list(map(_dot, slopes, at_none)))  # (J3)

@@ -74,8 +74,7 @@ NONE_REVERSED: Mapping[str, Scalar] = {}
 
 def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
              bodies: Iterable[Body], gravity: Gravity, external: NamedTuple,
-             motion: NamedFields, friction: MachineFriction | None = None
-             ) -> tuple[Scalar, ...]:
+             motion: NamedFields, friction: MachineFriction | None = None) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.structure.load_fields` for a motion of a machine."""
     curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
                                  for name in structure.COEFFICIENTS]) for link in layout.moving}
@@ -85,8 +84,7 @@ def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
     slides = [[getattr(motion, structure.travel(link).position) for link in stage.slides()]
               for stage in layout.stages]
     sines = [getattr(motion, f'sine_{stage.name}') for stage in layout.stages]
-    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines,
-                       friction=friction)
+    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines, friction=friction)
 
 
 def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
@@ -126,8 +124,7 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     # nothing hangs on the last dyad, and each adds its forces to the needs of its carriers
     e, held, fields = ([directions[link] for link in layout.links],
                        [needs[link] for link in layout.links], list[Scalar]())
-    for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides,
-                                                sines)][::-1]:
+    for stage, lengths, of_stage, sine in [*zip(layout.stages, dyad_lengths, slides, sines)][::-1]:
         i = stage.link
         solve = partial(SOLVERS[stage.kind], lengths.sizes, e[i], e[i + 1], of_stage, sine)
         if friction:

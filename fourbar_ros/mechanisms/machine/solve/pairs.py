@@ -110,8 +110,7 @@ class Joints:
         return None
 
 
-def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar,
-               is_cosine_positive: bool) -> HalfAngle:
+def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar, is_cosine_positive: bool) -> HalfAngle:
     """Return half of an angle that does not turn fully, without cancellation, (P1)."""
     # The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
     where, is_ahead, is_left = n.where, cos_x.real > 0.0, sin_x.real > 0.0
@@ -134,8 +133,7 @@ def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar
     return c * cosine - s * sine, s * cosine + c * sine
 
 
-def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints
-           ) -> tuple[Any, ...]:
+def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints) -> tuple[Any, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
     assert stage.pair is not None
     frame, moving = stage.pair.frame, stage.moving
