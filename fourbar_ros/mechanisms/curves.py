@@ -10,6 +10,9 @@ from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
+# Cosine and sine of the angle of a link, its first and second derivative.
+Direction = tuple[Scalar, Scalar, Scalar, Scalar]
+
 
 class LinkMotion(NamedTuple):
     """Motion of a link: of its first joint (O1, A; O4, or B of a slider) and its turning."""
@@ -32,8 +35,7 @@ class LinkMotion(NamedTuple):
         return vector(self.cosine, self.sine)
 
     @property
-    def turning(self) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-        """Return cosine and sine of the link's angle, its rate and its acceleration."""
+    def turning(self) -> Direction:
         return self.cosine, self.sine, self.omega, self.alpha
 
     def at(self, rate: Scalar, acceleration: Scalar) -> LinkMotion:

@@ -24,7 +24,7 @@ from fourbar_ros.mechanics.bodies import Bodies, External, NOT_APPLIED
 from fourbar_ros.mechanics.newton_euler import Needs, needs_of
 from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.checks import checked
-from fourbar_ros.mechanisms.curves import LinkMotion, point_of
+from fourbar_ros.mechanisms.curves import Direction, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.load_table import DERIVED
@@ -41,7 +41,7 @@ LINKS = ('crank', 'coupler', 'output')
 ANGLES = {THETA1: ('crank', parts.GROUND), BETA: ('coupler', parts.GROUND),
           THETA4: ('output', parts.GROUND), THETA2: ('coupler', 'crank'),
           THETA3: ('output', 'coupler')}
-UP: dyads.Direction = (0.0, 1.0, 0.0, 0.0)
+UP: Direction = (0.0, 1.0, 0.0, 0.0)
 
 Lengths = Sequence[Scalar]
 # Of a pose: {coordinate: direction of its link, or slide, with both derivatives}.
@@ -210,7 +210,7 @@ class Kind(Mechanism):
             rates = {coordinate: (getattr(motion, coordinate.rate),
                                   getattr(motion, coordinate.acceleration))
                      for coordinate in self.PARTS}
-        turning: dict[str, dyads.Direction] = {
+        turning: dict[str, Direction] = {
             name: (getattr(motion, f'cos_{name}'), getattr(motion, f'sin_{name}'),
                    *rates[coordinate]) for name, coordinate in self.DIRECTIONS.items()}
         crank = LinkMotion(*dyads.ORIGIN, *turning['x'])

@@ -77,6 +77,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from fourbar_ros.mechanisms.curves import Direction
 from fourbar_ros.numerics.number_types import exact_sum, Function, is_zero, NumberType, Scalar
 
 # Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
@@ -121,25 +122,12 @@ class HalfAngle(NamedTuple):
 
 
 class LoopMotion(NamedTuple):
-    """Where the rods of a loop are, and the derivatives of their angles with respect to x."""
+    """Directions of the rods of a loop, with their derivatives with respect to x."""
 
-    cos_x: Scalar
-    sin_x: Scalar
-    cos_bx: Scalar        # of b - x, the angle theta2 at A
-    sin_bx: Scalar
-    cos_b: Scalar
-    sin_b: Scalar
-    cos_y: Scalar
-    sin_y: Scalar
-    cos_mu: Scalar
-    sin_mu: Scalar
-    d_bx: Scalar
-    d_mu: Scalar
-    d_y: Scalar
-    d_b: Scalar
-    dd_mu: Scalar
-    dd_y: Scalar
-    dd_b: Scalar
+    b: Direction            # coupler
+    y: Direction            # output
+    theta2: Direction       # coupler from the crank, b - x
+    mu: Direction           # output from the coupler
 
 
 def in_one_turn(n: NumberType, half: tuple[Scalar, Scalar], of_sine: Scalar,
@@ -229,7 +217,5 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
              - 2.0 * a1 * a4 * s1 * where(flat_at_0, s, ss) * w_left) / (u_left * w_left * root)
     dd_y = where(meets, 0.5 * dd_mu, ((y_near * cc + y_far * ss) * dd_mu - turn) * per)   # (M11)
     dd_b = where(meets, -0.5 * dd_mu, ((b_near * cc + b_far * ss) * dd_mu - turn) * per)  # (M12)
-    return LoopMotion(
-        cos_x=cos_x, sin_x=sin_x, cos_bx=cos_bx, sin_bx=sin_bx_k, cos_b=cos_b, sin_b=sin_b,
-        cos_y=cos_y, sin_y=sin_y * k, cos_mu=cos_mu, sin_mu=sin_mu_over_k * k, d_bx=d_bx,
-        d_mu=d_mu, d_y=d_y, d_b=d_b, dd_mu=dd_mu, dd_y=dd_y, dd_b=dd_b)
+    return LoopMotion((cos_b, sin_b, d_b, dd_b), (cos_y, sin_y * k, d_y, dd_y),
+                      (cos_bx, sin_bx_k, d_bx, dd_b), (cos_mu, sin_mu_over_k * k, d_mu, dd_mu))

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fourbar_ros.mechanisms.curves import Direction
 from fourbar_ros.mechanisms.loop import HalfAngle, in_one_turn
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
@@ -18,50 +19,26 @@ from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 class TriangleMotion(NamedTuple):
     """Directions x, b and theta2 by (T1) to (T3), and their derivatives by s."""
 
-    cos_x: Scalar
-    sin_x: Scalar
-    cos_b: Scalar
-    sin_b: Scalar
-    cos_2: Scalar
-    sin_2: Scalar
-    d_x: Scalar
-    d_b: Scalar
-    d_theta2: Scalar
-    dd_x: Scalar
-    dd_b: Scalar
-    dd_theta2: Scalar
+    x: Direction
+    b: Direction
+    theta2: Direction
 
 
 class RodMotion(NamedTuple):
     """Directions b and theta2, the place s, by (R1) to (R9), derivatives by x."""
 
-    cos_b: Scalar
-    sin_b: Scalar
-    cos_2: Scalar
-    sin_2: Scalar
-    s: Scalar
-    d_b: Scalar
-    d_theta2: Scalar
-    d_s: Scalar
-    dd_b: Scalar
-    dd_s: Scalar
+    b: Direction
+    theta2: Direction
+    s: tuple[Scalar, Scalar, Scalar]
 
 
 class BarMotion(NamedTuple):
     """Directions y, theta2 and the slide l by (B1) to (B6), derivatives by x."""
 
-    # sine, cosine: of the transmission angle, from the bar to A - O4.
-    cos_y: Scalar
-    sin_y: Scalar
-    cos_2: Scalar
-    sin_2: Scalar
-    l: Scalar         # noqa: E741  (the slides' letter)
-    d_l: Scalar
-    d_y: Scalar
-    d_theta2: Scalar
-    dd_l: Scalar
-    dd_y: Scalar
-    sine: Scalar
+    y: Direction
+    theta2: Direction
+    slide: tuple[Scalar, Scalar, Scalar]
+    sine: Scalar            # of the transmission angle, from the bar to A - O4
     cosine: Scalar
 
 
@@ -134,8 +111,8 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     common, half = (2.0 * e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
     # (T7), (T8)
     dd_x, dd_b = common - half * less, common + half * more
-    return TriangleMotion(cos_x, sin_x, cos_b, sin_b, cos_2, sin_2, d_x, d_b, d_2, dd_x, dd_b,
-                          dd_2)
+    return TriangleMotion((cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, d_b, dd_b),
+                          (cos_2, sin_2, d_2, dd_2))
 
 
 def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, cos_x: Scalar,
@@ -232,7 +209,7 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     d_s = a1 * (e * cos_x_left - s_left * sin_x) * per                                  # (R5)
     dd_b = a1 * bend * per * per * per                                                  # (R6)
     dd_s = at_x * d_theta2 - h * dd_b                                                   # (R7)
-    return RodMotion(cos_b, sin_b, cos_2, sin_2, s, d_b, d_theta2, d_s, dd_b, dd_s)
+    return RodMotion((cos_b, sin_b, d_b, dd_b), (cos_2, sin_2, d_theta2, dd_b), (s, d_s, dd_s))
 
 
 def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
@@ -288,5 +265,5 @@ def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,
     d_theta2 = (a4 * x_left + h * d_l) * per_q                                          # (B5)
     dd_y = (a1_a4 * sin_x * (a4_minus_a1 - two_h * d_l) * per_q + h * dd_l) * per_q     # (B6)
     per_distance = n.sqrt(per_q)
-    return BarMotion(cos_y, sin_y, cos_2, sin_2, l, d_l, d_y, d_theta2, dd_l, dd_y,
+    return BarMotion((cos_y, sin_y, d_y, dd_y), (cos_2, sin_2, d_theta2, dd_y), (l, d_l, dd_l),
                      l_left * per_distance, h * per_distance)

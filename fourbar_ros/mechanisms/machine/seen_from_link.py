@@ -81,11 +81,12 @@ class SeenFromLink:
             # half angles tell odd turns of p from even ones, as branches of change points need
             from_ground = HalfAngle.of(*turned_by((n.cos(0.5 * p), n.sin(0.5 * p)), back))
             bars = loop(n, (output, rod, arm, ground), sign, from_ground)
-            toward = turned_by(turned_by((bars.cos_y, bars.sin_y), of_ground), of_arm)
-            crank = LinkMotion(*ORIGIN, *toward, bars.d_y, bars.dd_y)
+            toward = turned_by(turned_by(bars.y[:2], of_ground), of_arm)
+            crank = LinkMotion(*ORIGIN, *toward, *bars.y[2:])
             # the bars run from Q over P to O1: the rod, B to P, lies the opposite way
-            along = turned_by((-bars.cos_b, -bars.sin_b), of_ground)
-            coupler = LinkMotion(*point_of(crank, *pin), *along, bars.d_b, bars.dd_b)
+            cos_b, sin_b, *changes = bars.b
+            along = turned_by((-cos_b, -sin_b), of_ground)
+            coupler = LinkMotion(*point_of(crank, *pin), *along, *changes)
             driven = LinkMotion(*point_of(FIXED, *at_q), n.cos(p), n.sin(p), 1.0, 0.0)
             return crank, *((coupler, driven) if is_rod_first else (driven, coupler))
         return inverse

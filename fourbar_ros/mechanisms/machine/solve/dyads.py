@@ -57,12 +57,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.curves import Direction, LinkMotion
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
-# Cosine and sine of the angle of a link, its first and second derivative.
-Direction = tuple[Scalar, Scalar, Scalar, Scalar]
 
 
 class DyadMotion(NamedTuple):

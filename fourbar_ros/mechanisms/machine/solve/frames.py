@@ -33,9 +33,9 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
+from fourbar_ros.mechanisms.curves import Direction, FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve import dyads, pairs
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, Driven, DyadMotion, Ends
+from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, Ends
 from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, Joints, OnBoth, OnLink
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
 from fourbar_ros.mechanisms.slides import triangle
@@ -142,21 +142,18 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
     root = n.sqrt(s)                                    # no length is below zero
     sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (K2)
-    directions = (pairs.turned_by(pairs.turned_by((sides.cos_2, sides.sin_2), of_base), of_pin),
-                  pairs.turned_by((sides.cos_x, -sides.sin_x), of_base))
+    (cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, *_), (cos_2, sin_2, d_2, dd_2) = sides
+    crank = pairs.turned_by(pairs.turned_by((cos_2, sin_2), of_base), of_pin)
+    rod = pairs.turned_by((cos_x, -sin_x), of_base)
     # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
-    (x, y), z = pairs.turned_by(of_base, of_pin), sign * sides.sin_2
+    (x, y), z = pairs.turned_by(of_base, of_pin), sign * sin_2
     middle = pairs.half_angle(n, sign * y, -sign * x, True)
-    beyond = pairs.half_angle(n, -z, sign * sides.cos_2, True)
+    beyond = pairs.half_angle(n, -z, sign * cos_2, True)
     half = pairs.turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
-    error = (rho / b + b / rho + 2.0 * n.fabs(sides.cos_2)) / (
-        n.fabs(sides.sin_2) + TINY)                                                      # (K3)
+    error = (rho / b + b / rho + 2.0 * n.fabs(cos_2)) / (n.fabs(sin_2) + TINY)           # (K3)
     square = per * per
-    return Driven(LinkMotion(*dyads.ORIGIN, *directions[0], sides.d_theta2 * per,
-                             sides.dd_theta2 * square),
-                  (0.0, error), half, None,
-                  (s, (*directions[1], -sides.d_x * per, -sides.dd_x * square), -sides.sin_b,
-                   sides.cos_b))
+    return Driven(LinkMotion(*dyads.ORIGIN, *crank, d_2 * per, dd_2 * square), (0.0, error), half,
+                  None, (s, (*rod, -d_x * per, -dd_x * square), -sin_b, cos_b))
 
 
 class Poses:

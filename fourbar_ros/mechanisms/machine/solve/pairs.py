@@ -37,9 +37,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from fourbar_ros.mechanisms import slides
-from fourbar_ros.mechanisms.curves import LinkMotion
+from fourbar_ros.mechanisms.curves import Direction, LinkMotion
 from fourbar_ros.mechanisms.loop import HalfAngle, loop
-from fourbar_ros.mechanisms.machine.solve.dyads import Direction, DyadMotion, Ends
+from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion, Ends
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Pair, Stage
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
@@ -190,6 +190,13 @@ def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple
     return first * rate, second * rate * rate + first * change
 
 
+def in_frame(direction: Direction, axis: Sequence[Scalar], relative: Sequence[Scalar]
+             ) -> Direction:
+    """Return a direction that counts from an axis of the frame, with derivatives by the input."""
+    cosine, sine, first, second = direction
+    return *turned_by((cosine, sine), axis), *by_input(relative, first, second)
+
+
 def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
     """Return how RRR moves as coupler and output link of a 4R linkage."""
@@ -204,19 +211,15 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
     bars = loop(n, (a1, a2, a3, a4), side * sign, half, stage.can_lie_flat)
-    coupler: Direction = (*turned_by((bars.cos_b, bars.sin_b), of_g),
-                          *by_input(angle, bars.d_b, bars.dd_b))
-    output: Direction = (*turned_by((bars.cos_y, bars.sin_y), of_g),
-                         *by_input(angle, bars.d_y, bars.dd_y))
-    on_moving: Direction = (*turned_by((bars.cos_bx, bars.sin_bx), of_a),
-                            *by_input(angle, bars.d_bx, bars.dd_b))
-    between: Direction = (bars.cos_mu, side * bars.sin_mu,
-                          *by_input(angle, side * bars.d_mu, side * bars.dd_mu))
+    coupler, output = in_frame(bars.b, of_g, angle), in_frame(bars.y, of_g, angle)
+    on_moving = in_frame(bars.theta2, of_a, angle)
+    cos_mu, sin_mu, d_mu, dd_mu = bars.mu
+    sine = side * sin_mu
+    between: Direction = (cos_mu, sine, *by_input(angle, side * d_mu, side * dd_mu))
     directions = (coupler, output) if first else (output, coupler)
     return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
-                      side * bars.sin_mu, bars.cos_mu,
-                      {(rod_1 if first else rod_2, stage.moving): on_moving,
-                       (rod_2, rod_1): between})
+                      sine, cos_mu, {(rod_1 if first else rod_2, stage.moving): on_moving,
+                                     (rod_2, rod_1): between})
 
 
 def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
@@ -238,15 +241,13 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
                                       n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
     slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
                                 cos_v, stage.can_lie_flat)
-    s = unit * slider.s
-    d_s, dd_s = by_input(angle, unit * slider.d_s, unit * slider.dd_s)
-    rod = LinkMotion(*ends.p, *turned_by((slider.cos_b, slider.sin_b), line),
-                     *by_input(angle, slider.d_b, slider.dd_b))
+    s, first, second = [unit * value for value in slider.s]
+    d_s, dd_s = by_input(angle, first, second)
+    rod = LinkMotion(*ends.p, *in_frame(slider.b, line, angle))
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
-    on_moving: Direction = (*turned_by((slider.cos_2, slider.sin_2), of_a),
-                            *by_input(angle, slider.d_theta2, slider.dd_b))
-    return DyadMotion(rod, block, (s - start, d_s, dd_s), slider.cos_b, slider.sin_b,
+    on_moving = in_frame(slider.theta2, of_a, angle)
+    return DyadMotion(rod, block, (s - start, d_s, dd_s), *slider.b[:2],
                       {(rod_link, moving): on_moving})
 
 
@@ -271,13 +272,12 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
     block = slides.block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
-    bar: Direction = (*turned_by((block.cos_y, block.sin_y), of_g),
-                      *by_input(angle, block.d_y, block.dd_y))
-    on_moving: Direction = (*turned_by((side * block.cos_2, side * block.sin_2), of_a),
-                            *by_input(angle, block.d_theta2, block.dd_y))
-    return _bar(stage, ends, bar,
-                (unit * block.l, *by_input(angle, unit * block.d_l, unit * block.dd_l)),
-                block.sine, block.cosine, {(link, stage.moving): on_moving})
+    bar, (cos_2, sin_2, *changes) = in_frame(block.y, of_g, angle), block.theta2
+    on_moving: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
+                            *by_input(angle, *changes))
+    slide, first, second = [unit * value for value in block.slide]
+    return _bar(stage, ends, bar, (slide, *by_input(angle, first, second)), block.sine,
+                block.cosine, {(link, stage.moving): on_moving})
 
 
 def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
@@ -292,15 +292,13 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     sides = slides.triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
                             (slide[0] + shift) * per, stage.can_lie_flat)
     scaled = slide[1] * per, slide[2] * per
-    of_frame: Direction = (*turned_by((sides.cos_x, sides.sin_x), line),
-                           *by_input(scaled, sides.d_x, sides.dd_x))
-    of_moving: Direction = (*turned_by((-sides.cos_b, -sides.sin_b), line),
-                            *by_input(scaled, sides.d_b, sides.dd_b))
-    between: Direction = (-sides.cos_2, side * sides.sin_2,
-                          *by_input(scaled, -side * sides.d_theta2, -side * sides.dd_theta2))
+    (cos_b, sin_b, *changes), (cos_2, sin_2, d_2, dd_2) = sides.b, sides.theta2
+    of_frame = in_frame(sides.x, line, scaled)
+    of_moving: Direction = (*turned_by((-cos_b, -sin_b), line), *by_input(scaled, *changes))
+    between: Direction = -cos_2, side * sin_2, *by_input(scaled, -side * d_2, -side * dd_2)
     directions = (of_moving, of_frame) if first else (of_frame, of_moving)
     return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
-                      side * sides.sin_2, -sides.cos_2, {(rod_2, rod_1): between})
+                      *between[1::-1], {(rod_2, rod_1): between})
 
 
 def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
