@@ -33,9 +33,8 @@ from fourbar_ros.mechanisms.evaluation import Constants, Formula, formula_of, MO
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.numerics.arrays import Array, as_grid, rank_of
-from fourbar_ros.numerics.roots import newton_roots
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
-from fourbar_ros.numerics.roots import first_guesses
+from fourbar_ros.numerics.roots import first_guesses, newton_roots
 from fourbar_ros.numerics.tables import ARRAYS, run
 from fourbar_ros.numerics.trace import Trace
 import numpy as np
