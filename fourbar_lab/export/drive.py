@@ -195,7 +195,6 @@ class DriveCode:
             ' PASSED': ', 0.0' if self.takes_torque else ''})
 
     def _constants(self) -> list[str]:
-        """Return the C constants of the step: phases, what takes over, budget, factors, limits."""
         mover, middle = self._mover, literal(self._system.coordinates.middle)
         low, high = self._system.stroke
         index_of = {phase: i for i, phase in enumerate(self._phases)}
@@ -223,7 +222,6 @@ class DriveCode:
                 f'  return {middle} + remainder(value - {middle}, {literal(tau)});', '}', '']
 
     def _of_tables(self) -> list[str]:
-        """Return the C text that ends steps where pieces of force tables end."""
         tables = self._tables
         if not tables:
             return [snippet('tables.c', 'no_tables')]
@@ -252,11 +250,7 @@ def tables(forces: Sequence[Any], name: str) -> list[str]:
     functions = [snippet('functions.c', name) for name, is_needed in needed.items() if is_needed]
     for i, force in enumerate(forces):
         table = force.table
-        turned = ([f'  place = {literal(force.middle)} + remainder(place - '
-                   f'{literal(force.middle)}, {literal(tau)});']
-                  if force.middle is not None else
-                  [f'  place = wrapped(place, {literal(table.places[0])}, {literal(table.span)});']
-                  if table.is_periodic else [])
+        turned = [f'  place = {text};'] if (text := _base(force)) else []
         functions += [
             f'static double called_{i}(double place)\n{{',
             '  ' + _array('double starts[]', table.starts),
@@ -271,7 +265,7 @@ def _base(force: TableForce) -> str:
     """Return the C text that takes whole turns or periods off a position; '': there are none."""
     if force.middle is not None:
         middle = literal(force.middle)
-        return f'{middle} + remainder(place - {middle}, WHOLE_TURN)'
+        return f'{middle} + remainder(place - {middle}, {literal(tau)})'
     if force.table.is_periodic:
         return f'wrapped(place, {literal(force.table.places[0])}, {literal(force.table.span)})'
     return ''

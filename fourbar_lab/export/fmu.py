@@ -136,7 +136,6 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
 
 
 def _source(code: Code) -> str:
-    """Return header, formulas and the functions of FMI as one file."""
     model, name = code.model, code.name
     drive = code.drive
     command = drive.command if drive else None

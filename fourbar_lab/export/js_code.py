@@ -72,7 +72,6 @@ class JsModule:
         return values
 
     def _constants(self, n: NumberType, changed: dict[str, Any]) -> Constants:
-        """Return the data of the formulas, from parameters that are recorded."""
         scene, mechanism, values = self.scene, self.mechanism, {**self.scene.values, **changed}
         constants = constants_of(replace(scene, linkage=mechanism), values, n)
         if isinstance(mechanism.gravity, Base):
@@ -137,7 +136,6 @@ class JsModule:
 
     @cached_property
     def _indices(self) -> dict[str, int]:
-        """Return {name of a result: index of its step}."""
         mechanism = self.mechanism
         names = [*mechanism.MOTION._fields, *(
             f'frame.{link.name}.{field}' for link in mechanism.LINKS for field in
@@ -215,7 +213,6 @@ class JsModule:
 
     @property
     def _reach(self) -> list[str]:
-        """Return the statements that refuse an input beyond numbers, or beyond the stroke."""
         mechanism, cut, period = self.mechanism, self.mechanism.cut, self.mechanism.period
         far = 'x0' if mechanism.is_driven_by_slide else f'x0 * {mechanism.overflowing!r}'
         lines = [f'if (({far} + x1 * x1 + x2) * 0 !== 0) return refuse(to);']
@@ -243,18 +240,17 @@ class JsModule:
         return bounds
 
     def _table(self, i: int, force: Any) -> str:
-        """Return the function of a force over a position."""
         if not isinstance(force, TableForce):
             raise NotGenerated(f'{self.name}: a force that is a Python function')
         table, middle = force.table, force.middle
-        place = 'place'
+        argument = 'place'
         if middle is not None:
-            place = f'wrapped(place, {middle - 0.5 * tau!r}, {tau!r})'
+            argument = f'wrapped(place, {middle - 0.5 * tau!r}, {tau!r})'
         elif table.is_periodic:
-            place = f'wrapped(place, {table.places[0]!r}, {table.span!r})'
+            argument = f'wrapped(place, {table.places[0]!r}, {table.span!r})'
         return (f'const pieces_{i} = {json.dumps(table.pieces)}, starts_{i} = '
                 f'{json.dumps(table.starts)};\nconst called_{i} = place => '
-                f'value_in(pieces_{i}, starts_{i}, {place});\n')
+                f'value_in(pieces_{i}, starts_{i}, {argument});\n')
 
     @property
     def _recorded(self) -> list[tuple[Inputs, int, list[float | None]]]:
@@ -286,6 +282,5 @@ def _is_rod(name: str) -> bool:
 
 
 def _object(values: dict[str, float]) -> str:
-    """Return an object of numbers, some of which may be NaN."""
     return '{' + ', '.join(f'{json.dumps(name)}: {JS.literal(value)}'
                            for name, value in values.items()) + '}'

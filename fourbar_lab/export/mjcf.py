@@ -74,7 +74,6 @@ def mjcf(model: RobotModel) -> str:
 
 
 def _base(world: Element, model: RobotModel) -> Element:
-    """Add the body of the ground, in one of its ``frame.parent`` if it has one; return it."""
     if not model.frame.parent:
         return add(world, 'body', name=model.root)
     parent = (world if model.frame.parent == WORLD

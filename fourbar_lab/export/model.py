@@ -175,7 +175,6 @@ class GeneratedModel:
 
     @cached_property
     def _asked(self) -> frozenset[int]:
-        """Return the indices of data that must stay parameters, zero or not."""
         names = [name for name, _ in self.names]
         wanted = self.parameters or ()
         topics = self.from_topics
@@ -224,7 +223,6 @@ class GeneratedModel:
         return names
 
     def _names_in(self, name: str, record: Any) -> Iterable[tuple[str, str]]:
-        """Yield name and unit of each number of a spring or force, or of a point of it."""
         for field in fields(record):
             value, renamed = getattr(record, field.name), POINTS_OF_FORCE.get(field.name)
             if is_dataclass(value) and not callable(value):
@@ -312,7 +310,6 @@ class GeneratedModel:
                             for name, quantity in fields_of(self.mechanism).items()}
 
     def _with_fields(self, named: Iterable[Named]) -> tuple[Named, ...]:
-        """Return the numbers with fields that are different words of C."""
         by_field = dict[str, Named]()
         for entry in named:
             field = word(entry.name)
@@ -385,9 +382,8 @@ class GeneratedModel:
 
 
 def _indices_of(trace: Trace) -> list[list[int]]:
-    """Return the indices in a trace of the fields of motion, of loads, of points."""
     assert not isinstance(trace.results, int)
-    return [flat(part) for part in trace.results]
+    return [flat(group) for group in trace.results]
 
 
 def word(name: str) -> str:
@@ -414,7 +410,6 @@ def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
 
 
 def _of_links(group: str, record: Any) -> list[tuple[str, str]]:
-    """Return name and unit of all fields of bodies or external loads."""
     return [(f'{group}.{link}.{field.name}', UNITS_OF_BODIES.get(field.name, 'm'))
             for link in (record._fields if record else ())
             for field in fields(getattr(record, link))]

@@ -61,18 +61,20 @@ def urdf(model: RobotModel) -> str:
         connection = closure.connection
         comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these '
                        'two frames coincide' + (' along its axis' if connection.axis else ''))
-        first, second = closure.frames
-        _fixed(robot, first, closure.parent, (*connection.on_parent, 0.0))
-        _fixed(robot, second, closure.child, (*connection.on_child, 0.0))
+        ends = [*zip(closure.frames, ('parent', 'child'), (closure.parent, closure.child),
+                     (connection.on_parent, connection.on_child))]
+        for frame, _, carrier, point in ends:
+            add(robot, 'link', name=frame)
+            _fix(robot, frame, carrier, (*point, 0.0))
         if connection.axis is None:
             constraint = add(robot, 'constraint', name=closure.name, type='revolute')
-            for side, frame, point in (('parent', closure.parent, connection.on_parent),
-                                       ('child', closure.child, connection.on_child)):
-                add(constraint, side, link=frame)
+            for _, side, carrier, point in ends:
+                add(constraint, side, link=carrier)
                 add(constraint, f'{side}_origin', xyz=(*point, 0.0))
                 add(constraint, f'{side}_axis', xyz=(0.0, 0.0, 1.0))
     for name, (frame, x, y) in model.points.items():
-        _fixed(robot, name, frame, (x, y, 0.0))
+        add(robot, 'link', name=name)
+        _fix(robot, name, frame, (x, y, 0.0))
     driven = next((joint.name for joint in model.joints if joint.is_driven), '')
     if driven:                  # at B of a four-bar it is cut
         transmission = add(robot, 'transmission', name=f'{driven}_drive')
@@ -85,12 +87,6 @@ def urdf(model: RobotModel) -> str:
     return as_text(robot)
 
 
-def _fixed(robot: Element, name: str, frame: str, origin: tuple[float, float, float]) -> None:
-    """Add a frame at a point of another frame: in URDF, an empty link on a fixed joint."""
-    add(robot, 'link', name=name)
-    _fix(robot, name, frame, origin)
-
-
 def _fix(robot: Element, name: str, frame: str, origin: tuple[float, ...],
          rpy: tuple[float, ...] = (0.0, 0.0, 0.0)) -> None:
     """Add the fixed joint of a link in a frame, at ``origin`` [m], turned by ``rpy`` [rad]."""
@@ -101,7 +97,6 @@ def _fix(robot: Element, name: str, frame: str, origin: tuple[float, ...],
 
 
 def _visuals(link: Element, shapes: Sequence[Shape], index: int) -> None:
-    """Add the shapes of a link, in the colour of its index in the order of links."""
     for shape in shapes:
         visual = add(link, 'visual')
         add(visual, 'origin', xyz=shape.pose[:3], rpy=shape.pose[3:])

@@ -52,58 +52,6 @@ class Checked(NamedTuple):
                 f'{self.joint:.1e} ({self.which}), {loads}')
 
 
-class _Solver:
-    """The loop in MuJoCo: its joints where the constraints hold, for a position of the drive."""
-
-    def __init__(self, model: Any, qpos: Array, loop: Imported, cut: Collection[str]) -> None:
-        import mujoco
-        self.mujoco, self.model, self.data = mujoco, model, mujoco.MjData(model)
-        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-        model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
-                                   | mujoco.mjtDisableBit.mjDSBL_LIMIT)
-        self.data.eq_active[:] = [
-            int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
-            and equality_name(model, index) not in cut for index in range(model.neq)]
-        drive = loop.drive.joint
-        self.joints = [scale.joint for scale in loop.scales.values()
-                       if not scale.joint.closes and scale.joint is not drive]
-        self.qpos = qpos
-        # where joints stand in qpos and among the degrees of freedom
-        self.drive_qpos, self.driven = (int(index[0]) for index in (
-            model.joint(drive.name).qposadr, model.joint(drive.name).dofadr))
-        self.passive_qpos = [model.joint(joint.name).qposadr[0] for joint in self.joints]
-        self.passive = [model.joint(joint.name).dofadr[0] for joint in self.joints]
-        self.turns = np.array([joint.kind != SLIDE for joint in self.joints])
-        self.beside = BESIDE * np.where(self.turns, 1.0, loop.loop.size())
-
-    def constraints(self) -> tuple[Array, Array]:
-        """Return (Jacobian, residuals) of the constraints on the loop's joints, in qpos."""
-        self.mujoco.mj_fwdPosition(self.model, self.data)
-        equal = self.data.efc_type == self.mujoco.mjtConstraint.mjCNSTR_EQUALITY
-        jacobian = self.data.efc_J.reshape(-1, self.model.nv)[equal]
-        acts = np.any(np.abs(jacobian[:, self.passive]) > 1e-12, axis=1)
-        return jacobian[acts], self.data.efc_pos[equal][acts]
-
-    def solved(self, position: float, near: Array) -> tuple[Array, Array]:
-        """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
-        qpos = self.data.qpos
-        qpos[:] = self.qpos
-        qpos[self.drive_qpos] = position
-        qpos[self.passive_qpos] = near + self.beside
-        for _ in range(50):
-            jacobian, residuals = self.constraints()
-            step = np.linalg.lstsq(jacobian[:, self.passive], -residuals, rcond=1e-10)[0]
-            qpos[self.passive_qpos] += step * min(1.0, 0.2 / max(np.max(np.abs(step)), 1e-12))
-            if np.max(np.abs(step)) < 1e-15:
-                break
-        jacobian, _ = self.constraints()
-        rates = np.zeros(self.model.nv)
-        rates[self.driven] = 1.0
-        rates[self.passive] = np.linalg.lstsq(jacobian[:, self.passive],
-                                              -jacobian[:, self.driven], rcond=1e-10)[0]
-        return qpos[self.passive_qpos].copy(), rates
-
-
 def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) -> Checked:
     """
     Return how far a loop's scene is from MuJoCo over its range, at a rate and an acceleration.
@@ -111,31 +59,70 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
     ``model``: an MjModel in which equality constraints close the loops; ``qpos``: the file's pose;
     ``cut``: equalities that are left out.
     """
-    solver, scene, drive = _Solver(model, qpos, loop, cut), loop.scene, loop.drive
-    mechanism, data, is_slide = scene.linkage, solver.data, drive.joint.kind == SLIDE
-    coordinates = {scale.joint.name: (scale, joint.coordinate.position) for scale, joint in
-                   zip(loop.scales.values(), mechanism.JOINTS)}
+    import mujoco
+    scene, drive, data = loop.scene, loop.drive, mujoco.MjData(model)
+    model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
+                               | mujoco.mjtDisableBit.mjDSBL_LIMIT)
+    data.eq_active[:] = [
+        int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
+        and equality_name(model, index) not in cut for index in range(model.neq)]
+    mechanism, is_slide = scene.linkage, drive.joint.kind == SLIDE
+    # (scale, name of its coordinate) of the passive joints that the file has
+    joints = [(scale, joint.coordinate.position) for scale, joint in zip(
+        loop.scales.values(), mechanism.JOINTS)
+        if not scale.joint.closes and scale.joint is not drive.joint]
+    turns = np.array([scale.joint.kind != SLIDE for scale, _ in joints])
+    beside_answer = BESIDE * np.where(turns, 1.0, loop.loop.size())
+    # where joints stand in qpos and among the degrees of freedom
+    in_mujoco = [model.joint(scale.joint.name) for scale, _ in joints]
+    positions = [int(joint.qposadr[0]) for joint in in_mujoco]
+    passive = [int(joint.dofadr[0]) for joint in in_mujoco]
+    driven = model.joint(drive.joint.name)
+
+    def constraints() -> tuple[Array, Array]:
+        """Return (Jacobian, residuals) of the constraints on the loop's joints, in qpos."""
+        mujoco.mj_fwdPosition(model, data)
+        equal = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        jacobian = data.efc_J.reshape(-1, model.nv)[equal]
+        acts = np.any(np.abs(jacobian[:, passive]) > 1e-12, axis=1)
+        return jacobian[acts], data.efc_pos[equal][acts]
+
+    def expected(position: float) -> Array:
+        motion = mechanism.motion(position, 0.0, 0.0)
+        return np.array([scale.ratio * getattr(motion, name) + scale.offset
+                         for scale, name in joints])
+
+    def solved(position: float) -> tuple[Array, Array]:
+        """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
+        data.qpos[:] = qpos
+        data.qpos[driven.qposadr] = drive.ratio * position + drive.offset
+        data.qpos[positions] = expected(position) + beside_answer
+        for _ in range(50):
+            jacobian, residuals = constraints()
+            step = np.linalg.lstsq(jacobian[:, passive], -residuals, rcond=1e-10)[0]
+            data.qpos[positions] += step * min(1.0, 0.2 / max(np.max(np.abs(step)), 1e-12))
+            if np.max(np.abs(step)) < 1e-15:
+                break
+        jacobian, _ = constraints()
+        rates = np.zeros(model.nv)
+        rates[driven.dofadr] = 1.0
+        rates[passive] = np.linalg.lstsq(jacobian[:, passive], -jacobian[:, driven.dofadr[0]],
+                                         rcond=1e-10)[0]
+        return data.qpos[positions].copy(), rates
+
     start = scene.drive.start
     low, high = ((start - pi, start + pi) if mechanism.turns_fully else
                  mechanism.range_around(start))
     low, high = low + MARGIN * (high - low), high - MARGIN * (high - low)
-
-    def expected(position: float) -> Array:
-        motion = mechanism.motion(position, 0.0, 0.0)
-        return np.array([scale.ratio * getattr(motion, name) + scale.offset for scale, name in
-                         (coordinates[joint.name] for joint in solver.joints)])
-
-    def solved(position: float) -> tuple[Array, Array]:
-        return solver.solved(drive.ratio * position + drive.offset, expected(position))
-
     worst, which, far, peak, peak_at = 0.0, '', 0.0, 0.0, 0.0
     step = STEP * (high - low)
     for position in map(float, np.linspace(low, high, SAMPLES)):
         away = solved(position)[0] - expected(position)
-        away[solver.turns] = (away[solver.turns] + pi) % tau - pi
+        away[turns] = (away[turns] + pi) % tau - pi
         index = int(np.argmax(np.abs(away)))
         if abs(away[index]) >= worst:
-            worst, which = float(abs(away[index])), solver.joints[index].name
+            worst, which = float(abs(away[index])), joints[index][0].joint.name
         if mechanism.bodies is None:
             continue
         # of fourth order: d rates / d position of the drive
@@ -146,9 +133,9 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
         rate = drive.ratio * RATE
         data.qvel[:] = rates * rate
         data.qacc[:] = bend * rate**2 + rates * drive.ratio * ACCELERATION
-        solver.mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdVelocity(model, data)
         forces = np.zeros(model.nv)
-        solver.mujoco.mj_rne(model, data, 1, forces)
+        mujoco.mj_rne(model, data, 1, forces)
         _, loads = mechanism.step(position, RATE, ACCELERATION)
         theirs = drive.ratio * float(rates @ forces)
         far = max(far, abs(theirs - getattr(loads, mechanism.drive_load)))

@@ -134,7 +134,6 @@ def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] =
 
 
 def _might_close(robot: robots.Robot, link_of: dict[str, str]) -> str:
-    """Return in words which fixed frames without mass may be for a cut, and which two are near."""
     points = {joint.child: joint.on_child for joint in robot.joints
               if joint.kind == robots.FIXED and joint.child not in robot.inertials}
     frames = [name for name in points if 'clos' in name.lower()] or [*points]

@@ -71,7 +71,6 @@ class Way(NamedTuple):
 
 
 def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
-    """Return how a drive moves a loop; raises Refused if no scene is driven so."""
     ends = loop.ends(drive)
     if base in ends:
         return Way('slide' if drive.kind == SLIDE else 'crank', base, drive)
@@ -132,12 +131,11 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     start = plane.pivot(way.hinge, driven)
     if way.input == 'slide':
         plane.add_link(driven, start, 1.0, 'slider')
-        plane.add_slide('base', drive, driven, 1.0, drive.position)
     else:
         arms = [plane.pivot(joint, driven) - start for joint in loop.joints_of(driven)
                 if joint is not way.hinge and joint.kind != SLIDE]
         plane.add_link(driven, start, next((arm for arm in arms if abs(arm) > 1e-9), 1.0), 'crank')
-        plane.add_pin('base', way.hinge, driven, carrier)
+    plane.add_joint('base', way.hinge, driven, carrier, travel=drive.position)
     plane.values['linkage.input'] = way.input
     turn = 0.0
     if way.cylinder:

@@ -90,20 +90,19 @@ class Plane:
         self.links[body] = PlaneLink(name, origin, direction / abs(direction))
         return name
 
-    def add_pin(self, name: str, joint: RobotJoint, body: str, carrier: str) -> None:
-        """Add a joint that turns: the angle of a link from that of its carrier."""
+    def add_joint(self, name: str, joint: RobotJoint, body: str, carrier: str,
+                  along: complex = 1.0, travel: float = 0.0) -> None:
+        """Add a joint: how far a link has slid ``along``, or its angle from its carrier's."""
+        if joint.kind == SLIDE:
+            ratio = 1.0 if (self.slide(joint, body) * along.conjugate()).real > 0.0 else -1.0
+            self.scales[name] = Scale(joint, ratio, joint.position - ratio * travel)
+            return
         ratio = self.sense(joint, body) * (
             1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0)
         angle = phase(self.links[body].direction / self.links[carrier].direction)
         # from the ground counts what hangs on it, whichever of both is the dyad's link
         self.scales[name] = Scale(joint, -ratio if body == self.base else ratio,
                                   joint.position - ratio * angle)
-
-    def add_slide(self, name: str, joint: RobotJoint, body: str, direction: complex,
-                  travel: float) -> None:
-        """Add a joint at which a link has slid by ``travel`` along a direction."""
-        ratio = 1.0 if (self.slide(joint, body) * direction.conjugate()).real > 0.0 else -1.0
-        self.scales[name] = Scale(joint, ratio, joint.position - ratio * travel)
 
     def set_point(self, name: str, body: str, point: complex) -> None:
         link = self.links[body]
@@ -171,15 +170,10 @@ class Plane:
         self.values[f'{group}.links'] = [self.add_link(u, start_u, along_u, names[0]),
                                          self.add_link(v, start_v, along_v, names[1])]
         self.values |= {f'{group}.{size}': value for size, value in sizes.items()}
-        for end, joint, body, carrier in (('first', at_u, u, on_u), ('second', at_v, v, on_v)):
-            if joint.kind == SLIDE:
-                self.add_slide(f'{name}_{end}', joint, body, self.links[body].direction, 0.0)
-            else:
-                self.add_pin(f'{name}_{end}', joint, body, carrier)
-        if inner.kind == SLIDE:
-            self.add_slide(f'{name}_inner', inner, u, along, travel)
-        else:
-            self.add_pin(f'{name}_inner', inner, v, u)
+        self.add_joint(f'{name}_first', at_u, u, on_u, self.links[u].direction)
+        self.add_joint(f'{name}_second', at_v, v, on_v, self.links[v].direction)
+        body, carrier = (u, v) if inner.kind == SLIDE else (v, u)
+        self.add_joint(f'{name}_inner', inner, body, carrier, along, travel)
 
     def set_ground(self) -> None:
         """Call the base the ground, where the machine is solved from a moving link."""

@@ -159,7 +159,6 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
 
 
 def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
-    """Add ``<constraint>``, and joints of SDF in ``<gazebo>``; ``zero``: the zero pose."""
     poses = robot.poses
     for element in root.findall('constraint'):
         links = _word(element, 'parent', 'link'), _word(element, 'child', 'link')

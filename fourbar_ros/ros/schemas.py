@@ -11,10 +11,9 @@ from ament_index_python.packages import get_package_share_directory
 from fourbar_ros.bag.metadata import Channel
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene import topics
-from fourbar_ros.scene.topics import Topic
 
 
-def channel(topic: Topic, name: str) -> Channel:
+def channel(topic: topics.Topic, name: str) -> Channel:
     """Return the channel of a topic in a bag: full name, type, definition, hash and QoS."""
     is_input = (topic in (*topics.INPUTS.values(), *topics.BASES.values(), topics.TORQUE)
                 or topic.name.startswith(topics.WRENCH))

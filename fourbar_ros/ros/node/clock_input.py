@@ -109,5 +109,4 @@ class ClockInput:
                           self._settings.speed, 0.0)
 
     def _leave(self, speed: float, passed: float) -> None:
-        """Take over the angle that ``speed`` has reached after so many seconds."""
         self._angle += speed * passed

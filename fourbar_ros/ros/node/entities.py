@@ -104,7 +104,6 @@ def reader(topic: Topic, take: Callable[[Message], object], refuse: Callable[[st
 
 @contextmanager
 def _refused(node: Node, topic: Topic) -> Iterator[None]:
-    """Name the overrides of a topic in an error that rclpy raises for a bad one."""
     prefix = f'{OVERRIDES}{node.resolve_topic_name(topic.topic)}.'
     try:
         yield

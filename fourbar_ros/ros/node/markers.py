@@ -15,7 +15,6 @@ from typing import Union
 from fourbar_ros.mechanisms import picture as pictures
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import Diagram, of_kind, ORIGIN
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
@@ -63,16 +62,16 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
     shapes = pictures.picture(scene.linkage, motion, scene.points)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-               for i, bar in enumerate(of_kind(pictures.Bar, shapes))]
-    joints = [joint.point for joint in of_kind(pictures.NamedJoint, shapes)]
+               for i, bar in enumerate(pictures.of_kind(pictures.Bar, shapes))]
+    joints = [joint.point for joint in pictures.of_kind(pictures.NamedJoint, shapes)]
     markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
-    for i, block in enumerate(of_kind(pictures.Block, shapes)):
+    for i, block in enumerate(pictures.of_kind(pictures.Block, shapes)):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
         box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
-    if arms := of_kind(pictures.Arm, shapes):
+    if arms := pictures.of_kind(pictures.Arm, shapes):
         markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
                           LINK, 0.6),
                     spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]
@@ -86,13 +85,13 @@ def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longe
     return longest / largest[kind] if largest[kind] != 0.0 else 0.0
 
 
-def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str, float]
+def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest: dict[str, float]
            ) -> list[Marker]:
     """Return the arrows of forces and moments; none at a toggle, where loads are NaN."""
     frame, size = scene.frame_id, size_of(scene.linkage)
     forces = [*(force._replace(name=f'force {force.name}')
                 for force in pictures.forces_of(diagram, loads)),
-              pictures.Force('shaking force', '', ORIGIN,
+              pictures.Force('shaking force', '', pictures.ORIGIN,
                              np.array([loads.shaking_force_x, loads.shaking_force_y]))]
     moments = [('shaking moment', loads.shaking_moment),
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
@@ -105,7 +104,8 @@ def arrows(scene: Scene, loads: NamedFields, diagram: Diagram, largest: dict[str
     markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
                       [force.point, force.point + per_force * force.vector]) for force in forces]
     return markers + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
-                             [ORIGIN, (0.0, 0.0, per_moment * value)]) for name, value in moments]
+                             [(0.0, 0.0), (0.0, 0.0, per_moment * value)])
+                      for name, value in moments]
 
 
 def marker(frame: str, group: str, index: int, kind: int, colour: Colour, scale: Iterable[float],

@@ -91,7 +91,6 @@ class FourBarNode(GuardedNode):
                                f'driven by {scene.drive.source}')
 
     def _check(self, scene: Scene) -> None:
-        """Refuse a scene that a node cannot run, or whose answers would be its own inputs."""
         received = {self.resolve_topic_name(topic.topic): topic for topic in scene.received}
         for topic in scene.published:
             name = self.resolve_topic_name(topic.topic)

@@ -155,9 +155,9 @@ def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParamete
         check_value(declared, parameter.value, values)
     if kind == 'doubles' and (
             is_empty or parameter.type_ in (types.INTEGER_ARRAY, types.STRING_ARRAY)):
-        numbers = check_value(declared, list(parameter.value), values)
-        return RosParameter(parameter.name, types.STRING_ARRAY if str in map(type, numbers)
-                            else types.DOUBLE_ARRAY, numbers)
+        checked = check_value(declared, list(parameter.value), values)
+        return RosParameter(parameter.name, types.STRING_ARRAY if str in map(type, checked)
+                            else types.DOUBLE_ARRAY, checked)
     if kind == 'strings' and is_empty:
         return RosParameter(parameter.name, types.STRING_ARRAY, [])
     return parameter

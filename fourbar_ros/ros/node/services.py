@@ -11,7 +11,6 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange
 from fourbar_ros.mechanisms.parts import mode_number
 from fourbar_ros.numerics.arguments import FARTHEST, rate_of_input
 from fourbar_ros.pipeline import stepper
-from fourbar_ros.pipeline.stepper import OK
 from fourbar_ros.ros.messages import filler, Message, resolve, set_constants, Stamp
 from fourbar_ros.ros.node.entities import Worker
 from fourbar_ros.ros.node.stream import Stream
@@ -60,7 +59,7 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
                  (*motion, *loads))
     response.result = getattr(response, {
-        OK: 'RESULT_OK', stepper.OUT_OF_RANGE: 'RESULT_OUT_OF_RANGE',
+        stepper.OK: 'RESULT_OK', stepper.OUT_OF_RANGE: 'RESULT_OUT_OF_RANGE',
         stepper.INVALID_INPUT: 'RESULT_INVALID_REQUEST',
         stepper.RATES_UNKNOWN: 'RESULT_INVALID_REQUEST', stepper.TOGGLE: 'RESULT_TOGGLE',
         stepper.LOCKED: 'RESULT_LOCKED', stepper.LOADS_UNKNOWN: 'RESULT_OK'}[status])
@@ -176,7 +175,6 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
 
 
 def _message(extremum: Extremum) -> Message:
-    """Return an extremum as a message; its words are the constants KIND_ and PLACE_ there."""
     message = resolve('fourbar_msgs/msg/Extremum')()
     message.quantity, message.unit = extremum.quantity, extremum.unit
     message.mode = mode_number(extremum.mode)

@@ -188,18 +188,17 @@ class TopicInput:
                  ) -> tuple[float, float, float]:
         wrapped = self._counter.wraps
         position, is_in_doubt = self._counter.counted(stamp, position, velocity)
-        what = f'joint {self._settings.joint!r}' if self._settings.joint else 'the input'
+        whose = f'joint {self._settings.joint!r}' if self._settings.joint else 'the input'
         if self._counter.wraps and not wrapped:
-            self._troubles.log('wraps', f'{what} wraps after a turn, which leads to another pose '
+            self._troubles.log('wraps', f'{whose} wraps after a turn, which leads to another pose '
                                '(behind a gear, at a change point): its turns are counted from '
                                'the first message on, which is taken to be in turn 0')
         if is_in_doubt:
-            self._troubles.count('turns_in_doubt', f'{what}: a pause in positions that wrap; '
+            self._troubles.count('turns_in_doubt', f'{whose}: a pause in positions that wrap; '
                                  'it may have made turns')
         return position, velocity, acceleration
 
     def _note_other_joints(self, message: Message) -> None:
-        """Count a message without the driven joint; warn if it is in none of the first UNHEARD."""
         self._troubles.count('of_other_joints')
         if message.name != self._shown:      # not our own answer
             self._others_are_heard = True
@@ -214,7 +213,6 @@ class TopicInput:
                 f'{self._joint_hint(self._without_driven)}'))
 
     def _joint_hint(self, messages: list[Message]) -> str:
-        """Return '; did you mean NAME?' of a joint in messages without the driven one."""
         joint = self._settings.joint
         names = dict.fromkeys(name for message in messages for name in message.name)
         return nearest(joint, names) if names and joint not in names else ''

@@ -17,7 +17,6 @@ from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.node import markers as shapes
-from fourbar_ros.ros.node.markers import size_of, WIDTH
 from fourbar_ros.scene.scene import Scene
 import numpy as np
 from visualization_msgs.msg import Marker, MarkerArray
@@ -34,7 +33,7 @@ def message(scene: Scene) -> MarkerArray:
 
 def paths(scene: Scene) -> Iterator[Marker]:
     """Yield the path of each point over each range, or the period, of the input."""
-    mechanism, width = scene.linkage, 0.3 * WIDTH * size_of(scene.linkage)
+    mechanism, width = scene.linkage, 0.3 * shapes.WIDTH * shapes.size_of(scene.linkage)
     for name, point in scene.points.items():
         for index, (low, high) in enumerate(mechanism.input_ranges):
             low, high = mechanism.range_around(0.5 * (low + high))
@@ -52,7 +51,7 @@ def limits(scene: Scene) -> Iterator[Marker]:
         ('toggle', position) for low, high in mechanism.input_ranges
         for position in (low + INSIDE * (high - low), high - INSIDE * (high - low))]
     dead = [('dead point', point[0]) for point in mechanism.dead_points]
-    width = 0.4 * WIDTH * size_of(mechanism)
+    width = 0.4 * shapes.WIDTH * shapes.size_of(mechanism)
     for index, (kind, position) in enumerate([*ends, *dead]):
         try:
             diagram = diagram_of(mechanism, mechanism.motion(float(position)))
@@ -78,7 +77,7 @@ def extrema(scene: Scene) -> Iterator[Marker]:
         joint = next(point for name, point in diagram.joints.items() if name not in diagram.ground)
         labels.append((joint, f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'))
         right = max(right, *(float(point[0]) for point in diagram.joints.values()))
-    yield from column(scene.frame_id, labels, right, size_of(mechanism))
+    yield from column(scene.frame_id, labels, right, shapes.size_of(mechanism))
 
 
 def column(frame: str, labels: list[tuple[Array, str]], right: float,
@@ -89,7 +88,7 @@ def column(frame: str, labels: list[tuple[Array, str]], right: float,
     ``labels``: (point of the dot [m], text); the column has their order from top to bottom. A
     line joins each dot to the label. ``size`` is that of the mechanism [m].
     """
-    height, width = TEXT * size, WIDTH * size
+    height, width = TEXT * size, shapes.WIDTH * size
     labels = sorted(labels, key=lambda label: -label[0][1])
     top = (sum(dot[1] for dot, _ in labels) / max(len(labels), 1)
            + 0.5 * SPACING * height * (len(labels) - 1))
