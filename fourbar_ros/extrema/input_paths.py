@@ -93,17 +93,17 @@ class InputPath(NamedTuple):
 
     def with_points(self, points: Array) -> InputPath:
         """Return the path with those of more inputs, in any order, that lie between its ends."""
-        assert not self.gaps.size
         start, end = self.x[[0, -1]]
         if self.is_closed:
             points = points - self.period * (points > 0.5 * self.period)
         else:
             points = points[(points > start) & (points < end)]
         x = np.concatenate((self.x, points))
-        turn = self.period if self.is_closed else 2.0 * pi
-        order = np.unique(x + turn * (x < start), return_index=True)[1]
+        along = x + (self.period if self.is_closed else 2.0 * pi) * (x < start)
+        inorder, order = np.unique(along, return_index=True)
         first, last = (order.tolist().index(i % self.x.size) for i in (self.first, self.last))
-        return self._replace(x=x[order], first=first, last=last)
+        return self._replace(x=inorder if self.gaps.size else x[order], first=first, last=last,
+                             before_gaps=np.searchsorted(inorder, self.gaps) - 1)
 
 
 def closer_points(end: End | None, count: int) -> Array:

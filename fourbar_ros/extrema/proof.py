@@ -12,6 +12,11 @@ where C holds f^(n+1)/(n+1)! on the whole piece (Lagrange). Where f' cannot vani
 extremum. Where f'' cannot vanish there is one if f' changes sign from end to end, else none. Other
 pieces are cut. Of a root, as the magnitude of a force, the square is enclosed, which is smooth
 where the root has a kink.
+
+Loads with tables of forces, torsion springs and friction are smooth between *cuts* alone: nothing
+is enclosed next to a cut, but on both sides of it values and slopes are, which tell whether the
+load jumps there or its slope turns its sign. The formulas choose there between forms; a piece on
+which a choice is not the same all over, or on which a table has several polynomials, is cut.
 """
 from __future__ import annotations
 
@@ -29,7 +34,7 @@ from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.balls import arb_settings, taylor_pairs
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
-from fourbar_ros.numerics.tables import run
+from fourbar_ros.numerics.tables import run, Table
 from fourbar_ros.numerics.trace import flat, Number, Trace
 
 if TYPE_CHECKING:      # an optional package
@@ -46,6 +51,10 @@ NARROWEST = 2.0**-44            # of a piece, over its input or 1
 LEFT_OUT = 2.0**-13
 # Nearer than this to a limit, over the range: the rounding of the distance hides the derivatives.
 LEFT_OUT_AT_LIMIT = 2.0**-30
+# Nearer than this to a cut, in the input's unit, nothing is enclosed.
+LEFT_OUT_AT_CUT = 2.0**-30
+# By which the input of a cut may be wrong, over itself or 1.
+OFF_CUT = 2.0**-46
 # How well a proof confirms inputs at best and at least [in the input's unit], and values: over
 # themselves, besides what the rounding of their terms and of the input, over itself, makes of it.
 TOLERANCE, WIDEST, VALUE, ROUNDING = 2.0**-32, 2.0**-20, 2.0**-32, 2.0**-50
@@ -73,6 +82,8 @@ class Proof(NamedTuple):
     is_square: bool                          # the square is enclosed, of a root
     is_angle: bool                           # values may differ by whole turns
     ends: list[tuple[int, float, float]]     # (side, input, width left out), in its unit
+    cuts: list[float]                        # inputs in the mechanism's unit
+    period: float                            # of the input
     why_not: str = ''
 
     def verdict(self, extrema: Sequence[PathExtremum]) -> str:
@@ -84,15 +95,18 @@ class Proof(NamedTuple):
         """
         if self.why_not:
             return f'{NOT_PROVED}: {self.why_not}'
-        interior = [extremum for extremum in extrema if extremum.side == 0 and extremum.sense]
+        if why_not := self._differs_at_cuts(extrema):
+            return f'{NOT_PROVED}: {why_not}'
+        interior = [extremum for extremum in extrema if extremum.side == 0 and extremum.sense
+                    and not any(self._is_at(extremum, cut) for cut in self.cuts)]
         inside, left = [extremum for extremum in interior
                         if not self._is_left_out(extremum)], list(self.parts)
         if len(inside) != len(left):
             exist = len(left) + len(interior) - len(inside)
             return f'{NOT_PROVED}: {len(interior)} found, {exist} exist'
         coordinate, unit, width = self.linkage.input_coordinate, self.linkage.input_unit, TOLERANCE
-        period = self.linkage.period        # of an angle, beyond which paths may go
-        turns = (0.0,) if period == inf else (-period, 0.0, period)
+        # beyond one of which paths may go
+        turns = (0.0,) if self.period == inf else (-self.period, 0.0, self.period)
         for extremum in inside:
             part = next((part for part in left for turn in turns
                          if part.sense == extremum.sense and part.low - TOLERANCE <= extremum.x
@@ -110,7 +124,56 @@ class Proof(NamedTuple):
         if self.ends:
             text += (f', except {max(width for *_, width in self.ends):.0e} {coordinate.unit} '
                      'at the ends')
+        if self.cuts:
+            text += (f', except {unit * LEFT_OUT_AT_CUT:.0e} {coordinate.unit} where pieces end, '
+                     'by both sides')
         return text
+
+    def _differs_at_cuts(self, extrema: Sequence[PathExtremum]) -> str:
+        """Return where extrema at a cut are not those that both sides of it tell, in words."""
+        for cut in self.cuts:
+            where = (f'at {self.linkage.input_coordinate.position} = '
+                     f'{self.linkage.input_unit * cut:.12g}')
+            sides: list[tuple[arb, arb, arb]] = []      # value at the cut, its error, the slope
+            for side in (-1.0, 1.0):
+                ends = sorted(cut + side * k * LEFT_OUT_AT_CUT for k in (1.0, 2.0))
+                c = self.enclose(*ends) if self.enclose else None
+                if c is None:
+                    return f'not enclosed {where}'
+                t = -0.5 * side * LEFT_OUT_AT_CUT
+                slope, bend = polynomial(slopes(c), t), abs(polynomial(slopes(slopes(c)), t))
+                sides.append((polynomial(c, t) - side * LEFT_OUT_AT_CUT * slope,
+                              LEFT_OUT_AT_CUT**2 * bend
+                              + OFF_CUT * max(abs(cut), 1.0) * abs(slope), slope))
+            (before, error, fall), (after, more, rise) = sides
+            if fall.contains(0) or rise.contains(0):
+                return f'level {where}'
+            expected = []
+            if abs(after - before) > 4.0 * (error + more):
+                expected = [(-1, 1 if fall > 0 else -1, before), (1, 1 if rise < 0 else -1, after)]
+            elif (fall > 0) != (rise > 0):
+                expected = [(0, 1 if fall > 0 else -1, after)]
+            at_cut = sorted([extremum for extremum in extrema if self._is_at(extremum, cut)],
+                            key=lambda extremum: extremum.side)
+            if [(extremum.side, extremum.sense) for extremum in at_cut] != [
+                    (side, sense) for side, sense, _ in expected]:
+                return f'{len(at_cut)} found {where}, not confirmed'
+            for extremum, (_, _, value) in zip(at_cut, expected):
+                size = abs(extremum.value)
+                off, bound = value - extremum.value, VALUE * size + extremum.noise
+                if self.is_square:
+                    off, bound = value - size * size, bound * (2.0 * size + bound)
+                slack = LEFT_OUT_AT_CUT**2 * abs(rise) + 4.0 * (error + more)
+                off -= 2.0 * pi * round(float(off.mid()) / (2.0 * pi)) * self.is_angle
+                if not abs(off) <= bound + slack:
+                    return f'{extremum.value:.12g} is not its value {where}'
+        return ''
+
+    def _is_at(self, extremum: PathExtremum, cut: float) -> bool:
+        """Return whether an extremum lies where nothing is enclosed about a cut."""
+        away = extremum.x - cut
+        away -= 0.0 if self.period == inf else self.period * round(away / self.period)
+        return abs(away) < LEFT_OUT_AT_CUT
 
     def _is_left_out(self, extremum: PathExtremum) -> bool:
         """Return whether an extremum is so near to an end that nothing is enclosed there."""
@@ -182,12 +245,14 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
     try:
         enclose = Enclosing(linkage, quantities, rates)
     except ImportError:
-        return [Proof(linkage, [], None, False, False, ends, MISSING) for _ in quantities]
+        return [Proof(linkage, [], None, False, False, ends, [], inf, MISSING) for _ in quantities]
     why_not |= enclose.why_not
     parts = _search(enclose, [piece for path in paths for piece in _pieces(path)], why_not, check,
                     seconds)
+    cuts = [cut for path in paths for cut in path.gaps.tolist()]
     return [Proof(linkage, parts[i], partial(enclose.coefficients, i), i in enclose.squares,
-                  is_position(quantity) or not is_published(quantity), ends, why_not.get(i, ''))
+                  is_position(quantity) or not is_published(quantity), ends, cuts,
+                  linkage.cycle if quantity.is_load else linkage.period, why_not.get(i, ''))
             for i, quantity in enumerate(quantities)]
 
 
@@ -203,11 +268,17 @@ def _away_from_ends(path: InputPath) -> InputPath:
 
 
 def _pieces(path: InputPath) -> list[tuple[float, float]]:
-    """Return the pieces (low, high) between every fourth sample of a path."""
+    """Return the pieces (low, high) between every fourth sample of a path, apart from cuts."""
     x = path.x.tolist()
     x += [x[0] + path.period] if path.is_closed else []
-    edges = x[:-1:STRIDE] + x[-1:]
-    return list(zip(edges, edges[1:]))
+    edges, pieces = x[:-1:STRIDE] + x[-1:], list[tuple[float, float]]()
+    for low, high in zip(edges, edges[1:]):
+        for cut in [cut for cut in path.gaps.tolist() if low - LEFT_OUT_AT_CUT < cut
+                    < high + LEFT_OUT_AT_CUT]:
+            pieces.append((low, cut - LEFT_OUT_AT_CUT))
+            low = cut + LEFT_OUT_AT_CUT
+        pieces.append((low, high))
+    return [(low, high) for low, high in pieces if low < high]
 
 
 def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: dict[int, str],
@@ -281,7 +352,8 @@ class Enclosing:
 
         self.quantities, self.unit = quantities, linkage.input_unit
         self.name, self.why_not = linkage.input_coordinate.position, dict[int, str]()
-        self._linkage, self._table = linkage, taylor_pairs()
+        self._linkage, self._half = linkage, arb(0)
+        self._table: Table = {**taylor_pairs(), 'call': self._calls}
         with_loads = linkage.has_loads and any(
             quantity.is_load or not is_published(quantity) for quantity in quantities)
         self._formula, data = formula_of(linkage, with_loads)
@@ -293,19 +365,25 @@ class Enclosing:
         self._results = [trace.steps[index].arguments if i in self.squares else (index,)
                          for i, index in enumerate(indices)]
         for i, of_quantity in enumerate(self._results):
-            if any(trace.steps[k].operation == 'call' for k in trace.needed(of_quantity)) or (
-                    linkage.pieces and linkage.pieces.ends and quantities[i].is_load):
-                self.why_not[i] = ('forces over a position and torsion springs that come round '
-                                   'are not enclosed')
+            if any(step.operation == 'call' and not hasattr(step.value, 'polynomial')
+                   for step in map(trace.steps.__getitem__, trace.needed(of_quantity))):
+                self.why_not[i] = 'functions over a position are not enclosed'
+            elif not is_published(quantities[i]) and linkage.elements and quantities[i].is_load:
+                self.why_not[i] = 'functions of loads with springs and forces are not enclosed'
             elif linkage.friction and quantities[i].is_load:
                 self.why_not[i] = 'friction is not enclosed'
         self._values: list[Any] = [
             None if number is None else (arb(number), arb(number))
             for number in trace.numbers([*rates, *numbers_of(data)])]
         self._orders: dict[tuple[int, ...], list[int]] = {}
-        self._leasts = {index for index, step in enumerate(trace.steps)
-                        if step.operation == 'lt'
-                        and all(trace.steps[i].operation == 'fabs' for i in step.arguments)}
+        # what must hold all over a piece: which of several |sines| is the least, where an angle
+        # has a kink, and that a force one way acts or does not
+        one_way = any(element.is_one_way for element in linkage.elements)
+        self._choices = {
+            index for index, (operation, arguments, _) in enumerate(trace.steps)
+            if operation in ('gt', 'lt') and (all(
+                trace.steps[i].operation == 'fabs' for i in arguments) or one_way and any(
+                trace.steps[i].operation == 'constant' for i in arguments))}
         with arb_settings(BITS, ORDER + 2):
             enclosed = tuple([i for i in range(len(quantities)) if i not in self.why_not])
             run(trace, [index for index in self._needed(enclosed)
@@ -348,6 +426,7 @@ class Enclosing:
 
         middle, values = arb(0.5 * (low + high)), list(self._values)
         with arb_settings(BITS, ORDER + 2):
+            self._half = 0.5 * (arb(high) - arb(low))
             values[0] = tuple([arb_series([self.unit * x, self.unit], terms) for x, terms in (
                 (middle, ORDER + 1), (arb(low).union(arb(high)), ORDER + 2))])
             try:
@@ -357,6 +436,23 @@ class Enclosing:
             except (ValueError, ZeroDivisionError):     # a divisor may vanish
                 return middle, dict.fromkeys(rows)
 
+    def _calls(self, function: Any) -> Function:
+        """Return a table of forces as a function of pairs of series; NaN over several pieces."""
+        from flint import arb
+
+        def values(s: Any) -> Any:
+            about, over = s
+            reach = over[0]
+            if abs(over[1]) > 0:        # s rises or falls all over the piece: its ends tell more
+                c = [*[about[k] for k in range(ORDER + 1)], over[ORDER + 1]]
+                reach = polynomial(c, -self._half).union(polynomial(c, self._half))
+            coefficients, offset, low, high = function.polynomial(float(about[0].mid()))
+            if not (reach >= low and reach <= high):
+                return about * arb.nan(), over * arb.nan()
+            return tuple([polynomial([arb(k) for k in coefficients[::-1]], each - arb(offset))
+                          for each in s])
+        return values
+
     def coefficients(self, i: int, low: float, high: float) -> list[arb] | None:
         """Return the coefficients of (Z1) of a quantity on a short piece."""
         return self(low, high, [i])[1][i]
@@ -365,12 +461,12 @@ class Enclosing:
         """
         Return c_0 to c_n and C of (Z1) of a quantity, from the values of the trace.
 
-        None where one of several |sines| may become the least: there an angle has a kink.
+        None where a choice may not be the same all over the piece.
         """
-        if not all(values[index][1] for index in self._needed((i,)) if index in self._leasts):
-            return None
         from flint import arb_series
 
+        if not all(values[index][1] for index in self._needed((i,)) if index in self._choices):
+            return None
         zero = arb_series([0], ORDER + 2)       # the sum is a series, also of constants
         about, over = [sum(part, zero) for part in zip(*[
             self._table['mul'](values[index], values[index]) if self._is_hypot[i]

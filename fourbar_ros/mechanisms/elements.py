@@ -213,6 +213,24 @@ class TableForce:
         return [point + turn * self.period if turn else point
                 for turn in range(-cycles, cycles + 1) for point in points]
 
+    def polynomial(self, s: float) -> tuple[list[float], float, float, float]:
+        """
+        Return F about s: coefficients, highest first, of s less an offset, that too, and two s.
+
+        Between these two F is this polynomial.
+        """
+        table, middle, turns = self.table, self.middle, 0.0
+        low, high = -inf, inf
+        if middle is not None:
+            turns = tau * round((s - middle) / tau)
+            low, high = middle - 0.5 * tau + turns, middle + 0.5 * tau + turns
+        elif table.is_periodic:
+            turns = table.span * ((s - table.places[0]) // table.span)
+        i, starts = bisect_right(table.starts, s - turns), table.starts
+        *coefficients, start = table.pieces[i]
+        return (coefficients, start + turns, max(low, starts[i - 1] + turns) if i else low,
+                min(high, starts[i] + turns) if i < len(starts) else high)
+
     def piece(self, s: float) -> tuple[float, float]:
         """Return the two points of the table next to s: between them F is one polynomial."""
         base, first = s, self.table.places[0]

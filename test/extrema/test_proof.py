@@ -6,11 +6,21 @@ from itertools import islice
 import re
 import sys
 
-from fourbar_ros import Bodies, Body, FourBar, InvertedSlider, load_scene, SliderCrank
+from fourbar_ros import (
+    Bodies,
+    Body,
+    FourBar,
+    InvertedSlider,
+    JointFriction,
+    load_scene,
+    SliderCrank,
+)
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema, Search
 from fourbar_ros.extrema.proof import Enclosing, polynomial, slopes
 from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.mechanisms.elements import Attachment, PositionForce
+from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import positions, select
@@ -18,9 +28,11 @@ import numpy as np
 import pytest
 from support.contract import with_rods
 from support.random_machines import random_dyads, random_machines
-from support.samples import record, some
+from support.samples import more, record, some
 
-PAPER = (0.4, 1.2, 0.8, 1.0)
+from .test_pieces import elements_of, mechanism_of, scan_of
+
+PAPER, TURN = (0.4, 1.2, 0.8, 1.0), 2.0 * np.pi
 RATES = ('omega4', 'alpha4')
 MASSES = Bodies(Body(1.0, cg_along=0.3, cg_across=0.1, inertia=0.02),
                 Body(2.0, cg_along=0.4, cg_across=-0.1, inertia=0.03),
@@ -294,3 +306,77 @@ def test_proofs_of_random_machines_agree_with_scans(seed):
             count = int((signs != np.roll(signs, 1)).sum())
             assert count <= sum(part.sense != 0 for part in parts), quantity.name
     assert proved > 10
+
+
+def with_couple(places, values, is_linear):
+    """Return a four-bar of nearly no mass whose drive takes a couple over its input alone."""
+    bodies = Bodies(*(Body(1e-12, inertia=1e-12),) * 3)
+    return FourBar(*PAPER, bodies=bodies).with_elements(PositionForce(
+        Attachment('crank'), ForceTable(places, values, True, is_linear), direction=None))
+
+
+@pytest.mark.parametrize('places, values, is_linear, extrema', [
+    # level at 2 and 4, the least between
+    ([0.0, 2.0, 4.0, TURN], [0.0, 30.0, 30.0, 0.0], False, None),
+    # jumps at 3: the largest torque is one-sided
+    ([0.0, 2.0, 3.0, 3.0, 5.0, TURN], [0.0, 20.0, 50.0, -10.0, 5.0, 0.0], True,
+     {-50.0, -20.0, 10.0}),
+    ([0.0, 1.0, 2.5, TURN], [0.0, 40.0, -30.0, 0.0], True, {-40.0, 30.0})])
+def test_peaks_of_tables_at_points_and_jumps_are_proved_and_wrong_ones_are_not(
+        places, values, is_linear, extrema, monkeypatch):
+    linkage = with_couple(places, values, is_linear)
+    right = find_extrema(linkage, 'driving_torque', 1.0, certify=True)
+    if extrema is None:         # on a plateau the mass alone tells, and a level side nothing
+        assert proofs(right) == {text for text in proofs(right) if text.startswith('not proved')}
+        return
+    assert proofs(right) == {'interval bounds, except 9e-10 rad where pieces end, by both sides'}
+    assert {min(extrema), max(extrema)} == {
+        round(pick(one.value for one in right), 6) for pick in (min, max)}
+    search = Search.extrema
+    for k in range(len(right)):         # none of them may miss, nor have another value
+        for change in ((lambda one: []), (lambda one: [one._replace(value=one.value + 1e-3)]),
+                       (lambda one: [one._replace(sense=-one.sense)])):
+            monkeypatch.setattr(Search, 'extrema', lambda *arguments: [
+                part[:k] + change(part[k]) + part[k + 1:] for part in search(*arguments)])
+            wrong = find_extrema(linkage, 'driving_torque', 1.0, certify=True)
+            assert all(text.startswith('not proved') for text in proofs(wrong))
+
+
+def test_the_largest_torque_between_two_points_of_a_table_is_proved():
+    """A parabola of the mass on the straight lines of a table: no point of it is the peak."""
+    linkage = with_rods(PAPER).with_elements(PositionForce(
+        Attachment('crank'), ForceTable([0.0, 2.0, 4.0, TURN], [0.0, 3.0, -2.0, 0.0], True, True),
+        direction=None))
+    found = find_extrema(linkage, 'driving_torque', 25.0, certify=True)
+    most = max(found, key=lambda one: one.value)
+    assert min(abs(most.theta1 - point) for point in (0.0, 2.0, 4.0, TURN)) > 0.1
+    x = np.linspace(0.0, TURN, 200_001)
+    assert most.value >= linkage.loads(x, 25.0).driving_torque.max() * (1.0 - 1e-12)
+    assert not most.proof.startswith('not proved')
+
+
+@pytest.mark.parametrize('seed', range(more(5, 200)))
+def test_proofs_of_random_tables_and_springs_agree_with_scans(seed):
+    rng = np.random.default_rng(seed)
+    mechanism = mechanism_of(rng)
+    mechanism = mechanism.with_elements(*elements_of(rng, mechanism))
+    names = ('shaking_force', mechanism.drive_load)
+    extrema = find_extrema(mechanism, names, 3.0, certify=True, seconds=1.0)
+    for name in names:
+        of_name = [one for one in extrema if one.quantity == name]
+        if any(one.proof.startswith('not proved') for one in of_name):
+            continue
+        low, high = (pick(one.value for one in of_name) for pick in (min, max))
+        for _, values in scan_of(mechanism, name, 3.0):
+            room = 1e-9 * (np.ptp(values) + np.abs(values).max())
+            assert low - room <= values.min() and values.max() <= high + room
+
+
+def test_what_is_not_enclosed_of_forces_says_so():
+    linkage = with_rods(PAPER)
+    user = linkage.with_elements(PositionForce(Attachment('output'), np.cos))
+    rubbing = linkage.with_friction({'A': JointFriction(0.1, radius=0.01)})
+    for mechanism, why in ((user, 'functions over a position are not enclosed'),
+                           (rubbing, 'friction is not enclosed')):
+        texts = proofs(find_extrema(mechanism, 'driving_torque', 3.0, certify=True))
+        assert texts == {f'not proved: {why}'}
