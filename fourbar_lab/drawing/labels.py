@@ -29,13 +29,13 @@ class Labels(NamedTuple):
     letters: Mapping[str, str]          # {joint: letter}
 
 
-def labels_of(diagram: picture.Diagram, known: Mapping[str, str] | None = None) -> Labels:
+def labels_of(diagram: picture.Diagram) -> Labels:
     """
     Return the labels of a diagram.
 
     Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Other joints, as in a
-    machine, get one letter for each point; several joints at a point make forces F_A1, F_A2.
-    ``known``: {joint: name} of those that have a name in the scene, which is their letter.
+    machine, get one letter for each point, its name if it has one; several joints at a point make
+    forces F_A1, F_A2. A letter stays where another point takes a name.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
@@ -49,19 +49,22 @@ def labels_of(diagram: picture.Diagram, known: Mapping[str, str] | None = None) 
             here[0].append(name)
         else:
             groups.append([name])
-    known = known or {}
-    taken = set(known.values())
+    known, taken = diagram.names, set(diagram.names.values())
     # A, B, ..., A_1, B_1, ... without O, for pivots on the ground, and F, for forces
-    free_letters = (f'{letter}_{index}' if index else letter for index in count()
-                    for letter in ascii_uppercase.replace('O', '').replace('F', '')
-                    if letter not in taken)
+    letters_in_turn = ((letter, index) for index in count()
+                       for letter in ascii_uppercase.replace('O', '').replace('F', ''))
     joints: dict[str, Array] = {}
     symbols: dict[str, str] = {}             # of the force at each joint
     letters: dict[str, str] = {}
     for names in groups:
         point = diagram.joints[names[0]]
-        letter = next((known[name] for name in names if name in known), None) or (
-            'O_1' if not joints and not point.any() else next(free_letters))
+        if not joints and not point.any():
+            letter = 'O_1'
+        else:
+            first, start = next(letters_in_turn)
+            letter = next(letter for index in count(start) if (
+                letter := f'{first}_{index}' if index else first) not in taken)
+        letter = next((known[name] for name in names if name in known), letter)
         joints[letter] = point
         letters.update(dict.fromkeys(names, letter))
         for index, name in enumerate(names, 1):

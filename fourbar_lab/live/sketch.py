@@ -50,11 +50,7 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
     def stated(point: picture.LinkPoint) -> Point:
         return point.link, follows(point.along), follows(point.across)
 
-    diagram = picture.diagram_of(mechanism, motion)
-    labels = labels_of(diagram, {
-        joint: scene.values[parameter] for joint in outline.joints
-        for dyad, _, end in [joint.rpartition('_')]
-        if scene.values.get(parameter := f'dyads.{dyad}.{end}')})
+    labels = labels_of(picture.diagram_of(mechanism, motion))
     loads_at: dict[str, list[str]] = {}
     for load, joint in outline.forces.items():
         loads_at.setdefault(joint, []).append(load)

@@ -92,6 +92,7 @@ class Outline(NamedTuple):
     forces: Mapping[str, str]
     angles: Mapping[str, str]
     plates: tuple[tuple[LinkPoint, ...], ...] = ()
+    names: Mapping[str, str] = {}                   # {joint: name of the point there}
 
 
 class Diagram(NamedTuple):
@@ -103,6 +104,7 @@ class Diagram(NamedTuple):
     blocks: tuple[Block, ...]
     forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
     angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
+    names: Mapping[str, str] = {}   # {joint: name of the point there}
 
 
 class Pivot(NamedTuple):
@@ -203,7 +205,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         blocks.append(Block(joints[joint], turned, is_guided))
     return Diagram(joints, outline.ground, tuple([
         Bar(locate(start), locate(end), width) for start, end, width in (*outline.bars, *sides)]),
-        tuple(blocks), outline.forces, outline.angles)
+        tuple(blocks), outline.forces, outline.angles, outline.names)
 
 
 # {kind of dyad: {joint: index of the link that is drawn from there to the inner joint}}, rods and
@@ -286,7 +288,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
     return Outline(joints, tuple(pivots), tuple(dict.fromkeys(bars)), tuple(blocks),
                    {name: name for name in joints}, angles,
-                   tuple([plate for plate in plates if len(plate) > 2]))
+                   tuple([plate for plate in plates if len(plate) > 2]), machine.joint_names)
 
 
 CRANK, OUTPUT = LinkPoint('crank'), LinkPoint('output')

@@ -49,7 +49,10 @@ def machine_of(values: ParameterValues) -> Machine:
         machine = Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
                           values['linkage.output'] or None, _cylinder(values),
                           stroke=tuple(stroke) if stroke else None,
-                          carrier=values['linkage.carrier'])
+                          carrier=values['linkage.carrier'], joint_names={
+                              f'{name}_{end}': point for name in names
+                              for end in ('first', 'second')
+                              if (point := values.get(f'dyads.{name}.{end}'))})
     except InvalidParameter as error:
         # of a wrong dyads.D.first.link, where dyads.D.first names a point, the point is at fault
         end = '.'.join(error.name.split('.')[:3])

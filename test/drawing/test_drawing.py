@@ -1,10 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Polygons close and are to scale; pictures say what is in them."""
+from dataclasses import replace
 from itertools import combinations, cycle
 from math import hypot
 
-from fourbar_lab.drawing.labels import significant
+from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.polygons import acceleration_polygon, renamed, velocity_polygon
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
@@ -74,6 +75,16 @@ def test_a_crank_with_two_joints_beside_its_pivot_is_a_triangle():
     for ends in combinations(corners, 2):
         assert any(np.allclose(sorted(map(tuple, bar[:2])), sorted(map(tuple, ends)))
                    for bar in diagram.bars)
+
+
+def test_letters_stay_where_a_point_takes_a_name():
+    linkage = load('watt').linkage
+    before, after = (labels_of(diagram_of(machine, machine.motion(1.0))).letters for machine in (
+        linkage, replace(linkage, joint_names={'one_first': 'B', 'two_first': 'knee'})))
+    assert before['one_inner'] == 'B' and after['one_first'] == 'B'
+    assert after == {**before, 'one_first': 'B', 'one_inner': 'B_1', 'two_first': 'knee'}
+    jansen = load('jansen').linkage
+    assert {'pin', 'hip', 'knee'} <= {*labels_of(diagram_of(jansen, jansen.motion(1.0))).joints}
 
 
 @pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0),

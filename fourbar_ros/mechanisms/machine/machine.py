@@ -75,6 +75,8 @@ class Machine(Mechanism):
         Link to which a driven crank is pinned, at the origin of that link, and from which its
         angle counts: the ground, or a link that moves. In dyads that takes the place of the
         ground, and one dyad has the ground among its links, as of a Cylinder on a moving link.
+    joint_names : mapping {joint: name}
+        Names of points of a scene, which pictures show in place of letters.
 
     Raises
     ------
@@ -102,6 +104,7 @@ class Machine(Mechanism):
     elements: tuple[Any, ...] = ()
     friction: Any = ()
     carrier: str = GROUND
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     base_layout: ClassVar[Layout]      # set when it is made; no field
     TITLE = 'machine of dyads'
