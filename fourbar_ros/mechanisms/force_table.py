@@ -126,15 +126,15 @@ class ForceTable:
         """
         if not isinstance(x, np.ndarray):
             return self._value(x, type(x))
-        (a, b, c, d), t = self._at(x)
+        (a, b, c, d), t = self._piece_at(x)
         return ((a * t + b) * t + c) * t + d
 
     def slope(self, x: Array) -> Array:
         """Return the derivative at an array x, as its value; 0 beyond the ends."""
-        (a, b, c, _), t = self._at(x)
+        (a, b, c, _), t = self._piece_at(x)
         return np.asarray((3.0 * a * t + 2.0 * b) * t + c)
 
-    def _at(self, x: Array) -> tuple[Sequence[Array], Array]:
+    def _piece_at(self, x: Array) -> tuple[Sequence[Array], Array]:
         """Return the coefficients of the piece at an array x, and how far x is in it."""
         if self.is_periodic:
             first = self.places[0]

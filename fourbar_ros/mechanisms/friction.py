@@ -8,13 +8,13 @@ Imported for mechanisms that have friction alone.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, KW_ONLY, replace
+from dataclasses import dataclass, KW_ONLY, replace
 from math import inf, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, Locked, one_of
 from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
-from fourbar_ros.numerics.arguments import finite
+from fourbar_ros.numerics.arguments import check_quantities, quantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import NumberType, Scalar
 import numpy as np
@@ -25,15 +25,6 @@ if TYPE_CHECKING:
 
 BARELY = 1e-200             # rate of an impending motion: nothing comes from it but signs
 SAMPLES, HALVINGS = 720, 50     # of each range of the input, to find where it locks
-NOT_NEGATIVE = 'must be a finite number, zero or more'
-
-
-def _check(record: Any) -> None:
-    for field in fields(record):
-        value = getattr(record, field.name)
-        if field.name != 'length' or value != inf:
-            value = finite(field.name, value, NOT_NEGATIVE, least=0.0)
-        object.__setattr__(record, field.name, value)
 
 
 @dataclass(frozen=True)
@@ -65,14 +56,14 @@ class JointFriction:
 
     """
 
-    coefficient: float = 0.0
+    coefficient: float = quantity(0.0, least=0.0)
     _: KW_ONLY
-    radius: float = 0.0
-    viscous: float = 0.0
-    length: float = inf
+    radius: float = quantity(0.0, least=0.0)
+    viscous: float = quantity(0.0, least=0.0)
+    length: float = quantity(inf, least=0.0, instead=inf)
 
     def __post_init__(self) -> None:
-        _check(self)
+        check_quantities(self)
         if not self.length:
             raise InvalidParameter('length', self.length, 'must be positive')
 
@@ -99,16 +90,16 @@ class DriveFriction:
 
     """
 
-    torque: float = 0.0
-    viscous: float = 0.0
-    slip_speed: float = 0.0
+    torque: float = quantity(0.0, least=0.0)
+    viscous: float = quantity(0.0, least=0.0)
+    slip_speed: float = quantity(0.0, least=0.0)
 
     @property
     def structure(self) -> tuple[bool]:
         return (self.slip_speed > 0.0,)
 
     def __post_init__(self) -> None:
-        _check(self)
+        check_quantities(self)
 
 
 Friction = tuple[tuple[str, JointFriction | DriveFriction], ...]      # (name of a joint, friction)
@@ -119,9 +110,9 @@ def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
     # reactions: of the mechanism, one at each joint.
     if not isinstance(friction, (Mapping, Iterable)):
         raise InvalidParameter('friction', friction, 'must be a mapping {joint: JointFriction}')
-    given = dict(friction)
+    by_joint = dict(friction)
     slides = {reaction.joint: bool(reaction.couple) for reaction in reactions}
-    for name, record in given.items():
+    for name, record in by_joint.items():
         if name not in slides and name != DRIVE:
             raise InvalidParameter(f'friction.{name}', None, 'there is no such joint: '
                                    + one_of([*slides, DRIVE], name))
@@ -139,7 +130,7 @@ def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
         if not slides[name] and record.coefficient and not record.radius:
             raise InvalidParameter(f'friction.{name}.radius', record.radius, 'must be positive: '
                                    'the couple of a pin is coefficient times radius times force')
-    return tuple([(name, given[name]) for name in (*slides, DRIVE) if name in given])
+    return tuple([(name, by_joint[name]) for name in (*slides, DRIVE) if name in by_joint])
 
 
 def direction_of(n: NumberType, rate: Scalar, slip_speed: Scalar | None) -> Scalar:

@@ -54,15 +54,15 @@ def input_equation(mechanism: Mechanism, position: Any, rate: Any,
 
 def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
     """Return the inertia of a mechanism with masses, held in the pose of a motion or of many."""
-    parts = []
+    masses = []
     for link, (body, _) in mechanism.loads_of_links().items():
         cg = point_of(mechanism.link_motion(motion, link), body.cg_along, body.cg_across)
-        parts.append((body.mass, cg.x, cg.y, body.inertia))
-    mass = sum(m for m, _, _, _ in parts)
+        masses.append((body.mass, cg.x, cg.y, body.inertia))
+    mass = sum(m for m, _, _, _ in masses)
     if not mass:
-        return Rigid(0.0, 0.0, 0.0, sum(inertia for *_, inertia in parts))
-    x, y = (sum(part[0] * part[i] for part in parts) / mass for i in (1, 2))
-    apart = [(m, its_x - x, its_y - y, inertia) for m, its_x, its_y, inertia in parts]
+        return Rigid(0.0, 0.0, 0.0, sum(inertia for *_, inertia in masses))
+    x, y = (sum(m * at_cg[i] for m, *at_cg, _ in masses) / mass for i in (0, 1))
+    apart = [(m, cg_x - x, cg_y - y, inertia) for m, cg_x, cg_y, inertia in masses]
     # not by **, which raises where floats overflow
     return Rigid(mass, x, y, sum(inertia + m * (d_x * d_x + d_y * d_y)
                                  for m, d_x, d_y, inertia in apart))

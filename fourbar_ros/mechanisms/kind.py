@@ -124,7 +124,7 @@ class Kind(Mechanism):
         """Return the names of the fields of a motion; those from ``sine`` on are not shown."""
         return (*[name for coordinate in cls.PARTS for name in coordinate], 'transmission_angle',
                 *cls.RATIOS, 'condition', 'sine',
-                *[f'{part}_{name}' for name in cls.DIRECTIONS for part in ('cos', 'sin')])
+                *[f'{axis}_{name}' for name in cls.DIRECTIONS for axis in ('cos', 'sin')])
 
     @classmethod
     def load_fields(cls) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ def in_decimals(trace: Trace, data: Sequence[float], indices: Sequence[int]
     """Return the function inputs -> numbers at some indices of a trace, all of them decimals."""
     # To be made and called within the context MANY_DIGITS.
     order = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
-    known = [None if number is None else Decimal(number) for number in trace.numbers(data)]
+    known = [None if value is None else Decimal(value) for value in trace.numbers(data)]
     run(trace, [i for i in order if i not in trace.varies], DECIMALS, known)
     order = [i for i in order if i in trace.varies]
 

@@ -28,26 +28,26 @@ class LinearForm:
 
     def with_known(self, unknown: str, value: Any) -> LinearForm:
         """Return the form with a number or a form in place of an unknown."""
-        rest = {name: number for name, number in self.by_unknown.items() if name != unknown}
+        rest = {name: value for name, value in self.by_unknown.items() if name != unknown}
         if len(rest) == len(self.by_unknown):
             return self
         known: LinearForm = form_of(value) * self.by_unknown[unknown]
         return LinearForm(rest) + known
 
-    def __add__(self, number: Any) -> LinearForm:
+    def __add__(self, term: Any) -> LinearForm:
         total = dict(self.by_unknown)
-        for name, value in form_of(number).by_unknown.items():
+        for name, value in form_of(term).by_unknown.items():
             total[name] = total[name] + value if name in total else value
         return LinearForm(total)
 
     def __neg__(self) -> LinearForm:
         return LinearForm({name: -value for name, value in self.by_unknown.items()})
 
-    def __sub__(self, number: Any) -> LinearForm:
-        return self + -form_of(number)
+    def __sub__(self, term: Any) -> LinearForm:
+        return self + -form_of(term)
 
-    def __rsub__(self, number: Any) -> LinearForm:
-        return (-self).__add__(number)
+    def __rsub__(self, term: Any) -> LinearForm:
+        return (-self).__add__(term)
 
     def __mul__(self, factor: Any) -> LinearForm:
         return LinearForm({name: factor * value for name, value in self.by_unknown.items()})
@@ -58,6 +58,6 @@ class LinearForm:
     __radd__, __rmul__ = __add__, __mul__
 
 
-def form_of(number: Any) -> LinearForm:
+def form_of(value: Any) -> LinearForm:
     """Return a number as a form without unknowns, a form itself."""
-    return number if isinstance(number, LinearForm) else LinearForm({CONSTANT: number})
+    return value if isinstance(value, LinearForm) else LinearForm({CONSTANT: value})

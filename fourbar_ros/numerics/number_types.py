@@ -72,9 +72,9 @@ def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
     return if_true if condition else if_false
 
 
-def is_zero(n: NumberType, number: Scalar) -> bool:
+def is_zero(n: NumberType, value: Scalar) -> bool:
     """Return whether a number that data alone make is 0.0, as its complex step may not be."""
-    is_nothing: bool = n.fabs(number).real < NOTHING
+    is_nothing: bool = n.fabs(value).real < NOTHING
     return is_nothing
 
 
@@ -100,8 +100,8 @@ def exact_sum_of_four(terms: Sequence[Array]) -> Array:
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
     """Return the rounded sum of two arrays and its rounding error, which is exact (Knuth)."""
     total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
+    added = total - a
+    return total, (a - (total - added)) + (b - added)
 
 
 def power_of_two(*lengths: float) -> float:
@@ -198,17 +198,17 @@ def numbers_of(record: Any) -> list[float]:
     """Return the numbers of a nested record in the order in which :func:`converted` meets them."""
     values: list[float] = []
 
-    def collect(part: Any) -> None:
-        kind: Any = type(part)
+    def collect(piece: Any) -> None:
+        kind: Any = type(piece)
         names = _names_of(kind)
-        if isinstance(part, tuple) or names:
-            for inner in part if isinstance(part, tuple) else [getattr(part, n) for n in names]:
+        if isinstance(piece, tuple) or names:
+            for inner in piece if isinstance(piece, tuple) else [getattr(piece, n) for n in names]:
                 if type(inner) is float:       # most are
                     values.append(inner)
                 else:
                     collect(inner)
-        elif not (part is None or isinstance(part, (str, bool)) or callable(part)):
-            values.append(part)
+        elif not (piece is None or isinstance(piece, (str, bool)) or callable(piece)):
+            values.append(piece)
     collect(record)
     return values
 

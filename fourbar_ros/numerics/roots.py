@@ -81,7 +81,7 @@ def rises(f: Array, is_closed: bool, gaps: Array = NO_GAPS) -> Array:
     # From five samples each. For f = 0, 3, 6, 9, ... all are 1. gaps: indices of samples after
     # which functions are not smooth; of a closed path the last is one of them.
     if gaps.size:
-        return np.concatenate([rises(part, False) for part in np.split(f, gaps + 1) if len(part)])
+        return np.concatenate([rises(rows, False) for rows in np.split(f, gaps + 1) if len(rows)])
     if is_closed:
         f = np.concatenate((f[-2:], f, f[:2]))
     else:
@@ -108,8 +108,8 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
     x[-2] = xb
     f = function(x.ravel(), np.tile(row, len(x))).reshape(x.shape)
     changes, size = (f[1:] >= 0.0) != (f[:-1] >= 0.0), np.abs(f)
-    part, which = np.nonzero(changes[1:-1])
-    brackets = [(which, *_ends(x, part + 1, which), *_ends(f, part + 1, which))]
+    section, which = np.nonzero(changes[1:-1])
+    brackets = [(which, *_ends(x, section + 1, which), *_ends(f, section + 1, which))]
     lowest, which = np.nonzero((size[1:-1] <= size[:-2]) & (size[1:-1] < size[2:]) & ~changes[1:]
                                & ~changes[:-1])
     three = np.arange(3)[:, None]
@@ -124,16 +124,16 @@ def look_closer(function: Function, row: Array, xa: Array, xb: Array) -> list[Ar
         x, f = (np.stack((old[0], new[0], old[1], new[1], old[2]))
                 for old, new in ((x, halfway), (f, f_halfway)))
         changes = (f[1:] >= 0.0) != (f[:-1] >= 0.0)
-        part, dip = np.nonzero(changes & (x[:-1] >= xa[which]) & (x[1:] <= xb[which]))
-        brackets.append((which[dip], *_ends(x, part, dip), *_ends(f, part, dip)))
+        section, dip = np.nonzero(changes & (x[:-1] >= xa[which]) & (x[1:] <= xb[which]))
+        brackets.append((which[dip], *_ends(x, section, dip), *_ends(f, section, dip)))
         dip = np.nonzero(~changes.any(axis=0))[0]
         lowest = np.argmin(np.abs(f[1:4, dip]), axis=0)
         which, x, f = which[dip], x[lowest + three, dip], f[lowest + three, dip]
-    return [np.concatenate(parts) for parts in zip(*brackets)]
+    return [np.concatenate(rows) for rows in zip(*brackets)]
 
 
-def _ends(samples: Array, part: Array, column: Array) -> tuple[Array, Array]:
-    return samples[part, column], samples[part + 1, column]
+def _ends(samples: Array, section: Array, column: Array) -> tuple[Array, Array]:
+    return samples[section, column], samples[section + 1, column]
 
 
 def _may_touch(xs: Array, fs: Array) -> Array:
@@ -156,10 +156,10 @@ def first_guesses(xa: Array, xb: Array, fa: Array, fb: Array, step_a: Values,
     # The inverse of f is interpolated with values and slopes (Hermite): a mean of the points of
     # Newton's method from both ends, x - step, and of the secant. Without steps (NaN), or where
     # that is outside, the secant's point.
-    part = fa / (fa - fb)
-    rest = 1.0 - part
-    secant = xa + part * (xb - xa)
-    x = rest * rest * (xa - step_a) + part * part * (xb - step_b) + 2.0 * part * rest * secant
+    share = fa / (fa - fb)
+    rest = 1.0 - share
+    secant = xa + share * (xb - xa)
+    x = rest * rest * (xa - step_a) + share * share * (xb - step_b) + 2.0 * share * rest * secant
     return np.where((x > xa) & (x < xb), x, secant)
 
 

@@ -77,17 +77,17 @@ def slope_of(function: Function, x: Any) -> Any:
     return (function(x + step) - function(x - step)) / (2.0 * step)
 
 
-def rounding_bound(trace: Trace, place: int, x: Array) -> Array:
+def rounding_bound(trace: Trace, result: int, x: Array) -> Array:
     """Return a bound of the rounding error of a result of a trace of one input, at inputs x."""
     # The sum of eps times each number that the result is made of, times the derivative of the
     # result by it: of literals, the data, and of each operation; a function that is no formula may
     # have its size as largest. The input counts as exact.
-    order, steps = trace.needed([place]), trace.steps
+    order, steps = trace.needed([result]), trace.steps
     values = [x if step.operation == 'input' else
               np.float64(step.value) if step.operation == 'constant' else None for step in steps]
     with np.errstate(all='ignore'):
         run(trace, [i for i in order if not steps[i].is_given], ARRAYS, values)
-        by, bound = {place: np.ones_like(x)}, np.zeros_like(x)
+        by, bound = {result: np.ones_like(x)}, np.zeros_like(x)
         for i in reversed(order):
             change, (operation, arguments, function) = by.pop(i, None), steps[i]
             if change is None:

@@ -86,9 +86,10 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
         if operation == 'call':
             functions += [value] * (value not in functions)
             operation = f'f{functions.index(value)}'
-        parts = [texts[i] for i in arguments]
-        form = FLOATS.get(operation) or f'{operation}({", ".join(["{}"] * len(parts))})'
-        whole, depth = form.format(*[part for part, _ in parts]), 1 + max(d for _, d in parts)
+        operands = [texts[i] for i in arguments]
+        form = FLOATS.get(operation) or f'{operation}({", ".join(["{}"] * len(operands))})'
+        whole = form.format(*[text for text, _ in operands])
+        depth = 1 + max(depth for _, depth in operands)
         varies = index in trace.varies
         # what is used once stands where it is used, unless it may refuse its arguments: a
         # traceback then shows it on a line of its own

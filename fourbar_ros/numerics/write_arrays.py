@@ -75,10 +75,10 @@ def program(trace: Trace, wanted: tuple[int, ...], zeros: frozenset[int]
         count = -(-size // -(-size // CHUNK)) if size else 1     # chunks of equal size
         buffers: list[Any] = [np.empty(count, kind) for kind in kinds]
         for start in range(0, size, count):
-            part = slice(start, start + count)
-            line(*[values[i][part] if i < trace.count else values[i] for i in known],
+            chunk = slice(start, start + count)
+            line(*[values[i][chunk] if i < trace.count else values[i] for i in known],
                  *(buffers if start + count <= size else [b[:size - start] for b in buffers]),
-                 *[row[part] for row in rows])
+                 *[row[chunk] for row in rows])
         return rows
     return run_on
 

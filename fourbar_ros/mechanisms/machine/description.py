@@ -253,14 +253,6 @@ def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
                     checked_mode('cylinder.mode', mode))
 
 
-def checked_dyads(values: Any, driven: str) -> tuple[Dyad, ...]:
-    dyads = tuple(values) if isinstance(values, (tuple, list)) else ()
-    may_be_none = driven == CYLINDER and values in ((), [])
-    if not (dyads or may_be_none) or not all(isinstance(dyad, Dyad) for dyad in dyads):
-        raise InvalidParameter('dyads', values, 'must be one Dyad or more, in order')
-    return dyads
-
-
 def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
     """Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}."""
     # They are any numbers, even arrays, and not checked.

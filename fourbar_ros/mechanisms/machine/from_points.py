@@ -49,38 +49,40 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
     if len(pivots) != 1:
         raise InvalidParameter('links', tuple(links[0]) if links else None, 'the first must be '
                                'the crank, with one point of the ground')
-    at = {name: complex(*place) - complex(*points[pivots[0]]) for name, place in points.items()}
-    joints = {name: Point(GROUND, at[name].real, at[name].imag) for name in ground}
+    origin = complex(*points[pivots[0]])
+    drawn = {name: complex(*position) - origin for name, position in points.items()}
+    joints = {name: Point(GROUND, drawn[name].real, drawn[name].imag) for name in ground}
 
     def add(link: str, names: Sequence[str], first: str, end: str) -> float:
         """Add the points of a link, whose x axis goes from one to another; return its length."""
-        axis = at[end] - at[first]
+        axis = drawn[end] - drawn[first]
         length = abs(axis)
         if not length:
             raise InvalidParameter('points', end, f'must not be where {first} is')
         for name in names:
-            place = length if name == end else axis.conjugate() * (at[name] - at[first]) / length
-            joints.setdefault(name, Point(link, place.real, place.imag))
+            arm = (length if name == end
+                   else axis.conjugate() * (drawn[name] - drawn[first]) / length)
+            joints.setdefault(name, Point(link, arm.real, arm.imag))
         return length
 
     pin = next(name for name in links[0] if name not in pivots)
     add(CRANK_LINK, links[0], pivots[0], pin)
-    start, dyads, ends = phase(at[pin]), list[Dyad](), dict[str, str]()
+    start, dyads, ends = phase(drawn[pin]), list[Dyad](), dict[str, str]()
     waiting = [list(link) for link in links[1:]]
     while waiting:
         first, second, inner = _next_dyad(waiting, joints, slides)
         p = next(name for name in first if name in joints)
-        rod, names = at[inner] - at[p], [''.join(first), ''.join(second or [inner, 'block'])]
+        rod, names = drawn[inner] - drawn[p], [''.join(first), ''.join(second or [inner, 'block'])]
         q = next(name for name in second if name in joints) if second else inner
         lengths: dict[str, Any] = {'length_1': add(names[0], first, p, inner)}
         if second:
             lengths['length_2'] = add(names[1], second, q, inner)
-            side = (rod.conjugate() * (at[inner] - at[q])).imag / lengths['length_2']
+            side = (rod.conjugate() * (drawn[inner] - drawn[q])).imag / lengths['length_2']
             hangs = joints[p], joints[q]
         else:
             lengths['direction_2'] = slides[inner]
             side = (rod.conjugate() * rect(1.0, slides[inner])).real
-            hangs = joints[p], Point(GROUND, at[inner].real, at[inner].imag)
+            hangs = joints[p], Point(GROUND, drawn[inner].real, drawn[inner].imag)
         if abs(side) < FLAT * lengths['length_1'] and inner not in modes:
             raise InvalidParameter(f'modes.{inner}', None, 'must be given, 1 or 2: the links at '
                                    f'{inner} lie too flat in the drawing to read it')
@@ -92,7 +94,7 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
         if dyad.name in modes:
             continue
         for dyads[i] in dyad, replace(dyad, mode=OPEN + CROSSED - dyad.mode):
-            if _is_as_drawn(Machine(tuple(dyads[:i + 1])), start, dyad, at):
+            if _is_as_drawn(Machine(tuple(dyads[:i + 1])), start, dyad, drawn):
                 break
         else:
             raise InvalidParameter('points', dyad.name, 'the links do not close where it is drawn')
@@ -114,10 +116,10 @@ def _next_dyad(waiting: Sequence[list[str]], joints: Mapping[str, Point],
                            'joint on those. Drive another link, or look for a joint left out')
 
 
-def _is_as_drawn(machine: Machine, start: float, dyad: Dyad, at: Mapping[str, complex]) -> bool:
+def _is_as_drawn(machine: Machine, start: float, dyad: Dyad, drawn: Mapping[str, complex]) -> bool:
     try:
-        place = point_motion(machine, machine.motion(start), dyad.links[0],
-                             dyad.length_1 or 0.0).place
+        position = point_motion(machine, machine.motion(start), dyad.links[0],
+                                dyad.length_1 or 0.0).place
     except FourBarError:
         return False
-    return abs(complex(*place) - at[dyad.name]) < SAME * max(map(abs, at.values()))
+    return abs(complex(*position) - drawn[dyad.name]) < SAME * max(map(abs, drawn.values()))

@@ -149,8 +149,11 @@ class Machine(Mechanism):
     def __post_init__(self) -> None:
         if self.input not in DRIVERS:
             raise InvalidParameter('input', self.input, f'must be one of {", ".join(DRIVERS)}')
-        self._set(dyads=description.checked_dyads(self.dyads, self.input),
-                  cylinder=description.checked_cylinder(self.cylinder, self.input))
+        dyads: Any = tuple(self.dyads) if isinstance(self.dyads, (tuple, list)) else None
+        if not (dyads or dyads == () and self.input == CYLINDER) or not all(
+                isinstance(dyad, Dyad) for dyad in dyads):
+            raise InvalidParameter('dyads', self.dyads, 'must be one Dyad or more, in order')
+        self._set(dyads=dyads, cylinder=description.checked_cylinder(self.cylinder, self.input))
         description.require_name('carrier', self.carrier)
         if self.carrier != GROUND and (self.input != CRANK
                                        or self.carrier == structure.CRANK_LINK):

@@ -21,7 +21,7 @@ from typing import Any
 from fourbar_ros.mechanisms.machine.solve.dyads import Ends, Node, turned
 from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, Stage
+from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, Stage
 from fourbar_ros.numerics import number_types
 from fourbar_ros.numerics.number_types import exact_sum, Function, NumberType, REAL, Scalar
 
@@ -98,16 +98,20 @@ class PairRange:
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
         return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
 
-    def input_at(self, flat: float, is_driven: bool) -> float:
-        """Return the input where a pair of the driven link and the ground lies flat [rad or m]."""
-        # flat: one of flats; is_driven: whether the driven link, not the ground, moves in the
-        # pair's frame.
+    def inputs(self, is_moving: bool, limits: Sequence[Any]) -> list[float]:
+        """Return the inputs within limits where a pair of frame and driven link lies flat."""
+        # is_moving: whether the driven link, not the frame, moves in the frame of the pair;
+        # limits: the two ends of each range, None of a full turn
         if self.slides:
-            return float(0.0 - self._start)
-        angle = atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
-        turn = angle - atan2(*self._start[::-1])
-        folded = remainder(turn if is_driven else -turn, 2.0 * pi)
-        return pi if folded == -pi else folded + 0.0
+            flats, turns = [float(0.0 - self._start)] * len(self.flats), [0.0]
+        else:
+            turned = [atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
+                      - atan2(*self._start[::-1]) for flat in self.flats]
+            folded = [remainder(turn if is_moving else -turn, 2.0 * pi) for turn in turned]
+            flats = [pi if x == -pi else x + 0.0 for x in folded]
+            turns = [-2.0 * pi, 0.0, 2.0 * pi]
+        return [x for x in flats if any(bound is None or bound[0].x < x + turn < bound[1].x
+                                        for bound in limits for turn in turns)]
 
 
 def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
@@ -190,9 +194,3 @@ def make_along(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths
     hanging = hangings(n, layout, dyad_lengths, signs)
     return lambda x: measure(
         Poses(hanging, driven_link(n, layout, dyad_lengths, signs, x)).carry(dyad))
-
-
-def has_toggles(stage: Stage, lengths: DyadLengths) -> bool:
-    if stage.pair:
-        return PairRange(stage, lengths).has_toggles
-    return stage.kind in CLOSING and stage.name != CYLINDER

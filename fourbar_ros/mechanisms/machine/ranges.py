@@ -115,44 +115,35 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
         if pair_range and pair_range.is_impossible:
             return DyadRanges((), stage.name, layout=search.layout)
         turns = 2 if twice and not is_driven else 1
-        if margins.has_toggles(stage, lengths):
+        if pair_range.has_toggles if pair_range else (
+                stage.kind in margins.CLOSING and stage.name != CYLINDER):
             split = [search.split(bound, i, turns) for bound in limits]
-            limits = [part for parts, _ in split for part in parts]
+            limits = [section for sections, _ in split for section in sections]
             near += [margin for _, margin in split]
             if not limits:
                 return DyadRanges((), stage.name, layout=search.layout)
-        found: list[float] = []
+        inputs: list[float] = []
         if pair_range and pair_range.flats:
-            found = (flats_of_driven(pair_range, stage.moving == 1, limits) if is_driven
-                     else search.flats(pair_range, limits, i, turns))
-            if not found:
+            inputs = (pair_range.inputs(stage.moving == 1, limits) if is_driven
+                      else search.flats(pair_range, limits, i, turns))
+            if not inputs:
                 search.without_branch(i)
-        if turns == 2 and (found or limits != [None]):
+        if turns == 2 and (inputs or limits != [None]):
             raise InvalidParameter(f'dyads.{stage.name}', None, 'ends the range or lies flat in '
                                    f'one turn of the crank, not in the next: dyad {twice} repeats '
                                    'after two')
-        for x in found:
+        for x in inputs:
             if all(abs(x - known) > SAME * unit for known in flats):
                 flats[x] = stage.name
         if limits != [None]:
             twice = ''
-        elif is_driven and len(found) == 1:
+        elif is_driven and len(inputs) == 1:
             twice = twice or stage.name
     turns = 2 if twice else 1
     search.forget()
     return DyadRanges(tuple(limits), '', dict(sorted(flats.items())),
                       partial(search.toggles, near), partial(search.poles, limits, turns),
                       turns, search.layout)
-
-
-def flats_of_driven(pair_range: margins.PairRange, is_moving: bool, limits: Sequence[RangeEnds]
-                    ) -> list[float]:
-    """Return the inputs within ``limits`` where a pair of frame and driven link lies flat."""
-    # is_moving: whether the driven link, not the frame, moves in the frame of the pair.
-    turns = (0.0,) if pair_range.slides else (-2.0 * pi, 0.0, 2.0 * pi)
-    flats = [pair_range.input_at(direction, is_moving) for direction in pair_range.flats]
-    return [x for x in flats if any(bound is None or bound[0].x < x + turn < bound[1].x
-                                    for bound in limits for turn in turns)]
 
 
 class _Path(NamedTuple):
@@ -176,8 +167,8 @@ class _Path(NamedTuple):
         if self.is_closed:
             pieces = PIECES * round((self.high - self.low) / (2.0 * pi))
             return np.linspace(self.low, self.high, pieces + 1) + SEAM
-        part = np.linspace(-1.0, 1.0, PIECES + 1)
-        return np.asarray(0.5 * pi * np.sin(0.5 * pi * part) * (1.0 - 1e-7))
+        share = np.linspace(-1.0, 1.0, PIECES + 1)
+        return np.asarray(0.5 * pi * np.sin(0.5 * pi * share) * (1.0 - 1e-7))
 
 
 class _Sampled(NamedTuple):
@@ -375,20 +366,20 @@ class _Search:
             starts.append(phi[i] - slope[i] * width / change
                           + 1j * np.sqrt(2.0 * least * width / change))
         ends = np.cumsum([start.size for start in starts]).tolist()
-        parts = [slice(end - start.size, end) for start, end in zip(starts, ends)]
+        sections = [slice(end - start.size, end) for start, end in zip(starts, ends)]
         z = np.concatenate([np.empty(0), *starts])
         x = np.empty((2, z.size), complex)      # all at once, as their dyads carry each other
         with np.errstate(all='ignore'):
             for _ in range(NEWTON_STEPS if z.size else 0):
-                for function, part in zip(functions, parts):
-                    x[:, part] = function.path.to_input(np.array([z[part], z[part] + h]))
+                for function, section in zip(functions, sections):
+                    x[:, section] = function.path.to_input(np.array([z[section], z[section] + h]))
                 poses = self._poses_at(x)
-                for function, part in zip(functions, parts):
-                    if part.start < part.stop:
-                        at_z, ahead = function.function(poses)[:, part]
-                        z[part] -= at_z * h / (ahead - at_z)
-            near = [(z[part], function.path.to_input(z[part]))
-                    for function, part in zip(functions, parts)]
+                for function, section in zip(functions, sections):
+                    if section.start < section.stop:
+                        at_z, ahead = function.function(poses)[:, section]
+                        z[section] -= at_z * h / (ahead - at_z)
+            near = [(z[section], function.path.to_input(z[section]))
+                    for function, section in zip(functions, sections)]
         return [x[np.isfinite(x) & (x.imag != 0.0) & (np.abs(z.imag) < 2.0)].tolist()
                 for z, x in near]
 

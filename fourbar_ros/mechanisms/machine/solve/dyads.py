@@ -167,7 +167,7 @@ def rrp(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> Dya
 def rpr(n: NumberType, sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> DyadMotion:
     """Return how RPR moves, a block pinned at P on a bar pinned at Q, by (D7) to (D9)."""
     sqrt, (h,) = n.sqrt, sizes
-    x, y, dx, dy, ddx, ddy = [-part for part in ends.apart]
+    x, y, dx, dy, ddx, ddy = [-value for value in ends.apart]
     distance = sqrt(x * x + y * y)
     s = sign * sqrt((distance - h) * (distance + h))                                    # (D7)
     per = 1.0 / distance
@@ -195,7 +195,7 @@ def rpp(_n: NumberType, _sign: Scalar, sizes: Sequence[Scalar], ends: Ends) -> D
     qx, qy, qdx, qdy, qddx, qddy = ends.q
     tx, ty, turn, bend = turned(ends.second, cos_t, sin_t)
     cx, cy = cos_g * tx - sin_g * ty, cos_g * ty + sin_g * tx
-    x, y, dx, dy, ddx, ddy = [-part for part in ends.apart]
+    x, y, dx, dy, ddx, ddy = [-value for value in ends.apart]
     s, d = split(x, y, tx, ty)
     ds, dd = split(dx + turn * y, dy - turn * x, tx, ty)
     square, twice = turn * turn, 2.0 * turn

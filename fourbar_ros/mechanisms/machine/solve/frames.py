@@ -252,15 +252,15 @@ class Poses:
         """Yield (index, curve as ``link`` sees it) of the links that are joined to it."""
         for pair, points in joints.pins.items():
             if link in pair:
-                other, on_other, on_link = ((pair[0], *points) if pair[1] == link
-                                            else (pair[1], *points[::-1]))
-                yield other, pinned(on_other, on_link, self.relation(other, link))
+                neighbour, there, here = ((pair[0], *points) if pair[1] == link
+                                          else (pair[1], *points[::-1]))
+                yield neighbour, pinned(there, here, self.relation(neighbour, link))
         for pair, (start, (c, s)) in joints.slides.items():
             if pair[1] == link:
                 yield pair[0], slid(start, (c, s), self._slides[pair])
             elif pair[0] == link:
                 curve = slid(start, (c, s), self._slides[pair])     # and back
-                vectors = [-part for k in (0, 2, 4) for part in (
+                vectors = [-value for k in (0, 2, 4) for value in (
                     c * curve[k] + s * curve[k + 1], c * curve[k + 1] - s * curve[k])]
                 yield pair[1], LinkMotion._make((*vectors, c, -s, 0.0, 0.0))
 

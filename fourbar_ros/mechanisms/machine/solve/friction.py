@@ -177,13 +177,13 @@ class MachineFriction:
 
         def with_efforts(efforts: Sequence[Scalar], needs: Sequence[Needs], drive: Scalar
                          ) -> tuple[DyadForces, Scalar]:
-            one, two = needs
+            first, second = needs
             for effort, joint in zip(efforts, joints):
-                one, two = (Needs(need.force + more.force * effort,
-                                  need.moment + effort * more.moment)
-                            for need, more in zip((one, two), joint.needs))
+                first, second = (Needs(need.force + more.force * effort,
+                                       need.moment + effort * more.moment)
+                                 for need, more in zip((first, second), joint.needs))
                 drive = drive + self._unit * (joint.rate * effort)
-            forces = solve(one, two)
+            forces = solve(first, second)
             return with_drive_along(forces, e[stage.link] * drive) if is_cylinder else forces, (
                 drive)
 
@@ -248,8 +248,8 @@ class MachineFriction:
             effort = effort if is_slide else self._unit * effort
             self.paid, drive = self.paid + effort, drive + effort
         if DRIVE in by_joint:
-            own = by_joint[DRIVE]
-            effort = own.torque * self._direction + own.viscous * self._rate
+            of_drive = by_joint[DRIVE]
+            effort = of_drive.torque * self._direction + of_drive.viscous * self._rate
             self.paid, drive = self.paid + effort, drive + effort
         return drive
 
@@ -410,8 +410,8 @@ def locked(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], felt: Sequence
     return locks
 
 
-def _dot(one: Felt, two: Felt) -> Scalar:
-    return one[0] * two[0] + one[1] * two[1]
+def _dot(first: Felt, second: Felt) -> Scalar:
+    return first[0] * second[0] + first[1] * second[1]
 
 
 def _plus(pair: Felt, terms: Sequence[tuple[Felt, Scalar]]) -> Felt:
