@@ -125,7 +125,6 @@ def watch(client: Driver, node: subprocess.Popen[bytes], seconds: float, console
 
 
 def show_extrema(client: Driver, console: Console) -> None:
-    """Ask the node for all extrema and print the global ones."""
     linkage, speed = client.scene.linkage, client.scene.drive.speed
     answer = client.call('find_extrema', velocity=speed)
     if answer.result != answer.RESULT_OK:

@@ -48,7 +48,6 @@ class NodeClient:
         self._services: dict[str, rclpy.client.Client] = {}
 
     def spin(self, seconds: float) -> None:
-        """Handle incoming messages for some seconds."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:
             self.executor.spin_once(timeout_sec=left)
@@ -91,7 +90,6 @@ class NodeClient:
         return self._services[name]
 
     def close(self) -> None:
-        """Stop handling messages."""
         self.executor.shutdown()
 
 

@@ -57,7 +57,6 @@ class Code:
     # --- header ---------------------------------------------------------------------------------
 
     def header(self) -> str:
-        """Return the text of NAME.h."""
         name, model = self.name, self.model
         records = [('input', model.inputs, 'What drives it.'),
                    ('parameters', model.tunable, 'What can be changed at run time.'),
@@ -114,7 +113,6 @@ class Code:
     # --- source ---------------------------------------------------------------------------------
 
     def source(self) -> str:
-        """Return the text of NAME.c."""
         name, model = self.name, self.model
         defaults = [f'to->{entry.field} = {literal(entry.value)};' for entry in model.tunable]
         unused = ['(void)from;'] if not (model.tunable and self.preparation) else []

@@ -101,7 +101,6 @@ class DriveCode:
 
     @cached_property
     def fields(self) -> list[Named]:
-        """Return the fields of a state in their order."""
         is_slide = self._system.mechanism.is_driven_by_slide
         texts = TEXTS | ({'mode': ('', 'assembly mode')} if self.modes else {})
         return [Named(name, name, OF_SLIDES.get(unit, unit) if is_slide else unit, text, 0.0, i)
@@ -140,7 +139,6 @@ class DriveCode:
         return names
 
     def declarations(self) -> str:
-        """Return the C declarations of the drive for the header."""
         name, drive, command = self._model.name, self._scene.drive, self.command
         fields = list(self.fields)
         if self.modes:

@@ -130,7 +130,6 @@ class JsModule:
 
     @property
     def first_load(self) -> int:
-        """Return the index of the first load among the results."""
         return len(self.units) - (len(self.mechanism.LOADS._fields) if self.mechanism.bodies
                                   else 0)
 
@@ -157,9 +156,10 @@ class JsModule:
 
     @cached_property
     def text(self) -> str:
-        """Return the text of the module."""
-        return filled(self.body, {
-            'PARAMETERS': _object(self.parameters), 'RECORDED': json.dumps(self._recorded)})
+        parameters = ', '.join(f'{json.dumps(name)}: {JS.literal(value)}'
+                               for name, value in self.parameters.items())
+        return filled(self.body, {'PARAMETERS': f'{{{parameters}}}',
+                                  'RECORDED': json.dumps(self._recorded)})
 
     @cached_property
     def body(self) -> str:
@@ -206,7 +206,6 @@ class JsModule:
 
     @property
     def operations(self) -> int:
-        """Return the number of operations of a step."""
         trace = self.trace
         return sum(1 for i in trace.needed([self._indices[name] for name in self.units])
                    if i in trace.varies and not trace.steps[i].is_given)
@@ -233,7 +232,7 @@ class JsModule:
             parameter = of_name(name) if not name.startswith('base.') else None
             if name.endswith(('.mass', '.inertia')):
                 bounds.append((name, 0.0, True))
-            elif parameter and (parameter.positive or _is_rod(name)):
+            elif parameter and (parameter.positive or name.startswith('bodies.rods.')):
                 bounds.append((name, 0.0, False))
             elif parameter and parameter.low > -inf:
                 bounds.append((name, parameter.low, True))
@@ -275,12 +274,3 @@ class JsModule:
             pass
         row = [results.get(name) for name in self.units]
         return status, [None if value is None or not isfinite(value) else value for value in row]
-
-
-def _is_rod(name: str) -> bool:
-    return name.startswith('bodies.rods.')
-
-
-def _object(values: dict[str, float]) -> str:
-    return '{' + ', '.join(f'{json.dumps(name)}: {JS.literal(value)}'
-                           for name, value in values.items()) + '}'

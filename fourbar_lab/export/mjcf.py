@@ -37,7 +37,13 @@ def mjcf(model: RobotModel) -> str:
     axes = rotation_of(model.frame.rpy)
     add(root, 'option', gravity=tuple([sum(g * axis[i] for g, axis in zip(model.gravity, axes))
                                        for i in range(3)]), timestep=TIMESTEP)
-    base = _base(add(root, 'worldbody'), model)
+    base, parent = add(root, 'worldbody'), model.frame.parent
+    if parent and parent != WORLD:
+        base = add(base, 'body', name=parent)
+    base = add(base, 'body', name=model.root)
+    if parent:
+        base.set('pos', digits_of(*model.frame.xyz))
+        base.set('euler', digits_of(*model.frame.rpy))
     for geom in _geoms(base, model.ground, -1):
         geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
@@ -71,15 +77,6 @@ def mjcf(model: RobotModel) -> str:
     add(add(root, 'keyframe'), 'key', name='start',
         qpos=tuple(_starts(model, model.root)))
     return as_text(root)
-
-
-def _base(world: Element, model: RobotModel) -> Element:
-    if not model.frame.parent:
-        return add(world, 'body', name=model.root)
-    parent = (world if model.frame.parent == WORLD
-              else add(world, 'body', name=model.frame.parent))
-    return add(parent, 'body', name=model.root, pos=tuple(model.frame.xyz),
-               euler=tuple(model.frame.rpy))
 
 
 def _geoms(body: Element, shapes: Sequence[Shape], index: int) -> list[Element]:

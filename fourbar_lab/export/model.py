@@ -64,7 +64,6 @@ class GeneratedModel:
 
     @cached_property
     def mechanism(self) -> Mechanism:
-        """Return the mechanism, with masses also where springs load it."""
         return self.scene.linkage
 
     @cached_property
@@ -85,7 +84,6 @@ class GeneratedModel:
 
     @property
     def moves_by_torque(self) -> bool:
-        """Return whether its motion follows from torque."""
         return self.scene.dynamics is not None
 
     # --- its trace ------------------------------------------------------------------------------
@@ -153,7 +151,6 @@ class GeneratedModel:
 
     @cached_property
     def constants(self) -> Any:
-        """Return the data of the mechanism's formulas."""
         constants = self.mechanism.constants
         return constants if self.mechanism.bodies else constants._replace(
             bodies=None, elements=(), friction=())
@@ -167,7 +164,6 @@ class GeneratedModel:
 
     @cached_property
     def inputs(self) -> tuple[Named, ...]:
-        """Return position, rate and acceleration of the input."""
         coordinate = self.mechanism.input_coordinate
         texts = 'position of the input', 'its rate', 'its acceleration'
         return self._with_fields([Named(name, '', unit, text, 0.0, i) for i, (name, unit, text)
@@ -273,7 +269,6 @@ class GeneratedModel:
 
     @cached_property
     def loads(self) -> tuple[Named, ...]:
-        """Return the wanted fields of the loads."""
         return self._wanted(self.mechanism.LOADS._fields if self.mechanism.bodies else (),
                             _indices_of(self.trace)[1])
 
@@ -287,7 +282,6 @@ class GeneratedModel:
             if self.outputs is None or name in self.outputs or name in always])
 
     def check(self) -> None:
-        """Raise NotGenerated or InvalidParameter if the scene cannot be generated as asked."""
         mechanism, outputs = self.mechanism, list(self.outputs or ())
         known = self.names_of_motion
         for name in outputs:
@@ -359,7 +353,6 @@ class GeneratedModel:
         return self.trace.needed(wanted)
 
     def refusing(self, with_loads: bool) -> list[int]:
-        """Return the indices of the steps that refuse some inputs."""
         trace = self.trace
         _, end_of_motion, _ = self._recorded
         end = len(trace.steps) if with_loads and self.loads else end_of_motion
@@ -387,7 +380,6 @@ def _indices_of(trace: Trace) -> list[list[int]]:
 
 
 def word(name: str) -> str:
-    """Return a name as a word of C and C++."""
     text = re.sub(r'\W', '_', name, flags=re.ASCII)
     if not text or text[0].isdigit() or text[0] == '_':
         text = 'n' + text

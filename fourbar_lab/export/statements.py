@@ -41,7 +41,6 @@ def filled(text: str, words: Mapping[str, object]) -> str:
 
 
 def lines_of(texts: Iterable[str]) -> str:
-    """Return statements as lines within a function."""
     return ''.join([f'  {text}\n' for text in texts])
 
 

@@ -48,7 +48,6 @@ class ModelJoint(NamedTuple):
 
     @property
     def slides(self) -> bool:
-        """Return whether it is a slide, not a pin."""
         return self.connection.axis is not None
 
     @property

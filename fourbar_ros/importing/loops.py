@@ -37,7 +37,6 @@ class Loop:
         return list(dict.fromkeys(link for joint in self.joints for link in self.ends(joint)))
 
     def ends(self, joint: RobotJoint) -> tuple[str, str]:
-        """Return the links of parent and child of a joint."""
         return self.link_of[joint.parent], self.link_of[joint.child]
 
     def far(self, joint: RobotJoint, link: str) -> str:
@@ -216,7 +215,6 @@ def base_of(loop: Loop, wishes: robots.Wishes) -> str:
 
 
 def check_freedom(loop: Loop) -> None:
-    """Raise Refused unless a loop has one degree of freedom."""
     links, joints = len(loop.links), len(loop.joints)
     freedom = 3 * (links - 1) - 2 * joints
     text = f'{links} links and {joints} joints have {freedom} degrees of freedom'

@@ -194,7 +194,6 @@ class Plane:
                     else 'linkage.carrier'] = names[GROUND]
 
     def input_of(self, drive: RobotJoint) -> float:
-        """Return the input of the scene in the file's pose."""
         scale = next(each for each in self.scales.values() if each.joint is drive)
         return (drive.position - scale.offset) / scale.ratio
 

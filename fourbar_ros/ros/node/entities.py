@@ -82,7 +82,6 @@ def check_qos_overrides(node: Node, scene: Scene) -> None:
 
 
 def has_override(node: Node, entity: str, topic: Topic, policy: str) -> bool:
-    """Return whether a user overrides a policy of a 'publisher' or 'subscription'."""
     name = node.resolve_topic_name(topic.topic)
     return bool(node.has_parameter(f'{OVERRIDES}{name}.{entity}.{policy}'))
 
@@ -143,7 +142,6 @@ class Troubles:
         self.incompatible: dict[str, str] = {}
 
     def expect(self, *causes: str) -> None:
-        """Begin to count causes, at zero."""
         self.counts |= dict.fromkeys(causes, 0)
 
     def count(self, cause: str, text: str = '') -> None:

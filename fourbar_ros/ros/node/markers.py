@@ -122,14 +122,12 @@ def marker(frame: str, group: str, index: int, kind: int, colour: Colour, scale:
 
 def lines(frame: str, group: str, index: int, pairs: Iterable[Iterable[MarkerPoint]],
           width: float, colour: Colour, opacity: float = 1.0) -> Marker:
-    """Return a marker of separate lines from point to point; ``width`` in [m]."""
     return marker(frame, group, index, Marker.LINE_LIST, colour, (width, 0.0, 0.0),
                   [end for pair in pairs for end in pair], opacity)
 
 
 def spheres(frame: str, group: str, index: int, points: Iterable[MarkerPoint], size: float,
             colour: Colour) -> Marker:
-    """Return a marker of spheres; ``size``: their diameter [m]."""
     return marker(frame, group, index, Marker.SPHERE_LIST, colour, (size, size, size), points)
 
 

@@ -86,7 +86,6 @@ def frames_maker(scene: Scene) -> Make:
 
 
 def frames_of(scene: Scene) -> set[str]:
-    """Return the names of the frames that a scene publishes."""
     frames = {scene.frame_id} if FRAME.name in scene.pictures else set[str]()
     if 'tf' in scene.pictures:
         model = model_of(scene)

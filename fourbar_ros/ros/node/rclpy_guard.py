@@ -206,7 +206,6 @@ def with_info(receive: Callable[[bytes, dict[str, Any]], None]) -> Callable[...,
 
 
 def spin(nodes: Sequence[Node], signals: Sequence[int]) -> None:
-    """Handle messages and timers of all nodes until a signal has come."""
     executor, ended = EventsExecutor(), False
     for node in nodes:
         executor.add_node(node)

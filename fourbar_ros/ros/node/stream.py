@@ -140,7 +140,6 @@ class Stream:
         return self._recording.close(writer, why) if writer else None    # it waits for the disk
 
     def record(self, topic: str, data: bytes) -> None:
-        """Record a message of a topic (short name) if a bag is open; never waits."""
         self._recording.write([(topic, data)])
 
     def record_input(self, topic: str, message: Message) -> None:
