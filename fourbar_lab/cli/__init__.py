@@ -13,10 +13,9 @@ if TYPE_CHECKING:      # verbs import when they run
 
 def asked(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
     """Return the scene, its linkage in the mode asked for, and the speed of the input."""
-    from fourbar_lab.drawing.poses import require_units
+    from fourbar_lab.drawing.views import driven_linkage
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    linkage = scene.in_mode(arguments.mode)
-    require_units(linkage, getattr(arguments, 'at', None), arguments.speed,
-                  arguments.acceleration)
-    return scene, linkage, scene.drive.speed if arguments.speed is None else arguments.speed
+    linkage, speed, _ = driven_linkage(scene, arguments.speed, arguments.acceleration,
+                                       arguments.mode, getattr(arguments, 'at', None))
+    return scene, linkage, speed

@@ -65,7 +65,6 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    """Balance a scene; print counterweights and loads, write the files that options name."""
     from fourbar_lab.balancing import BalanceError, changes, full_force_balance, Loads, Places
     from fourbar_lab.balancing.result import draw_changes, scene_text
     from fourbar_ros.scene.scene import load

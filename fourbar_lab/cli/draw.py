@@ -40,7 +40,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _draw(arguments: Namespace) -> None:
-    """Draw a cycle as a film, curves over a cycle, or one pose, as the options say."""
     from fourbar_lab.drawing import animation, figure, views
     scene, linkage, speed = asked(arguments)
     if arguments.animate:

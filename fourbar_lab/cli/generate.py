@@ -41,7 +41,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _generate(arguments: Namespace) -> None:
-    """Write the code of a scene; print its files and cost, and notes on stderr."""
     from fourbar_lab.export.files import generate, paths_of
     refuse_overwriting(paths_of(Path(arguments.scene).stem, arguments.out, arguments.format),
                        arguments.force)

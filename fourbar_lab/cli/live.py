@@ -38,7 +38,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _live(arguments: Namespace) -> None:
-    """Serve the page of a scene, or write it as a file."""
     from fourbar_ros.scene.scene import load
     scene = arguments.scene and load(arguments.scene)
     if arguments.out is None:

@@ -58,7 +58,6 @@ then:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar new``, with an option for each length of any kind of mechanism."""
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     add_output(new, 'file', metavar='FILE', suffix='.yaml', help='scene to write, e.g. my.yaml')
     new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
@@ -100,7 +99,6 @@ def _bar(text: str) -> str:
 
 
 def _density(text: str) -> float:
-    """Return the density [kg/m^3] for the name of a material or a number with a unit."""
     if text in MATERIALS:
         return MATERIALS[text]
     if text[:1].isalpha():
@@ -109,7 +107,6 @@ def _density(text: str) -> float:
 
 
 def _new(arguments: Namespace) -> None:
-    """Write the scene file, unless it would not load, as with wrong lengths."""
     from fourbar_ros.scene.files import flatten, parse
     from fourbar_ros.scene.scene import from_values, give_warnings
     path = arguments.file

@@ -35,7 +35,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _reproduce(arguments: Namespace) -> int:
-    """Print all tables; the exit code tells whether a number differs without a reason."""
     from fourbar_lab.reproduction.documents import count, DIFFERS, print_tables
     from fourbar_lab.reproduction.paper import reproduce
     sections = reproduce()

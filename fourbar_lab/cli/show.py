@@ -57,7 +57,6 @@ def add(verbs: Verbs) -> None:
 
 
 def _share(text: str) -> float:
-    """Return a positive share, as 0.05 or 5%."""
     try:
         share = quantity(text.removesuffix('%')) * (0.01 if text.endswith('%') else 1.0)
     except WrongQuantity as error:
@@ -68,7 +67,6 @@ def _share(text: str) -> float:
 
 
 def _show(arguments: Namespace) -> None:
-    """Find the extrema of a scene in a mode, and its pose if asked for; print or dump both."""
     from fourbar_lab.drawing import poses, record, tables
     from fourbar_ros import find_extrema
     from fourbar_ros.mechanisms.quantities import select
@@ -106,7 +104,7 @@ def _show(arguments: Namespace) -> None:
             **({'within': list(within)} if within else {}), 'why_no_loads': linkage.why_no_loads,
             'drive': drive, **record.record_of(linkage, extrema, scene.points, pose)}))
     else:
-        from fourbar_ros.terminal import make_console
+        from fourbar_ros.terminal import make_console, make_table
         rates = tables.rates_in_words(linkage, speed, acceleration)
         if within:
             rates += f' in {in_words([within], linkage.input_coordinate.unit)}'
@@ -120,7 +118,7 @@ def _show(arguments: Namespace) -> None:
             tables.linkage_table(linkage, path),
             tables.extrema_table(linkage, of_motion, f'extrema of motion {title}'),
             linkage.why_no_loads or None,
-            tables.drive_table(linkage, drive, speed, acceleration),
+            make_table('', ('', ''), tables.drive_in_words(linkage, drive, speed, acceleration)),
             tables.extrema_table(linkage, of_loads, f'extrema of loads {title}')
             if of_loads else None,
             tables.jumps_in_words(linkage, element_names(scene.values), of_loads,

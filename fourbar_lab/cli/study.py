@@ -49,7 +49,6 @@ def add(verbs: common.Verbs) -> None:
 
     def with_run_implied(args: Sequence[str], namespace: argparse.Namespace | None
                          ) -> tuple[argparse.Namespace, list[str]]:
-        """Parse ``STUDY.yaml`` as ``run STUDY.yaml``."""
         if args and args[0] not in (*ACTIONS, '-h', '--help'):
             args = ['run', *args]
         return parse(args, namespace)
@@ -89,7 +88,6 @@ def add(verbs: common.Verbs) -> None:
 
 
 def _show(arguments: argparse.Namespace) -> None:
-    """Print the tables of a study, as far as it is computed."""
     from fourbar_lab.studies.results import PERCENTILES, Results
     from fourbar_ros.terminal import make_console, make_table
     results, console = Results(arguments.study), make_console()
@@ -130,7 +128,6 @@ def _show(arguments: argparse.Namespace) -> None:
 
 
 def _pick(arguments: argparse.Namespace) -> None:
-    """Write the scene of a design: the best, the worst, or the design of a row."""
     from fourbar_lab.studies import StudyError
     from fourbar_lab.studies.results import Results
     results, which = Results(arguments.study), arguments.which
@@ -149,7 +146,6 @@ def _pick(arguments: argparse.Namespace) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    """Compute a study with its progress shown; the exit code tells whether a design failed."""
     from fourbar_lab.studies.chunks import FEASIBLE
     from fourbar_lab.studies.engine import cluster, KEPT, processes, run
     from fourbar_lab.studies.results import Results

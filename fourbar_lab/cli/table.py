@@ -61,7 +61,6 @@ def add(verbs: common.Verbs) -> None:
 
 
 def _add_arguments(verb: ArgumentParser, default: str) -> None:
-    """Add the arguments of both verbs; ``default``: the text of no QUANTITY."""
     common.add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
@@ -72,7 +71,6 @@ def _add_arguments(verb: ArgumentParser, default: str) -> None:
 
 
 def _table(arguments: Namespace) -> None:
-    """Write all quantities, or those asked for, or what the drive must give at some speeds."""
     from fourbar_lab.drawing import curves, views
     from fourbar_ros.spreadsheet import STDOUT
     scene, linkage, speed = asked(arguments)
@@ -92,7 +90,6 @@ def _table(arguments: Namespace) -> None:
 
 
 def _plot(arguments: Namespace) -> None:
-    """Draw the quantities asked for, or all but components, which would crowd a picture."""
     from fourbar_lab.drawing import figure, views
     from fourbar_ros.scene.files import find
     scene, _, speed = asked(arguments)

@@ -36,7 +36,6 @@ def add(actions: Verbs) -> None:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    """Print three tables: the box, the bounds of each measure, its derivatives."""
     from fourbar_lab.studies.chunks import FEASIBLE
     from fourbar_lab.studies.study import read
     from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
@@ -125,7 +124,6 @@ def _left_out(results: list[Toleranced], corners: dict[str, int], drawn: dict[st
 
 def _derivative_rows(result: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
                      ) -> list[tuple[str, ...]]:
-    """Return the rows of a measure's derivatives, first the tolerance that contributes most."""
     measure, by = result.sensitivity.measure, result.sensitivity.by
     if not any(isfinite(value) for value in by.values()):
         return []

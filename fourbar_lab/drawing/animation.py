@@ -40,7 +40,6 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
 
         def draw(motion: NamedFields) -> None:
-            """Draw one pose in place of the last one, on a sheet that holds all poses."""
             axes.clear()
             sheet = Sheet(axes, [*joints, *np.concatenate([np.empty((0, 2)), *paths])], '')
             for curve in paths:

@@ -33,7 +33,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, Mechanism, SliderCrank
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, vector
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -83,22 +82,6 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
 
 
-def instant_centre(link: LinkMotion, frame: LinkMotion | None = None) -> Array:
-    """
-    Return the instant centre of a link relative to a second one, the frame: the ground for None.
-
-    The point where both have the same velocity (Aronhold and Kennedy), as an array of shape
-    (..., 2) [m] for links of shape (...); inf or NaN where both turn at the same rate.
-    """
-    frame = FIXED if frame is None else frame
-    omega = link.omega - frame.omega
-    # velocity at O1 of the first link, as if O1 were fixed to it, seen from the second
-    v_x = (link.v_x + link.omega * link.y) - (frame.v_x + frame.omega * frame.y)
-    v_y = (link.v_y - link.omega * link.x) - (frame.v_y - frame.omega * frame.x)
-    with np.errstate(divide='ignore', invalid='ignore'):
-        return vector(np.divide(-v_y, omega), np.divide(v_x, omega))
-
-
 def has_axis(linkage: Mechanism) -> bool:
     """Return whether it is a loop of four links that its crank drives."""
     return (isinstance(linkage, (FourBar, SliderCrank, InvertedSlider))
@@ -106,7 +89,6 @@ def has_axis(linkage: Mechanism) -> bool:
 
 
 def _output_joints(linkage: Mechanism, motion: Any) -> tuple[Corner, Corner]:
-    """Return the joints B and O4 of a loop."""
     if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
         return (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
     sine, cosine = np.sin(motion.theta4), np.cos(motion.theta4)

@@ -171,7 +171,6 @@ def renamed(label: str, names: Mapping[str, str]) -> str:
 
 
 def total(vector: Array, label: str) -> Arrow:
-    """Return the arrow from the pole of a whole velocity or acceleration."""
     return Arrow(ORIGIN, vector, label, True)
 
 

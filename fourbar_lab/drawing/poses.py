@@ -11,7 +11,6 @@ from typing import NamedTuple
 from fourbar_ros import FourBarError, Mechanism, point_motion
 from fourbar_ros.mechanisms import load_table, parts, picture, quantities
 from fourbar_ros.pipeline import stepper
-from fourbar_ros.scene.units import require
 from fourbar_ros.terminal import make_table
 from rich.table import Table
 
@@ -29,18 +28,7 @@ class DrawnPose(NamedTuple):
 
 
 def position_of(linkage: Mechanism, user_input: float) -> float:
-    """Return the input [rad or m] for a ``--at`` in degrees or m."""
     return user_input if linkage.is_driven_by_slide else radians(user_input)
-
-
-def require_units(linkage: Mechanism, user_input: float | None, speed: float | None,
-                  acceleration: float) -> None:
-    """Raise WrongQuantity if a number of a command line has the unit of another kind of input."""
-    values = user_input, speed, acceleration
-    for name, value, unit in zip(('--at', '--speed', '--acceleration'), values,
-                                 linkage.input_coordinate.units):
-        if value is not None:
-            require(name, value, unit)
 
 
 def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float,
@@ -66,7 +54,6 @@ def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: f
 
 
 def no_pose(linkage: Mechanism, user_input: float, why: str) -> FourBarError:
-    """Return the error of an input [degrees] or [m]."""
     unit = 'm' if linkage.is_driven_by_slide else 'deg'
     return FourBarError(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
 

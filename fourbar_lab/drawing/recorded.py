@@ -72,7 +72,6 @@ RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit
 
 
 def _topic(name: str, bag: Bag) -> str:
-    """Return the topic, given in full or by its last part."""
     fitting = [topic for topic in bag.types if name in (topic, topic.rsplit('/', 1)[-1])]
     if len(fitting) > 1 and name not in fitting:
         raise BagError(f'{name}: which of {", ".join(fitting)}? write the topic in full')

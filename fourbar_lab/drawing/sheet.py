@@ -76,7 +76,6 @@ class Sheet:
         self._rows = 0                                      # of text below
 
     def occupy(self, start: Array, end: Array) -> None:
-        """Keep labels off a line."""
         self.taken.extend(start + t * (end - start) for t in np.linspace(0.0, 1.0, 49))
 
     def line(self, start: Array, end: Array, **style: Any) -> None:
@@ -101,7 +100,6 @@ class Sheet:
         self._labels.append(Label(text, points, color, tip))
 
     def finish(self) -> None:
-        """Write the labels, first ones first."""
         lines: Array = np.reshape(self.taken, (-1, 2))
         written: list[tuple[Array, Array]] = []
         for label in self._labels:
@@ -113,7 +111,6 @@ class Sheet:
                            color=label.color, fontsize=FONT * self.zoom)
 
     def _is_nearest(self, point: Array, tip: Array | None) -> bool:
-        """Return whether no tip of a label is nearer to a point than this one."""
         return tip is None or all(
             hypot(*(point - tip)) <= hypot(*(point - other.tip)) for other in self._labels
             if other.tip is not None)

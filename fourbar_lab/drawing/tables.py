@@ -148,11 +148,6 @@ def extrema_table(linkage: Mechanism, extrema: Sequence[Extremum], title: str) -
     return table
 
 
-def drive_table(linkage: Mechanism, drive: LinkageRecord, speed: float,
-                acceleration: float = 0.0) -> Table:
-    return make_table('', ('', ''), drive_in_words(linkage, drive, speed, acceleration))
-
-
 def drive_in_words(linkage: Mechanism, drive: LinkageRecord, speed: float,
                    acceleration: float = 0.0) -> list[tuple[str, str]]:
     """Return rows (name, text) that size a drive, from :func:`.record.drive_of` at its rates."""

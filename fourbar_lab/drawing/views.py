@@ -40,12 +40,15 @@ def value_of(name: str, option: Option, *si_units: str) -> float | None:
 
 def driven_linkage(scene: Scene, speed: Option, acceleration: Option, mode: int | None,
                    at: Option = None) -> tuple[Mechanism, float, float]:
-    """Return the linkage in a mode, with speed and acceleration of its input."""
-    linkage = scene.in_mode(mode)
-    rate = value_of('speed', speed, 'rad/s', 'm/s')
-    change = value_of('acceleration', acceleration, 'rad/s^2', 'm/s^2') or 0.0
-    poses.require_units(linkage, value_of('at', at, 'rad', 'm'), rate, change)
-    return linkage, scene.drive.speed if rate is None else rate, change
+    linkage, units = scene.in_mode(mode), scene.linkage.input_coordinate.units
+    _, rate, change = values = [
+        value_of(name, option, *si_units) for name, option, si_units in (
+            ('at', at, ('rad', 'm')), ('speed', speed, ('rad/s', 'm/s')),
+            ('acceleration', acceleration, ('rad/s^2', 'm/s^2')))]
+    for name, value, unit in zip(('--at', '--speed', '--acceleration'), values, units):
+        if value is not None:
+            require(name, value, unit)
+    return linkage, scene.drive.speed if rate is None else rate, change or 0.0
 
 
 def paper_of(width: Option, title: str | None) -> figure.Paper:

@@ -62,7 +62,6 @@ class Section(NamedTuple):
 
     @property
     def cells(self) -> list[tuple[str, ...]]:
-        """Return the texts of each row, under :data:`COLUMNS`."""
         notes = self.footnotes
         return [(row.what, row.printed, '' if isnan(row.ours) else f'{row.ours:.10g}',
                  '' if isnan(row.difference) else f'{row.difference:.3g}', row.unit, row.verdict,
@@ -148,7 +147,6 @@ def count(sections: Sequence[Section]) -> dict[str, int]:
 
 
 def summary(sections: Sequence[Section]) -> str:
-    """Return the verdicts in one line."""
     return ', '.join(f'{rows} {verdict}' for verdict, rows in count(sections).items())
 
 

@@ -88,7 +88,6 @@ def example_7_7() -> Captioned:
 
 
 def paper_figure_3() -> Captioned:
-    """Draw omega4 and alpha4 of the paper's linkage over a turn."""
     theta1, linkage, speed = np.linspace(0.0, tau, 1441), published.PAPER, published.PAPER_SPEED
     motion = linkage.motion(theta1, speed)
     panels = {r'$\omega_4$ [rad/s]': [('', theta1, motion.omega4)],
@@ -126,14 +125,12 @@ def _circled(panels: Mapping[str, Sequence[tuple[str, Array, Array]]],
 
 
 def svg(name: str) -> tuple[str, str]:
-    """Return (SVG text, caption) of a figure by name; the text is the same every time."""
     figure, caption = figure_of(name)
     figure.style |= {'svg.hashsalt': name}      # no two figures of a page share names
     return figure._repr_svg_(), caption
 
 
 def page(sections: Sequence[Section], when: str) -> str:
-    """Return the whole report as one self-contained HTML page with a date on it."""
     legend = ''.join(f'<dt>{name}</dt><dd>{meaning}</dd>' for name, meaning in VERDICTS.items())
     return PAGE.format(summary=summary(sections), version=__version__, when=when, legend=legend,
                        body='\n'.join(map(_section, sections)))

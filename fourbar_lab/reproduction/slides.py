@@ -25,7 +25,6 @@ FOUR_EXTREMA = (1.0, 2.0, 2.0, 2.0)    # a crank-rocker whose alpha4 has four in
 
 
 def sections() -> list[Section]:
-    """Return every :class:`Section` of the slides, computed now."""
     return [example_7_2(), example_7_3(), example_7_4(), example_7_5(), vectors(), contact(),
             io_equations(), example_7_6(), example_7_7(), method(), axis()]
 

@@ -122,7 +122,6 @@ def _differences(first: Array, second: Array) -> dict[str, float]:
 
 
 def _parameters_apart(first: Array, second: Array) -> dict[str, float]:
-    """Return {parameter: largest difference} of scenes, which are JSON; {} if they are not."""
     largest: dict[str, float] = {}
     try:
         for texts in zip(first.tolist(), second.tolist()):

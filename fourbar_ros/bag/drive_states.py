@@ -39,7 +39,6 @@ class DriveStates:
         return self.stepped + self.alone
 
     def change(self, scene: Scene) -> None:
-        """Take another scene; the state stays."""
         self._scene = scene
         self._movers: dict[int, Mover] = {}         # by mode; 0: of the scene
 

@@ -72,7 +72,6 @@ class OutputComparison:
         self._waiting: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
 
     def begin(self, scene: Scene) -> None:
-        """Compare with the names and constants of a scene from here on."""
         self._scene = scene
         self._constant = {'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0), 'header.frame_id': scene.frame_id,

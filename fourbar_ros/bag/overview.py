@@ -38,7 +38,6 @@ class Info(NamedTuple):
     damage: str                 # the first fault and how many there are; '' if none was read
 
     def __repr__(self) -> str:
-        """Return it with the count of topics and no notes, in at most ten lines."""
         return short_repr('Info', {
             **self._asdict(), 'path': str(self.path), 'topics': len(self.topics), 'about': '...'})
 
@@ -66,7 +65,6 @@ class Info(NamedTuple):
 
     @property
     def missing(self) -> int:
-        """Return how many messages are missing by their sequence numbers."""
         return sum(topic.missing or 0 for topic in self.topics)
 
     @property

@@ -275,7 +275,6 @@ class Bag:
                            f'read: {_reason(error)}') from None
 
     def definition_of(self, topic: str) -> str:
-        """Return the text that defines the type of a topic met so far."""
         return str(self._topics[topic][1].data.decode(errors='replace'))
 
     def channel_of(self, topic: str) -> dict[str, str]:
@@ -299,7 +298,6 @@ class Bag:
 
     @cached_property
     def _described(self) -> Mapping[str, Any]:
-        """Return the content of metadata.yaml beside the files; {} if it cannot be read."""
         with suppress(Exception):       # of any kind, for wrong bytes
             text = (self.files[0].parent / 'metadata.yaml').read_text(encoding='utf-8')
             described = metadata.loaded(text)['rosbag2_bagfile_information']
@@ -479,7 +477,6 @@ def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
 
 
 def _may_be_mcap(file: Path) -> bool:
-    """Return whether a file begins as MCAP files do, or was cut in the first bytes."""
     with open(file, 'rb') as stream:
         return bytes(MCAP0_MAGIC).startswith(stream.read(len(MCAP0_MAGIC)))
 

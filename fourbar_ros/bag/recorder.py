@@ -103,7 +103,6 @@ class BagWriter:
 
     @property
     def waiting(self) -> int:
-        """Return how many messages wait for the disk."""
         return len(self._queue)
 
     def write(self, channel: int, data: bytes | bytearray | memoryview) -> bool:
@@ -303,7 +302,6 @@ class BagFile:
         self.span = (self.span or (time, time))[0], time
 
     def flush(self) -> None:
-        """Hand the chunk to the kernel."""
         self._writer.flush()
         self._whole, self._pending = self.file.tell(), 0
 
@@ -315,7 +313,6 @@ class BagFile:
         self._whole = self.file.tell()
 
     def cut(self) -> None:
-        """Cut the file behind the last whole chunk."""
         with contextlib.suppress(OSError):
             os.ftruncate(self.file.fileno(), self._whole)
 

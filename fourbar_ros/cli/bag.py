@@ -42,7 +42,6 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 
 
 def add(verbs: Verbs) -> None:
-    """Add the verb and its actions."""
     bag = common.add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: '
                           'work with a recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')

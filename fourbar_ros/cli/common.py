@@ -46,7 +46,6 @@ PICTURE_HELP = 'picture to write: .png, .svg or .pdf'
 
 def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str = ''
              ) -> argparse.ArgumentParser:
-    """Add a verb; return its parser."""
     return verbs.add_parser(name, help=text, description=description, epilog=epilog,
                             formatter_class=HelpFormatter)
 
@@ -64,14 +63,12 @@ def _scenes(prefix: str, **_: object) -> list[str]:
 
 
 def add_pose(parser: argparse.ArgumentParser, help_of_at: str) -> None:
-    """Add the arguments for input, speed, acceleration and assembly mode."""
     parser.add_argument('--at', type=of('rad', 'm'), metavar='INPUT',
                         help=help_of_at + '; or with a unit: 60deg, 1.2rad, 50mm')
     add_rates(parser)
 
 
 def add_rates(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments for speed, acceleration and assembly mode."""
     parser.add_argument('--speed', type=of('rad/s', 'm/s'), metavar='SPEED',
                         help='input speed [rad/s], for a slide [m/s], or with a unit: 300rpm; '
                              'default: drive.speed of the scene')
@@ -93,25 +90,21 @@ def assembly_mode(text: str) -> int:
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
-    """Add ``--json``."""
     parser.add_argument('--json', action='store_true',
                         help='print one line of JSON per bag; docs/recording.md lists the keys')
 
 
 def add_node(parser: argparse.ArgumentParser) -> None:
-    """Add ``--node``, for a bag with several."""
     parser.add_argument('--node', metavar='NAME',
                         help='node, if a bag of ros2 bag record holds several')
 
 
 def add_tolerance(parser: argparse.ArgumentParser) -> None:
-    """Add ``--tolerance``."""
     parser.add_argument('--tolerance', type=of(least=0.0), default=0.0, metavar='X',
                         help='largest absolute difference that counts as equal (default 0)')
 
 
 def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add ``--topics``."""
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
 
 
@@ -131,7 +124,6 @@ def add_csv(parser: argparse.ArgumentParser, units_help: str) -> None:
 
 
 def csv_style(arguments: argparse.Namespace) -> CsvStyle:
-    """Return how to write CSV by the arguments of :func:`add_csv`."""
     return CsvStyle(arguments.digits, arguments.excel)
 
 
@@ -141,7 +133,6 @@ def json_line(record: Json) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in which infinities and NaN, which JSON does not know, are text."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -186,7 +177,6 @@ def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', *
 
 
 def add_picture(parser: argparse.ArgumentParser) -> None:
-    """Add ``--out`` for a picture, ``--width`` and ``--title``."""
     add_output(parser, '-o', '--out', metavar='FILE', required=True, suffix='.png',
                help=PICTURE_HELP)
     parser.add_argument('--width', type=of('m', above=0.0), default=0.0, metavar='WIDTH',

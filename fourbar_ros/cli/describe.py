@@ -23,7 +23,6 @@ docs/robots.md has the rest.
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar describe`` with its arguments."""
     verb = add_verb(verbs, 'describe', 'write a scene as URDF or MJCF',
                     'Write a scene as a robot description: URDF (ROS, RViz, MoveIt, Foxglove) '
                     'or MJCF (MuJoCo),\nwith masses, joint names and senses of the scene, in its '

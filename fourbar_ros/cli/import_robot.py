@@ -27,7 +27,6 @@ exit code 3: a loop was refused, or is not as MuJoCo has it.
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar import`` with its arguments."""
     verb = add_verb(verbs, 'import', "write a robot's closed loops as scenes",
                     'Read the planar closed loops of a robot, from MJCF or URDF, and write them '
                     'as scenes.', EPILOG)
@@ -85,7 +84,6 @@ def _vector(text: str) -> tuple[float, ...]:
 
 
 def wishes_of(arguments: Namespace) -> Wishes:
-    """Return what the arguments say beside the file."""
     from fourbar_ros.importing.robots import Wishes
     values = {name: getattr(arguments, name) for name in Wishes._fields}
     return Wishes(**values | {'at': dict(arguments.at), 'mode': dict(arguments.mode)})

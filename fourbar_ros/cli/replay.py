@@ -29,7 +29,6 @@ examples:
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar replay`` with its arguments."""
     replay = add_verb(verbs, 'replay', 'publish a recorded run again, or drive a live node with '
                                        'it', DESCRIPTION, EPILOG)
     replay.add_argument('bag', metavar='BAG', help=BAG_HELP)

@@ -25,7 +25,6 @@ LONG = 20                      # numbers above which a table is shown by its end
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar scene check`` and ``print`` with their arguments."""
     verb = verbs.add_parser('scene', help='check a scene file; explain what its node does and '
                                           'costs; print a shipped one',
                             description='Check or print a scene file without starting anything.')

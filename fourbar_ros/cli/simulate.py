@@ -34,7 +34,6 @@ up as it needs more evaluations or time than allowed; the summary says which.
 
 
 def add(verbs: Verbs) -> None:
-    """Add ``fourbar simulate`` with its arguments."""
     simulate = add_verb(verbs, 'simulate', 'run a scene whose motion follows from torque; extrema '
                                            'of speed and loads at its samples',
                         'Integrate the motion that follows from the torque of a motor, weight and '

@@ -74,7 +74,6 @@ def _source(values: ParameterValues) -> Law:
 
 
 def _check_start(dynamics: Dynamics, mechanism: Mechanism) -> None:
-    """Refuse a start in which the links do not close or the equation of motion has no answer."""
     def refuse(why: str) -> InvalidParameter:
         return InvalidParameter('drive.start', dynamics.position, why)
 

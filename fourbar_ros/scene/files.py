@@ -94,7 +94,6 @@ def read_values(path: str | Path) -> YamlTree:
 
 
 def nothing_for(node: str, path: str | Path, keys: Iterable[str], way_out: str = '') -> SceneError:
-    """Return the error of a file that has parameters for other nodes alone."""
     return SceneError(f'{path}: contains nothing for the node {node}, only {", ".join(keys)}; '
                       f'write "/**:" there{way_out}')
 
@@ -359,7 +358,6 @@ class RosYaml(PlainYaml):
     """YAML of parameter files: ROS takes no list of different types."""
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
-        """Return a list whose items are of one type."""
         items: list[Any] = super().construct_sequence(node, deep=True)
         are_numbers = all(type(item) in (int, float) for item in items)
         for item, item_node in zip(items, node.value):

@@ -17,7 +17,6 @@ OF_JOINTS = 'coefficient', 'radius', 'length', 'viscous'
 
 
 def friction_of(values: ParameterValues, mechanism: Mechanism) -> Friction:
-    """Return the friction of a scene by joint; InvalidParameter names the parameter."""
     names = names_in('friction', values)
     if mechanism.bodies is None:
         raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '

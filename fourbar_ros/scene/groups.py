@@ -7,18 +7,12 @@ Types, units and texts of the parameters are in :mod:`fourbar_ros.scene.settings
 """
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
-from functools import cache
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 from fourbar_ros.scene.settings import ParameterValues
 
-Record = TypeVar('Record')
 
-
-@dataclass(frozen=True)
-class DriveSettings:
+class DriveSettings(NamedTuple):
     """Where the input comes from and how its rates are estimated: the parameters drive.*."""
 
     source: str
@@ -41,8 +35,7 @@ class DriveSettings:
     out_of_range: str
 
 
-@dataclass(frozen=True)
-class CarriedBody:
+class CarriedBody(NamedTuple):
     """What a simulator's own body has for the mechanism: the parameters base.carried.*."""
 
     mass: float
@@ -52,8 +45,7 @@ class CarriedBody:
     mean: bool
 
 
-@dataclass(frozen=True)
-class BaseSettings:
+class BaseSettings(NamedTuple):
     """How the motion of the base is received: the parameters base.*."""
 
     topic: str
@@ -65,8 +57,7 @@ class BaseSettings:
     carried: CarriedBody
 
 
-@dataclass(frozen=True)
-class WrenchSettings:
+class WrenchSettings(NamedTuple):
     """How external wrenches are received: external.*; ``links`` have a topic for theirs."""
 
     timeout: float
@@ -75,8 +66,7 @@ class WrenchSettings:
     links: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class FrameSettings:
+class FrameSettings(NamedTuple):
     """Where the frame of the mechanism lies in a frame of the robot: the parameters frame.*."""
 
     parent: str                     # '': nowhere
@@ -84,8 +74,7 @@ class FrameSettings:
     rpy: list[float]                # [rad]
 
 
-@dataclass(frozen=True)
-class JointStates:
+class JointStates(NamedTuple):
     """How joints are published: joint_states.*, ``ratios`` and ``offsets`` of each joint."""
 
     prefix: str
@@ -96,8 +85,7 @@ class JointStates:
     leave_out: list[str]            # names of joints, without their prefix
 
 
-@dataclass(frozen=True)
-class RecordingSettings:
+class RecordingSettings(NamedTuple):
     """Where and how the node records: the parameters recording.*."""
 
     start: bool
@@ -107,8 +95,7 @@ class RecordingSettings:
     split_duration: float
 
 
-@dataclass(frozen=True)
-class NodeSettings:
+class NodeSettings(NamedTuple):
     """What a node offers besides outputs: services, trajectories, pictures.rate."""
 
     services: list[str]
@@ -117,12 +104,7 @@ class NodeSettings:
     pictures_rate: float            # [Hz], of markers
 
 
-def read(make: Callable[..., Record], group: str, values: ParameterValues, **more: Any) -> Record:
+def read(make: Any, group: str, values: ParameterValues, **more: Any) -> Any:
     """Return the parameters ``group``.* as a record; ``more``: fields made of other values."""
-    return make(**{name: values[f'{group}.{name}'] for name in _fields_of(make)
-                   if name not in more}, **more)
-
-
-@cache      # the page reads a scene again at every move of a slider
-def _fields_of(record: Any) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(record))
+    return make(**{name: values[f'{group}.{name}'] for name in make._fields if name not in more},
+                **more)

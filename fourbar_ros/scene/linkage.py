@@ -93,7 +93,6 @@ def _of_kind(values: ParameterValues) -> Mechanism:
 
 
 def _machine(values: ParameterValues) -> Mechanism:
-    """Return the machine of dyads of a scene; links without a mass have none."""
     from fourbar_ros.scene import machines  # only scenes of machines need these formulas
 
     key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
@@ -124,7 +123,6 @@ def _check_links(values: ParameterValues, mechanism: Mechanism | type[Mechanism]
 
 
 def _gravity(values: ParameterValues) -> Gravity:
-    """Return gravity, or an unknown base where its motion comes from a topic."""
     gravity = values['gravity.x'], values['gravity.y']
     if not values['base.topic']:
         return gravity
@@ -162,7 +160,6 @@ class BodiesOfLinks:
                                        'radius, or density, width and thickness')
 
     def _has(self, name: str) -> bool:
-        """Return whether a parameter is given: a number that is not NaN, or an array."""
         value = self._values[name]
         return not isinstance(value, float) or not isnan(value)
 
@@ -171,7 +168,6 @@ class BodiesOfLinks:
 
     @property
     def are_given(self) -> bool:
-        """Return whether the scene gives any mass at all."""
         return self._has_rods or any(map(self._has_mass, self._links))
 
     def made(self, are_all_needed: bool) -> dict[str, Body]:
@@ -200,7 +196,6 @@ class BodiesOfLinks:
         return bodies
 
     def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
-        """Return the body of a rod of the scene's section, round or flat."""
         from fourbar_ros.mechanics.rods import flat_bar, round_rod  # only for scenes with rods
         make: Callable[..., Body] = round_rod if self._section == SECTIONS[0] else flat_bar
         return make(length, density, *section)

@@ -192,7 +192,6 @@ def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> P
 
 
 def _dyad(name: str, values: ParameterValues) -> Dyad:
-    """Return the dyad of the parameters dyads.NAME.*; dimensions that are not given are None."""
     group = f'dyads.{name}'
     sizes = {field: values[f'{group}.{field}'] for field in DIMENSIONS}
     return Dyad(name, values[f'{group}.kind'], hanging_point(f'{group}.first', values),

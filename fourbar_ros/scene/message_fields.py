@@ -52,7 +52,6 @@ class FieldMap(NamedTuple):
 
     @property
     def unknown(self) -> tuple[float, ...]:
-        """Return the values of a sample of which nothing is known: all NaN."""
         return (nan,) * len(self.index_of)
 
     def expected(self, output: str, values: Sequence[float] | Array) -> dict[str, Any]:

@@ -45,7 +45,6 @@ def find_parameter(name: str) -> Parameter | None:
 
 @lru_cache(maxsize=4096)
 def _of_member(name: str) -> Parameter | None:
-    """Return points.P.along as points.NAME.along stands in the table; None for other names."""
     family, member, field = member_of(name) or ('points', '', '')
     general = settings.FAMILIES[family].get(f'{family}.{settings.NAME}.{field}')
     return general and general._replace(
@@ -72,12 +71,10 @@ def names_in(family: str, values: Iterable[str]) -> list[str]:
 
 
 def point_in(name: str, values: ParameterValues) -> Point:
-    """Return the point of the parameters NAME.link, NAME.along, NAME.across."""
     return Point(*(values[f'{name}.{field}'] for field in Point._fields))
 
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:
-    """Return the table's parameters of one member of a family: points.P.link, points.P.along."""
     return [of_name(name.replace(f'.{settings.NAME}.', f'.{member}.'))
             for name in settings.FAMILIES[family]]
 
@@ -118,7 +115,6 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
-    """Return why a scene cannot have a parameter, with the name that was probably meant."""
     family, *rest = name.replace('linkage.points', 'points', 1).split('.')
     member = member_of(name)
     # springs.2nd.stiffness
@@ -146,7 +142,6 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
 
 
 def _below(group: str, known: Iterable[str]) -> list[str]:
-    """Return the names directly below a group: link and along of points.P."""
     rests = [name.removeprefix(f'{group}.') for name in known if name.startswith(f'{group}.')]
     return list(dict.fromkeys(rest.split('.')[0] for rest in rests))
 
@@ -184,7 +179,6 @@ def _links_of_machine(values: ParameterValues) -> list[str]:
 
 
 def _names(value: Any) -> list[str]:
-    """Return the names in a list; none for any other value, which is not checked yet."""
     return ([item for item in value
              if isinstance(item, str) and re.fullmatch(r'[A-Za-z]\w*', item)]
             if isinstance(value, (list, tuple)) else [])
@@ -239,7 +233,6 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
 
 
 def _wanted(parameter: Parameter, value: Any) -> str:
-    """Return the type of a parameter in words, with its unit."""
     if parameter.words:
         return 'one of ' + ', '.join(f'{value} or {word}'
                                      for word, value in parameter.words.items())

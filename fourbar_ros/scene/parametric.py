@@ -137,7 +137,6 @@ def alike(scene: Scene, constants: Constants) -> Scene:
 
 
 def _with(record: _Record, **changed: Any) -> _Record:
-    """Return a copy of a frozen record with other fields, not checked."""
     copied = copy(record)
     for name, value in changed.items():
         object.__setattr__(copied, name, value)

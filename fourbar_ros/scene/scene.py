@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 import json
 from math import inf, isfinite, isnan, tau
@@ -70,7 +70,6 @@ class Scene:
     _repr_html_ = as_html
 
     def __repr__(self) -> str:
-        """Return its mechanism and the parameters of its drive, in at most ten lines."""
         return short_repr('Scene', {
             'kind': self.kind, 'speed': self.drive.speed, 'outputs': len(self.outputs),
             'points': list(self.points), 'linkage': self.linkage})
@@ -138,7 +137,6 @@ class Scene:
 
     @property
     def as_text(self) -> str:
-        """Return the scene as the text of a parameter file, without defaults."""
         from fourbar_ros.scene.files import as_text
         return as_text(parameters.without_defaults(self.values))
 
@@ -164,7 +162,6 @@ class Scene:
 
     @property
     def acting_received(self) -> list[Topic]:
-        """Return the topics from which the node takes wrenches and the motion of the base."""
         base = [topics.BASES[self.base.topic]] if self.base.topic else []
         return [*map(topics.wrench_topic, self.wrenches.links), *base]
 
@@ -181,7 +178,6 @@ class Scene:
 
     @property
     def received(self) -> list[Topic]:
-        """Return the topics to which the node listens."""
         inputs = [topic for topic in (*topics.INPUTS.values(), topics.TORQUE)
                   if topic.name == self.drive.source]
         return [*self.acting_received, *inputs,
@@ -223,7 +219,7 @@ class Scene:
     def carried(self) -> Rigid | None:
         """Return the inertia that a body of a simulator has for the mechanism; None: none."""
         body = self.base.carried
-        if not any(asdict(body).values()):
+        if not any(body):
             return None
         from fourbar_ros.mechanisms.inertia import mean_rigid, Rigid  # few scenes need them
         if not body.mean:
@@ -235,7 +231,6 @@ class Scene:
 
     @property
     def mover(self) -> Mover:
-        """Return the Mover that integrates the motion of a drive that works by torque."""
         from fourbar_ros.dynamics.node_step import Mover
         assert self.dynamics is not None        # only scenes that have it are driven so
         return Mover(self.dynamics.system(self.linkage), self.drive.tolerance,
@@ -248,7 +243,6 @@ class Scene:
 
     @cached_property
     def layout(self) -> FieldMap:
-        """Return the map from the values of a sample to the fields of messages."""
         return layout(self.linkage, self.points, self.outputs, self.needs_loads, self.joints_shown)
 
     @cached_property
@@ -298,7 +292,6 @@ def from_values(values: ParameterValues) -> Scene:
 
 
 def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
-    """Return the Scene of all its parameters, each of which is good by itself."""
     mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
     links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
@@ -388,7 +381,6 @@ def give_warnings(scene: Scene, path: str | Path) -> None:
 # --- checks of the scene as a whole --------------------------------------------------------------
 
 def _check_together(scene: Scene) -> None:
-    """Raise InvalidParameter for values allowed one by one that do not go together."""
     def refuse(name: str, why: str) -> NoReturn:
         value = scene.values[name]
         raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given
@@ -443,7 +435,7 @@ def _check_together(scene: Scene) -> None:
         refuse('outputs', 'points: the scene has none; give points.NAME.link, .along, .across')
     if scene.base.topic and scene.linkage.bodies is None:
         refuse('base.topic', 'has no effect without masses')
-    carried = [name for name, value in asdict(scene.base.carried).items() if value != 0]
+    carried = [name for name, value in scene.base.carried._asdict().items() if value != 0]
     if carried and scene.linkage.bodies is None:
         refuse(f'base.carried.{carried[0]}', 'has no effect without masses')
     if 'mean' in carried and len(carried) > 1:
