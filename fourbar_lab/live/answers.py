@@ -40,7 +40,7 @@ def scene_of(tree: YamlTree) -> Scene:
         raise InvalidParameter('scene', type(tree).__name__, 'must be an object of parameters')
     values = flatten(tree)
     for name, value in values.items():      # JSON does not tell 1 from 1.0
-        if type(value) is int and not _is_integer(name):
+        if type(value) is int and name.rpartition('.')[2] not in INTEGERS:
             values[name] = float(value)
         elif isinstance(value, list) and any(type(item) is float for item in value):
             values[name] = [float(item) if type(item) is int else item for item in value]
@@ -49,10 +49,6 @@ def scene_of(tree: YamlTree) -> Scene:
 
 INTEGERS = sorted({name.rpartition('.')[2] for table in (PARAMETERS, *FAMILIES.values())
                    for name, parameter in table.items() if parameter.type == 'integer'})
-
-
-def _is_integer(name: str) -> bool:
-    return name.rpartition('.')[2] in INTEGERS
 
 
 def answered(question: str, asked: Answer) -> Answer:
@@ -104,6 +100,9 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     shown = [*(name for part in linkage.PARTS for name in part), 'transmission_angle',
              *(name for name, quantity in quantities.items()
                if quantity.is_load and not isinstance(quantity, OfDrive))]
+    start = float(scene.drive.start)
+    if not (linkage.turns_fully or linkage.is_driven_by_slide):
+        start = remainder(start, tau)
     ranges = [(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges
     return {
         'key': key, **({} if key == known else {'module': module.text}),
@@ -116,7 +115,7 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'input': {'name': coordinate.position, 'rate': coordinate.rate,
                   'acceleration': coordinate.acceleration, 'unit': coordinate.unit},
         'ranges': ranges, 'turns': linkage.turns if linkage.turns_fully else 0,
-        'start': _start(scene), 'drive': linkage.drive_load, 'outputRate': output.rate,
+        'start': start, 'drive': linkage.drive_load, 'outputRate': output.rate,
         'links': [link.name for link in linkage.LINKS],
         'size': max(map(abs, linkage.lengths)),
         'quantities': {name: {'unit': quantity.unit, 'text': quantity.text,
@@ -144,19 +143,6 @@ def _joints(letters: Mapping[str, str]) -> list[tuple[str, str]]:
     for name, letter in letters.items():
         joints.setdefault(f'joint {letter.translate(PLAIN)}', []).append(name)
     return [(letter, ', '.join(names)) for letter, names in joints.items()]
-
-
-def _start(scene: Scene) -> float:
-    """Return the input at which a page begins: that of the scene, within the ranges."""
-    linkage, position = scene.linkage, float(scene.drive.start)
-    if linkage.turns_fully:
-        return position
-    if not linkage.is_driven_by_slide:
-        position = remainder(position, tau)
-    low, high = min(linkage.input_ranges, key=lambda ends: max(ends[0] - position,
-                                                               position - ends[1]))
-    margin = 1e-6 * (high - low)
-    return min(max(position, low + margin), high - margin)
 
 
 def lacks(linkage: Mechanism, scene: Scene) -> str:

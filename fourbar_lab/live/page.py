@@ -29,10 +29,7 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     """
     name, values = name or 'drawing', scene.values if scene else {}
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
-            'units': {unit: {name: float(size) if isinstance(size, float) else f'1e{_power(size)}'
-                             if _power(size) is not None else float(size)
-                             for name, size in sizes.items()} for unit, sizes in UNITS.items()},
-            'run': None if can_ask or not scene else _run(scene),
+            'units': UNITS, 'run': None if can_ask or not scene else _run(scene),
             'scene': nested({name: value for name, value in values.items() if _is_given(
                 name, value)}), 'structure': structure_of(scene or load('paper'))}
     return filled(_text('page.html'), {
@@ -71,12 +68,6 @@ def nested(values: dict[str, Any]) -> dict[str, Any]:
 def _is_given(name: str, value: Any) -> bool:
     from fourbar_ros.scene.parameters import of_name
     return bool(value == value and value != of_name(name).default)
-
-
-def _power(size: str | float) -> int | None:
-    """Return the power of ten that a size of a unit is, None if it is none."""
-    match = re.fullmatch(r'1(?:e(-?\d+))?', str(size))
-    return match and int(match[1] or 0)
 
 
 def _text(file: str) -> str:

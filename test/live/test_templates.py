@@ -95,3 +95,8 @@ def test_a_template_drawn_by_clicks_is_what_show_says(driver, address, file, nam
     here = paper.script('return page.engine.extrema("driving_torque").map(e => e.value)'
                         '.filter(Number.isFinite)')
     assert sorted(here) == pytest.approx(sorted(torques), rel=1e-9)
+    worst, largest = shown['drive']['worst_pin'], paper.script(
+        'return page.engine.largestJointForce')
+    if name != 'slider_crank' and worst['force'] not in ('inf', None):      # no slides
+        assert (largest['quantity'], largest['value']) == (
+            worst['load'], pytest.approx(worst['force'], rel=1e-9))

@@ -85,7 +85,8 @@ export function sketchOf(scene, engine, x) {
       else if (end === 'second' && GUIDED.includes(dyad.kind)) ends[end] = point;
       else {                                              // from now on it has a name, one for all dyads there
         const same = Object.keys(sketch.points).find(of => sketch.points[of].link === point.link && distance(sketch.points[of].at, point.at) < tiny);
-        sketch.points[ends[end] = same || freshName({ ...sketch.points, ...linkage.points })] ||= point;
+        const letter = engine.structure.sketch.letters[`${name}_${end}`], known = { ...sketch.points, ...linkage.points };
+        sketch.points[ends[end] = same || (!letter || letter in known ? freshName(known) : letter)] ||= point;
       }
     }
     const guide = typeof ends.second === 'string' ? sketch.points[ends.second] : ends.second;
@@ -101,7 +102,7 @@ export function sketchOf(scene, engine, x) {
 }
 function freshName(taken) {
   for (let i = 0; ; i++) {
-    const name = 'ABCDEFGHIJKLMNPQRSTUVWXYZ'[i % 25] + (i < 25 ? '' : Math.floor(i / 25));
+    const name = 'ABCDEGHIJKLMNPQRSTUVWXYZ'[i % 24] + (i < 24 ? '' : Math.floor(i / 24));
     if (!(name in taken)) return name;
   }
 }
@@ -447,14 +448,18 @@ export function addDrawing(page) {
     const taken = ['crank', 'ground', ...sketch.dyads.flatMap(dyad => [dyad.name, ...dyad.links])];
     const fresh = (letter, count) => Array.from({ length: 99 }, (_, i) => `${letter}${i + 1}`).filter(name => !taken.includes(name)).slice(0, count);
     const [name] = fresh('d', 1), links = fresh('l', 2);
+    // as in the picture, whose pins without a name have the letters between
+    const letters = Object.fromEntries(isFirst ? [] : Object.values(page.structure().sketch.letters).map(letter => [letter, true]));
     const pointFor = ({ name: known, pin, link, at }) => {
       const same = known || Object.keys(sketch.points).find(of => (pin ? sketch.points[of].pin === pin : sketch.points[of].link === link && distance(sketch.points[of].at, at) === 0));
       if (same) return same;
-      const made = freshName({ ...sketch.points, ...scene().linkage?.points });
+      const made = freshName({ ...sketch.points, ...scene().linkage?.points, ...letters });
       sketch.points[made] = { link, at, pin };
       return made;
     };
-    sketch.dyads.push({ name, kind, links, first: pointFor(first), second: kind === 'RRP' ? { link: 'ground', at: inner } : pointFor(second),
+    const start = pointFor(first);
+    if (inner) letters[freshName({ ...sketch.points, ...letters })] = true;
+    sketch.dyads.push({ name, kind, links, first: start, second: kind === 'RRP' ? { link: 'ground', at: inner } : pointFor(second),
       inner, direction: kind === 'RRP' ? second.direction : null, mode: 2 });
     const { origin } = draft, { view } = page.picture;
     draft = {};

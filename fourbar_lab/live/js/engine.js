@@ -192,6 +192,14 @@ export class Engine {
     }
     return found;
   }
+  /** The largest force of all joints, as an extremum; null without loads. */
+  get largestJointForce() {
+    const loads = Object.keys(this.structure.sketch.forces).filter(name => this.structure.quantities[name]);
+    const most = name => this.sweep.rows.reduce((best, row) => Math.max(best, row[this.index[name]] || 0), 0);
+    const name = loads.sort((one, two) => most(two) - most(one))[0];
+    const found = name && this.extrema(name).find(({ kind, isGlobal }) => kind === "maximum" && isGlobal);
+    return found ? { ...found, note: "largest force of all joints" } : null;
+  }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
   get box() {
     if (this._box) return this._box;

@@ -25,10 +25,10 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   const spelled = word => [["²", "2"], ["³", "3"], ["µ", "u"], ["°", "deg"], ["Ω", "ohm"]].reduce((all, [a, b]) => all.replaceAll(a, b), word.replace(/[ ^*·]/g, ""));
   const known = Object.entries(units[unit] ?? { [unit]: 1 }), wanted = spelled(match?.[2] || plainUnit);
   const size = match && known.find(([name]) => spelled(name) === wanted)?.[1];
-  if (size === undefined || size === null) throw new RangeError(`must be a number in ${known.map(([name]) => name).join(", ") || "digits"}`);
+  if (size === undefined) throw new RangeError(`must be a number in ${known.map(([name]) => name).join(", ") || "digits"}`);
   // 40mm is 0.04 to the last bit: a decimal size moves the point
   const power = /^1e(-?\d+)$/.exec(size), exponent = /^(.*)[eE]([-+]?\d+)$/.exec(match[1]);
-  const value = power ? Number(`${exponent?.[1] ?? match[1]}e${Number(exponent?.[2] ?? 0) + Number(power[1])}`) : Number(match[1]) * size;
+  const value = power ? Number(`${exponent?.[1] ?? match[1]}e${Number(exponent?.[2] ?? 0) + Number(power[1])}`) : Number(match[1]) * Number(size);
   if (!Number.isFinite(value)) throw new RangeError("must be a finite number");
   return value;
 }
@@ -165,7 +165,7 @@ export class Panel {
     const { input, quantities } = engine.structure, inputUnit = input.unit === "rad" ? "°" : " m", turns = input.unit === "rad" ? 360 / TURN : 1;
     const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
     const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
-    const rows = sorted.map(({ quantity, kind, value, input: x, isGlobal, note }) => {
+    const largest = engine.largestJointForce, rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input: x, isGlobal, note }) => {
       const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(x * turns)}${inputUnit}`, isBounded = Number.isFinite(value);
       const go = html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: x } }) });
       return html("tr", {}, html("th", { scope: "row", title: quantity, textContent: shownName(engine.structure, quantity) }), html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note ?? (isGlobal ? "global" : "") })),
