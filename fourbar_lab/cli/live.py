@@ -12,6 +12,7 @@ EPILOG = """\
 examples:
   fourbar live paper                        drag a joint, type a length, see at once
   fourbar live                              draw a machine on an empty page
+  fourbar live my.yaml paper                mine, and behind it the paper's in pale
   fourbar live my.yaml --port 8100 --no-browser
   fourbar live jansen -o jansen.html        one file that needs no server
 
@@ -28,6 +29,8 @@ def add(verbs: Verbs) -> None:
                     'Requires starlette and uvicorn: pip install starlette uvicorn; with -o '
                     'nothing.', EPILOG)
     add_scene(live, nargs='?')
+    live.add_argument('second', metavar='SECOND', nargs='?',
+                      help='a scene that is drawn in pale behind the first, with its curves')
     live.add_argument('-o', '--out', metavar='FILE.html', type=Path,
                       help='write the page as one file, and serve nothing')
     live.add_argument('--force', action='store_true', help='overwrite a file that exists')
@@ -39,13 +42,14 @@ def add(verbs: Verbs) -> None:
 
 def _live(arguments: Namespace) -> None:
     from fourbar_ros.scene.scene import load
-    scene = arguments.scene and load(arguments.scene)
+    scene, second = (name and load(name) for name in (arguments.scene, arguments.second))
     if arguments.out is None:
         from fourbar_lab.live.server import free_port, serve
-        serve(arguments.scene, scene, free_port(arguments.port), not arguments.no_browser)
+        serve(arguments.scene, scene, free_port(arguments.port), not arguments.no_browser,
+              second)
         return
     from fourbar_lab.live.page import page
     refuse_overwriting([arguments.out], arguments.force)
     name = arguments.scene and Path(arguments.scene).stem
-    arguments.out.write_text(page(name, scene), encoding='utf-8')
+    arguments.out.write_text(page(name, scene, second=second), encoding='utf-8')
     print(arguments.out)

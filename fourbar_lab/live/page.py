@@ -20,16 +20,19 @@ SCRIPTS = 'engine', 'picture', 'curves', 'panel', 'draw', 'page'
 NOT_IN_FILE = re.compile(r'^import .*\n|^export (?=class|const|function|async)|^//.*\n', re.M)
 
 
-def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save: bool = False
-         ) -> str:
+def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save: bool = False,
+         second: Scene | None = None) -> str:
     """
     Return the page of a scene as HTML, None: of nothing; ``can_ask``: a server answers it.
+
+    ``second``: a scene that is drawn in pale behind it.
 
     Browsers load no modules from files, so that all scripts are one.
     """
     name, values = name or 'drawing', scene.values if scene else {}
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
-            'units': UNITS, 'run': None if can_ask or not scene else _run(scene),
+            'units': UNITS, 'second': second and structure_of(second),
+            'run': None if can_ask or not scene else _run(scene),
             'scene': nested({name: value for name, value in values.items() if _is_given(
                 name, value)}), 'structure': structure_of(scene or load('paper'))}
     return filled(_text('page.html'), {

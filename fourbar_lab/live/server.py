@@ -64,7 +64,8 @@ class OnlyHere:
         await served(scope, receive, send_with_headers)
 
 
-def app_of(path: str | Path | None, scene: Scene | None, port: int) -> Starlette:
+def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scene | None = None
+           ) -> Starlette:
     """Return the application that serves the page of a scene, None: an empty one."""
     # a shipped scene is not written over
     file = files.find(path) if path else Path()
@@ -78,7 +79,7 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int) -> Starlette
             return PlainTextResponse(f'this page shows {_title(path)}, and scenes that come with '
                                      f'fourbar: start fourbar live {name}\n', 404)
         return Response(page(name if is_other else _title(path), shown, True,
-                             can_save and not is_other), media_type='text/html')
+                             can_save and not is_other, second), media_type='text/html')
 
     async def html(request: Request) -> Response:
         return await run_in_threadpool(page_of, request.query_params.get('scene', ''))
@@ -144,10 +145,11 @@ def free_port(wanted: int | None) -> int:
         return int(trial.getsockname()[1])
 
 
-def serve(path: str | Path | None, scene: Scene | None, port: int, is_opened: bool) -> None:
+def serve(path: str | Path | None, scene: Scene | None, port: int, is_opened: bool,
+          second: Scene | None = None) -> None:
     """Serve the page of a scene until the process is interrupted."""
     print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True)
     if is_opened:
         import webbrowser
         webbrowser.open(f'http://{HOST}:{port}')
-    uvicorn.run(app_of(path, scene, port), host=HOST, port=port, log_level='warning')
+    uvicorn.run(app_of(path, scene, port, second), host=HOST, port=port, log_level='warning')

@@ -158,9 +158,10 @@ def test_extrema_are_those_of_show_and_a_click_goes_there(tab):
     wanted = find_extrema(load_scene('paper').linkage, ['omega4'], 25.0)
     wanted.sort(key=lambda one: -abs(one.value))
     assert digits(tab, 'omega4') == [pytest.approx(one.value, rel=1e-9) for one in wanted]
+    assert tab.rows('Extrema')[0][1] == 'max\nlargest force of all joints'
     assert [row[2] for row in tab.rows('Extrema') if row[0] == 'omega4'] == [
         f'{one.value:.5g} rad/s' for one in wanted]
-    tab.script('document.querySelector("#view-Extrema button").click()')
+    tab.script('document.querySelector(\'#view-Extrema button[aria-label*="of omega4"]\').click()')
     x = wanted[0].input
     assert tab.state['view']['at'] == pytest.approx(x, abs=1e-9) or tab.state['view'][
         'at'] == pytest.approx(x + 2.0 * pi, abs=1e-9)
@@ -332,6 +333,27 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
             and message['params']['documentURL'].startswith('file:')}
     assert all(re.match('(file:|data:|blob:|about:|chrome)', url) for url in urls), urls
     assert not errors(driver)
+
+
+def test_a_second_scene_and_the_scene_as_it_was_are_drawn_in_pale(driver, file, tmp_path):
+    bars = ("return [...document.querySelectorAll('#picture .%s .bar')].map(e => "
+            "['x1', 'y1', 'x2', 'y2'].map(n => Number(e.getAttribute(n))))")
+    tab = Tab(driver, file('paper'))
+    before = tab.script(bars % 'main')
+    assert not tab.script(bars % 'behind')
+    tab.write('linkage.a2', '1.1')
+    tab.menu('what is shown', 'as it was, pale')
+    tab.until(lambda: tab.script(bars % 'behind') == before, 'the bars before')
+    assert tab.script(bars % 'main') != before
+    two = tmp_path / 'two.html'
+    assert main(['live', 'jansen', 'klann', '-o', str(two)]) == 0
+    tab = Tab(driver, two.as_uri())
+    assert len(tab.script(bars % 'behind')) >= 5 and tab.script(
+        "return document.querySelectorAll('.curve .pale').length") == 2     # torque, shaking force
+    width, height = tab.script('return [page.picture.width, page.picture.height]')
+    for x1, y1, x2, y2 in tab.script(bars % 'behind'):
+        assert 0 < min(x1, x2) <= max(x1, x2) < width
+        assert 0 < min(y1, y2) <= max(y1, y2) < height
 
 
 def test_a_run_from_torque_is_played_along_its_time_line(driver, file, address):

@@ -24,7 +24,8 @@ export class Curves {
   constructor(holder, go) {
     Object.assign(this, { holder, go, charts: [], extrema: [] });
   }
-  draw(engine, names) {
+  /** Draw the curves of an engine, dotted those of a second one. */
+  draw(engine, names, second) {
     const { input, quantities } = engine.structure, width = Math.max(this.holder.clientWidth, 240);
     const [, factor] = shownUnit(input.unit), right = width - RIGHT, bottom = HEIGHT - BOTTOM;
     this.charts = [];
@@ -36,7 +37,9 @@ export class Curves {
     names.forEach((name, index) => {
       const [unit, scale] = shownUnit(quantities[name].unit), { inputs, values } = engine.curve(name), extrema = engine.extrema(name);
       this.extrema.push(...extrema);
-      const shown = values.map(value => value * scale), finite = shown.filter(Number.isFinite).sort((a, b) => a - b);
+      const other = second?.structure.quantities[name] ? second.curve(name) : { inputs: [], values: [] };
+      const shown = values.map(value => value * scale), shownToo = other.values.map(value => value * scale);
+      const finite = [...shown, ...shownToo].filter(Number.isFinite).sort((a, b) => a - b);
       const svg = draw(this.holder, "svg", { class: "curve", viewBox: `0 0 ${width} ${HEIGHT}`, height: HEIGHT, role: "img", "aria-label": `${shownName(engine.structure, name)} over ${input.name}, ${extrema.map(one => `${one.kind} ${significant(one.value * scale)}`).join(", ")} ${unit}` });
       draw(draw(svg, "text", { class: "name", x: 8, y: 16 }, `${shownName(engine.structure, name)} [${unit || "-"}]`), "title", {}, name);
       if (!finite.length) return;
@@ -62,13 +65,17 @@ export class Curves {
         draw(svg, "line", { class: "grid", x1: x, y1: TOP, x2: x, y2: bottom });
         draw(svg, "text", { class: "tick", x, y: HEIGHT - 6, "text-anchor": "middle" }, significant(Math.abs(tick) < along / 1e6 ? 0 : tick));
       }
-      let path = "", isDown = false;
-      shown.forEach((value, i) => {
-        const isGood = value >= least - 4 * (most - least) && value <= most + 4 * (most - least) && !(i && inputs[i] - inputs[i - 1] > 0.1 * (high - low) / factor);
-        path += `${isDown && isGood ? "L" : "M"}${isGood ? `${across(inputs[i]).toFixed(1)} ${Math.min(Math.max(up(value), 0), HEIGHT).toFixed(1)}` : `${LEFT} ${bottom}`}`;
-        isDown = isGood;
-      });
-      draw(svg, "path", { class: `line c${index % 6}`, d: path, "stroke-dasharray": DASHES[index % 6] });
+      const pathOf = (inputs, values) => {
+        let path = "", isDown = false;
+        values.forEach((value, i) => {
+          const isGood = value >= least - 4 * (most - least) && value <= most + 4 * (most - least) && !(i && inputs[i] - inputs[i - 1] > 0.1 * (high - low) / factor);
+          path += `${isDown && isGood ? "L" : "M"}${isGood ? `${across(inputs[i]).toFixed(1)} ${Math.min(Math.max(up(value), 0), HEIGHT).toFixed(1)}` : `${LEFT} ${bottom}`}`;
+          isDown = isGood;
+        });
+        return path;
+      };
+      if (shownToo.length) draw(svg, "path", { class: "line pale", d: pathOf(other.inputs, shownToo) });
+      draw(svg, "path", { class: `line c${index % 6}`, d: pathOf(inputs, shown), "stroke-dasharray": DASHES[index % 6] });
       const taken = [];
       for (const { input: x, value, kind, isGlobal } of extrema) {
         const [u, v] = [across(x), up(value * scale)];

@@ -186,6 +186,9 @@ export async function start(data, source) {
   const panel = (page.panel = new Panel(find("panel"), page));
   const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => (page.play(false), store.dispatch({ view: { at } })), structure.input.unit === "rad" ? "deg" : "m");
   find("at").after(inputField, inputWords);
+  // in pale: a second scene, or this one as it was written
+  const pale = data.second ?? (data.structure.module && Object.keys(data.scene).length ? data.structure : null), paleModule = pale && (await moduleOf(pale.module));
+  const paleEngine = pale && new Engine(pale, paleModule, pale.values), secondOf = ({ layers }) => (layers.second ?? Boolean(data.second) ? paleEngine : null);
   let hasTurned = false;
   /** Where a crank turns that turned fully before, and the dyad that is stretched there. */
   const whereItTurns = engine => {
@@ -210,7 +213,10 @@ export async function start(data, source) {
     if (!page.engine) return page.refuse(problem);
     page.refuse(problem || notice);
     svg.classList.toggle("stale", Boolean(problem));
-    if (isFitted) picture.fit(page.engine, current().isDrawing);
+    if (isFitted) {
+      picture.fit(page.engine, current().isDrawing);
+      if (secondOf(state.view)) picture.include(paleEngine.box);
+    }
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
@@ -259,7 +265,7 @@ export async function start(data, source) {
     if (!engine) return;
     picture.drawTraces(engine, state.view.layers);
     panel.drawFacts(structure);
-    curves.draw(engine, chosenCurves(state.view));
+    curves.draw(engine, chosenCurves(state.view), secondOf(state.view));
     panel.drawExtrema(engine, curves.extrema, "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.");
     if (data.canAsk) askExtremaSoon();
     choose(state);
@@ -275,7 +281,9 @@ export async function start(data, source) {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
       return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
     }).join(", ");
-    picture.draw(engine, layers);
+    const second = secondOf(store.state.view);
+    second?.at(second.inside(x));
+    picture.draw(engine, layers, second);
     tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
     if (isRun) find("time").value = moment;
     curves.follow(engine, here);
@@ -436,8 +444,8 @@ export async function start(data, source) {
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
   find("more").append(html("label", {}, `acceleration of the input [${shownUnit(structure.input.unit)[0] === "deg" ? "rad" : "m"}/s²] `, accelerationField, accelerationWords));
-  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres", polygons: "polygons" })) {
-    find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves"].includes(name),
+  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" })) {
+    find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves", ...(data.second ? ["second"] : [])].includes(name),
       onchange: event => {
         store.dispatch({ view: { layers: { ...store.state.view.layers, [name]: event.target.checked } } });
         if (name === "polygons") find("polygons").hidden = !event.target.checked;

@@ -25,7 +25,7 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   const spelled = word => [["²", "2"], ["³", "3"], ["µ", "u"], ["°", "deg"], ["Ω", "ohm"]].reduce((all, [a, b]) => all.replaceAll(a, b), word.replace(/[ ^*·]/g, ""));
   const known = Object.entries(units[unit] ?? { [unit]: 1 }), wanted = spelled(match?.[2] || plainUnit);
   const size = match && known.find(([name]) => spelled(name) === wanted)?.[1];
-  if (size === undefined) throw new RangeError(`must be a number in ${known.map(([name]) => name).join(", ") || "digits"}`);
+  if (size === undefined || size === null) throw new RangeError(`must be a number in ${known.map(([name]) => name).join(", ") || "digits"}`);
   // 40mm is 0.04 to the last bit: a decimal size moves the point
   const power = /^1e(-?\d+)$/.exec(size), exponent = /^(.*)[eE]([-+]?\d+)$/.exec(match[1]);
   const value = power ? Number(`${exponent?.[1] ?? match[1]}e${Number(exponent?.[2] ?? 0) + Number(power[1])}`) : Number(match[1]) * Number(size);

@@ -113,8 +113,8 @@ export class Picture {
   constructor(svg) {
     this.svg = svg;
     this.view = { x: 0, y: 0, scale: 1, perNewton: 0 };
-    [this.under, this.main, this.grips, this.over] = ["fb under", "fb main", "fb grips", "fb over"].map(name => draw(svg, "g", { class: name }));
-    this.sheet = new Sheet(this.main);
+    [this.under, this.behind, this.main, this.grips, this.over] = ["under", "behind", "main", "grips", "over"].map(name => draw(svg, "g", { class: `fb ${name}` }));
+    [this.paleSheet, this.sheet] = [new Sheet(this.behind), new Sheet(this.main)];
     this.measure();
   }
   measure() {
@@ -126,7 +126,7 @@ export class Picture {
   /** Draw nothing; half a metre is as wide as the picture, its middle is the origin. */
   clear() {
     this.measure();
-    for (const group of [this.under, this.main, this.grips, this.over]) group.replaceChildren();
+    for (const group of [this.under, this.behind, this.main, this.grips, this.over]) group.replaceChildren();
     this.gripped = "";
     this.view = { scale: 2 * this.width, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
   }
@@ -160,29 +160,35 @@ export class Picture {
     this.view = { ...view, scale, x: view.x + (left + right) / 2 / view.scale - width / 2 / scale, y: view.y - (top + low) / 2 / view.scale + height / 2 / scale };
     return true;
   }
-  /** Draw an engine's pose; layers: {forces, curves, centres, values}. */
-  draw(engine, layers) {
-    const { sketch, input } = engine.structure, main = this.sheet, at = point => this.pixels(engine.point(point));
+  /** Draw the links of an engine's pose on a sheet; joints in pixels, and the lines that no label may cross. */
+  links(engine, main) {
+    const { sketch } = engine.structure, lines = [], at = point => this.pixels(engine.point(point));
     const joints = Object.fromEntries(Object.entries(sketch.joints).map(([name, refs]) => [name, at(refs[0])]));
-    const lines = [], pins = Object.values(joints), labels = [];
-    const segment = (kind, [x1, y1], [x2, y2], more = {}) => draw(main, "line", { class: kind, x1, y1, x2, y2, ...more });
-    const bar = (p, q, i) => {
-      lines.push([...p, ...q]);
-      segment("bar", p, q, { "data-bar": i });
-      segment("core", p, q, { "data-bar": i });
-    };
     for (const name of sketch.ground) this.pivot(main, joints[name]);
     for (const plate of sketch.plates) {
       const corners = hull(plate.map(at));
       draw(main, "polygon", { class: "plate", points: corners, "data-bar": plate[0][0] });
       corners.forEach((p, i) => lines.push([...p, ...corners[(i + 1) % corners.length]]));
     }
-    sketch.bars.forEach(([p, q], i) => bar(at(p), at(q), i));
+    sketch.bars.forEach(([start, end], i) => {
+      const [[x1, y1], [x2, y2]] = [at(start), at(end)];
+      lines.push([x1, y1, x2, y2]);
+      for (const kind of ["bar", "core"]) draw(main, "line", { class: kind, x1, y1, x2, y2, "data-bar": i });
+    });
     for (const { joint, link, direction: [c, s], isGuided } of sketch.blocks) {
       const [, , cosine, sine] = engine.frame(link);
       this.block(main, joints[joint], [c * cosine - s * sine, -(c * sine + s * cosine)], isGuided);
     }
     for (const { name, first, second } of sketch.springs) this.spring(main, at(first), at(second), name);
+    return { joints, lines };
+  }
+  /** Draw an engine's pose, in pale that of a second one; layers: {forces, curves, centres, values}. */
+  draw(engine, layers, second) {
+    if (second) this.links(second, this.paleSheet);
+    this.paleSheet.end();
+    const { sketch, input } = engine.structure, main = this.sheet, at = point => this.pixels(engine.point(point));
+    const { joints, lines } = this.links(engine, main), pins = Object.values(joints), labels = [];
+    const segment = (kind, [x1, y1], [x2, y2]) => draw(main, "line", { class: kind, x1, y1, x2, y2 });
     for (const name in sketch.points) {
       const [link, along, across] = sketch.points[name], tip = at([link, along, across]);
       const start = at([link, 0, 0]), foot = at([link, along, 0]);
