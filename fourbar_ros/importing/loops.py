@@ -100,23 +100,17 @@ def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] =
 
     # a tree of the joints, first of those that close none; each further one makes a circle with
     # those between its ends, and circles with a joint in common are one mechanism
-    tree: dict[str, list[tuple[str, int]]] = {link: [] for link in link_of.values()}
-    circles: list[set[int]] = []
+    ways = dict.fromkeys(link_of.values(), frozenset[int]())    # joints up to the root of its tree
+    root_of = {link: link for link in ways}
+    circles: list[frozenset[int]] = []
     for index in sorted(range(len(moving)), key=lambda index: moving[index].closes):
         first, last = link_of[moving[index].parent], link_of[moving[index].child]
-        ways: dict[str, set[int]] = {first: set()}
-        todo = [first]
-        while todo:
-            here = todo.pop()
-            for link, edge in tree[here]:
-                if link not in ways:
-                    ways[link] = ways[here] | {edge}
-                    todo.append(link)
-        if last not in ways:
-            tree[first].append((last, index))
-            tree[last].append((first, index))
+        circle, kept, gone = ways[first] ^ ways[last] ^ {index}, root_of[first], root_of[last]
+        if kept != gone:                    # two trees become one
+            for link in ways:
+                if root_of[link] == gone:
+                    ways[link], root_of[link] = ways[link] ^ circle, kept
             continue
-        circle = ways[last] | {index}
         touching = [each for each in circles if each & circle]
         circles = [each for each in circles if not each & circle]
         circles.append(circle.union(*touching))
