@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import copysign, inf, isfinite, nan, nextafter
+from math import copysign, inf, isfinite, log2, nan, nextafter
 from threading import Lock
 import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -53,6 +53,9 @@ TIGHTER = 0.1              # tolerance of a finer run over that of the rougher r
 TIGHTEST = 1e-14           # tolerance of the finest run; below it rounding governs
 MOST = 3_000_000           # evaluations in all runs
 FIRST_TRY = 0.1            # part of them after which LSODA takes the place of DOP853
+# A run is judged after that part, or so many at least: if each quarter took it hardly farther than
+# the one before, and it needs so many times what is left, it is given up.
+LEAST_JUDGED, SLOWER, HOPELESS = 10_000, 1.1, 1.2
 AIM = 0.3                  # error to aim at, over the tolerance
 STIFF = 1e4                # fastest mode at the start times the run, above which LSODA integrates
 HUGE = 1e100               # states and derivatives beyond it count as not finite
@@ -125,6 +128,8 @@ class Work:
     seconds: float                 # most time [s]
     progress: Callable[[float], None] | None     # called with the share of a run, 0 to 1
     most: float = inf              # evaluations after which the run at hand ends
+    first: int = 0                 # evaluations before the run at hand
+    marks: list[float] = field(default_factory=list)    # times of quarters before it is judged [s]
     used: int = 0                  # evaluations so far
     began: float = field(default_factory=clock.monotonic)
     reason: str = ''               # why a run was given up
@@ -134,8 +139,22 @@ class Work:
         """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
         if self.progress is not None:
             self.progress(time / self.until)
+        judged = max(FIRST_TRY * self.evaluations, LEAST_JUDGED)
+        is_fourth = False
+        while len(self.marks) < 4 and (
+                self.used - self.first >= 0.25 * judged * (len(self.marks) + 1)):
+            self.marks.append(time)
+            is_fourth = len(self.marks) == 4
         if self.used > self.most:
             self.reason = f'{self.evaluations:.0f} evaluations are used up at {time:.6g} s'
+        elif is_fourth and 0.0 < self.marks[1] < time:
+            steps = np.diff([0.0, *self.marks])
+            # ever slower, and on as the time grows with a power of the evaluations
+            missing = judged * ((self.until / time)**(1.0 / log2(time / self.marks[1])) - 1.0)
+            if (steps[1:] <= SLOWER * steps[:-1]).all() and (
+                    missing > HOPELESS * (self.evaluations - self.used)):
+                self.reason = (f'at {time:.6g} s about {missing:.1g} evaluations are still '
+                               f'needed: ask for evaluations={2.0 * (missing + self.used):.1g}')
         elif clock.monotonic() - self.began > self.seconds:
             self.reason = f'{self.seconds:g} s are used up at {time:.6g} s'
         return bool(self.reason)
@@ -445,7 +464,7 @@ def _first_run(work: Work, method: str, tolerance: float) -> Run:
 def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, share: float = 1.0
          ) -> Run:
     """Return one run, not compared yet; it may use a ``share`` of the evaluations."""
-    work.most = share * work.evaluations
+    work.most, work.first, work.marks = share * work.evaluations, work.used, []
     legs = tuple(_integrate(work, method, tolerance, is_finer))
     run = Run(work.system, legs, work.asked, legs[-1].end, error=inf, drift=nan, method=method,
               tolerance=tolerance, evaluations=work.used, reason=work.reason)
@@ -756,9 +775,14 @@ def energy_drift(run: Run) -> float:
     It must be constant, so it measures the error of a run; a change that rounding explains does
     not count.
     """
-    of_legs: list[tuple[Array, ...]] = []
+    # of all legs in a coordinate at once, by rows of their states
+    by_coordinate = dict[int, list[Leg]]()
     for leg in run.legs:
-        equation, states = leg.coordinate.equation, leg.states
+        by_coordinate.setdefault(id(leg.coordinate), []).append(leg)
+    of_legs: list[tuple[Array, ...]] = []
+    for legs in by_coordinate.values():
+        equation = legs[0].coordinate.equation
+        states = np.concatenate([leg.states for leg in legs], axis=1)
         kinetic = 0.5 * equation.terms(states[0]).inertia * states[1]**2
         work = 0.0 * kinetic if run.system.is_conservative else states[-1]
         potential, size = equation.potential_and_size(states[0])

@@ -120,6 +120,16 @@ def test_every_method_ends(method):
     assert run.status == STOPPED and run.time[-1] < 3.0 and run.reason
 
 
+def test_a_run_that_will_not_end_within_its_evaluations_says_so_early():
+    """Nothing damps the torque: turns grow with the square of the time."""
+    system = System(load('paper').linkage, -0.5, drive=Drive(ConstantTorque(0.1)))
+    run = simulate(system, 600.0, evaluations=300_000)
+    assert run.status == STOPPED and run.evaluations <= 0.25 * 300_000
+    assert 'evaluations are still needed: ask for evaluations=' in run.reason
+    done = simulate(system, 20.0, evaluations=300_000)      # which needs more than a tenth of them
+    assert done.status == REACHED and done.evaluations > 30_000
+
+
 def test_the_bounds_of_a_run_and_its_progress():
     system, done = System(HEAVY, 0.0, drive=Drive(MotorLine(400.0, 26.0), 0.5)), []
     run = simulate(system, 1.0, progress=done.append)
