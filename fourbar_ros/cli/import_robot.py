@@ -73,14 +73,12 @@ def _mode(text: str) -> tuple[str, int]:
     return name, int(mode)
 
 
-def _vector(text: str) -> tuple[float, ...]:
+def _vector(text: str) -> tuple[float, float, float]:
     try:
-        numbers = tuple(map(float, text.split(',')))
+        x, y, z = map(float, text.split(','))
     except ValueError:
-        numbers = ()
-    if len(numbers) != 3:
-        raise ArgumentTypeError(f'{text!r}: must be X,Y,Z')
-    return numbers
+        raise ArgumentTypeError(f'{text!r}: must be X,Y,Z') from None
+    return x, y, z
 
 
 def wishes_of(arguments: Namespace) -> Wishes:
