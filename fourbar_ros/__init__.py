@@ -32,8 +32,15 @@ if TYPE_CHECKING:
         Toggle,
     )
     from fourbar_ros.extrema.find import find_extrema
-    from fourbar_ros.mechanics.bodies import Applied, Base, Bodies, Body, External
-    from fourbar_ros.mechanics.rods import flat_bar, round_rod
+    from fourbar_ros.mechanics.bodies import (
+        Applied,
+        Base,
+        Bodies,
+        Body,
+        External,
+        flat_bar,
+        round_rod,
+    )
     from fourbar_ros.mechanisms.four_bars import FourBar, Loads, Motion, MovingJointFourBar
     from fourbar_ros.mechanisms.friction import DriveFriction, JointFriction
     from fourbar_ros.mechanisms.mechanism import Mechanism

@@ -38,8 +38,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fourbar_ros.mechanics.bodies import Body
-from fourbar_ros.mechanics.rods import round_rod
+from fourbar_ros.mechanics.bodies import Body, round_rod
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.from_points import read_drawing

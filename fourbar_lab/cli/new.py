@@ -181,7 +181,7 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     the frame of the drawing as well; all else is a machine.
     """
     from fourbar_ros.machine import read_drawing
-    from fourbar_ros.mechanics.rods import flat_bar, round_rod
+    from fourbar_ros.mechanics.bodies import flat_bar, round_rod
     import yaml
     names = [point.name for point in points]
     links = links or [*zip(names, names[1:])]

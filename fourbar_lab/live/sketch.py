@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from fourbar_lab.drawing.labels import labels_of
-from fourbar_ros.mechanisms import picture
+from fourbar_ros.mechanisms import curves, picture
 from fourbar_ros.mechanisms.elements import PositionForce, Spring
 from fourbar_ros.scene.elements import element_names
 from fourbar_ros.scene.scene import Scene
@@ -47,7 +47,7 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
                 name = f'linkage.points.{point}.{"x" if field == "along" else "y"}'
         return named(name, coordinate)
 
-    def stated(point: picture.LinkPoint) -> Point:
+    def stated(point: curves.Point) -> Point:
         return point.link, follows(point.along), follows(point.across)
 
     labels = labels_of(picture.diagram_of(mechanism, motion))

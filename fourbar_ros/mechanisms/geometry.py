@@ -67,11 +67,7 @@ class MechanismGeometry(StatedMechanism):
 
     @property
     def change_point_margin(self) -> float:
-        """
-        Return the least size of :attr:`margins` over the sum of all lengths.
-
-        Zero is a change point: both assembly modes meet where it lies flat.
-        """
+        """Return the least size of :attr:`margins` over all lengths; zero: a change point."""
         return min(map(abs, self.margins)) / fsum(map(abs, self.lengths))
 
     @property

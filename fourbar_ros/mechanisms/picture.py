@@ -13,7 +13,7 @@ from functools import singledispatch
 from math import copysign, hypot
 from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
 
-from fourbar_ros.mechanisms.curves import point_of, vector
+from fourbar_ros.mechanisms.curves import Point, point_of, vector
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
 from fourbar_ros.mechanisms.machine.structure import BASE, SLIDES
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -61,14 +61,6 @@ class Length(float):
         return length
 
 
-class LinkPoint(NamedTuple):
-    """A point that is fixed to a link or to the ground [m]."""
-
-    link: str
-    along: float = 0.0
-    across: float = 0.0
-
-
 class Slide(NamedTuple):
     """A block at a joint that slides along a direction of a link; ``is_guided``: on the ground."""
 
@@ -79,19 +71,15 @@ class Slide(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """
-    What is drawn of a mechanism, by points of its links; from it follow diagrams and pages.
+    """What is drawn of a mechanism, by points of its links; from it follow diagrams and pages."""
 
-    ``plates`` are links of three points and more; bars are (start, end, width).
-    """
-
-    joints: Mapping[str, tuple[LinkPoint, ...]]     # {name: the point of each link there}
+    joints: Mapping[str, tuple[Point, ...]]     # {name: the point of each link there}
     ground: tuple[str, ...]
-    bars: tuple[tuple[LinkPoint, LinkPoint, float], ...]
+    bars: tuple[tuple[Point, Point, float], ...]     # start, end, width
     blocks: tuple[Slide, ...]
     forces: Mapping[str, str]
     angles: Mapping[str, str]
-    plates: tuple[tuple[LinkPoint, ...], ...] = ()
+    plates: tuple[tuple[Point, ...], ...] = ()       # links of three points and more
     names: Mapping[str, str] = {}                   # {joint: name of the point there}
 
 
@@ -189,7 +177,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
     """Return the diagram of a mechanism in one pose; the sides of a plate are bars."""
     outline = outline_of(mechanism, motion)
 
-    def locate(point: LinkPoint) -> Array:
+    def locate(point: Point) -> Array:
         link, along, across = point
         if link == GROUND:
             return np.array((along, across))
@@ -201,7 +189,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
              for start, end in (*((first, other) for other in others), *zip(others, others[1:]))]
     blocks = []
     for joint, link, direction, is_guided in outline.blocks:
-        turned = locate(LinkPoint(link, *direction)) - locate(LinkPoint(link))
+        turned = locate(Point(link, *direction)) - locate(Point(link))
         blocks.append(Block(joints[joint], turned, is_guided))
     return Diagram(joints, outline.ground, tuple([
         Bar(locate(start), locate(end), width) for start, end, width in (*outline.bars, *sides)]),
@@ -221,20 +209,20 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     # link, plates, blocks on slides.
     machine = cast('Machine', mechanism)
     layout, ground = machine.layout, machine.layout.ground      # its index among the links
-    base = LinkPoint(layout.driven)
-    joints: dict[str, tuple[LinkPoint, ...]] = {BASE: (base,)}
+    base = Point(layout.driven)
+    joints: dict[str, tuple[Point, ...]] = {BASE: (base,)}
     pivots = list[str]()
     if machine.input != SLIDE and ground == 0:
-        joints, pivots = {BASE: (base, LinkPoint(GROUND))}, [BASE]
-    bars, blocks = list[tuple[LinkPoint, LinkPoint, float]](), list[Slide]()
+        joints, pivots = {BASE: (base, Point(GROUND))}, [BASE]
+    bars, blocks = list[tuple[Point, Point, float]](), list[Slide]()
     # points of each link, by which it is stated, and where they are on it
-    corners: dict[str, list[tuple[LinkPoint, LinkPoint]]] = {link: [] for link in layout.links}
+    corners: dict[str, list[tuple[Point, Point]]] = {link: [] for link in layout.links}
 
-    def corner(link: str, stated: LinkPoint, along: float = 0.0, across: float = 0.0) -> None:
+    def corner(link: str, stated: Point, along: float = 0.0, across: float = 0.0) -> None:
         size = hypot(along, across) + machine.input_unit
         if all(hypot(along - on.along, across - on.across) > SAME * size
                for _, on in corners[link]):
-            corners[link].append((stated, LinkPoint(link, along, across)))
+            corners[link].append((stated, Point(link, along, across)))
 
     corner(layout.driven, base)
     for stage, dyad in zip(layout.stages, machine.stages):
@@ -249,23 +237,23 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
                    if joint not in slides and ground in stage.ends(joint)]
         for joint, link in zip(('first', 'second'), stage.links):
             carrier = getattr(dyad, joint)
-            held = LinkPoint(carrier.link, *(
+            held = Point(carrier.link, *(
                 Length(f'{group}.{ends[joint]}.{field}', getattr(carrier, field))
                 for field in ('along', 'across')))
             if joint in slides:
-                joints[names[joint]] = (LinkPoint(link),)
+                joints[names[joint]] = (Point(link),)
                 corner(carrier.link, held, carrier.along, carrier.across)
                 continue
             # the first joint of its link follows all lengths
-            joints[names[joint]] = (LinkPoint(link), held)
-            corner(link, LinkPoint(link))
-            corner(carrier.link, LinkPoint(link), carrier.along, carrier.across)
+            joints[names[joint]] = (Point(link), held)
+            corner(link, Point(link))
+            corner(carrier.link, Point(link), carrier.along, carrier.across)
         along = 0.0 if stage.kind == 'PRP' else lengths[0]
-        inner = [LinkPoint(first, along), LinkPoint(second)]
+        inner = [Point(first, along), Point(second)]
         if stage.kind == 'RRR':
-            inner[1] = LinkPoint(second, lengths[1])
+            inner[1] = Point(second, lengths[1])
         if 'inner' in slides:
-            inner = [LinkPoint(stage.links[slides['inner']])]
+            inner = [Point(stage.links[slides['inner']])]
         else:
             corner(first, inner[0], along)
             if stage.kind == 'RRR':
@@ -291,12 +279,12 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
                    tuple([plate for plate in plates if len(plate) > 2]), machine.joint_names)
 
 
-CRANK, OUTPUT = LinkPoint('crank'), LinkPoint('output')
+CRANK, OUTPUT = Point('crank'), Point('output')
 
 
-def _crank(mechanism: Any) -> dict[str, tuple[LinkPoint, ...]]:
-    return {'O_1': (LinkPoint(GROUND), CRANK),
-            'A': (LinkPoint('crank', Length('linkage.a1', mechanism.a1)), LinkPoint('coupler'))}
+def _crank(mechanism: Any) -> dict[str, tuple[Point, ...]]:
+    return {'O_1': (Point(GROUND), CRANK),
+            'A': (Point('crank', Length('linkage.a1', mechanism.a1)), Point('coupler'))}
 
 
 @outline_of.register(FourBarLinks)
@@ -304,8 +292,8 @@ def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
     a2, a3, a4 = (Length(f'linkage.{name}', getattr(mechanism, name))
                   for name in ('a2', 'a3', 'a4'))
     joints = _crank(mechanism) | {
-        'B': (LinkPoint('output', a3), LinkPoint('coupler', a2)),
-        'O_4': (LinkPoint(GROUND, a4), OUTPUT)}
+        'B': (Point('output', a3), Point('coupler', a2)),
+        'O_4': (Point(GROUND, a4), OUTPUT)}
     a, b = joints['A'][0], joints['B'][0]
     return Outline(joints, ('O_1', 'O_4'), ((CRANK, a, 1.0), (a, b, 1.0), (OUTPUT, b, 1.0)), (),
                    {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
@@ -326,7 +314,7 @@ def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     # the slot of the yoke reaches over the whole travel of the block, and to the guide
     low, _, high = sorted((0.0, *(end * mechanism.a1 - mechanism.offset for end in (-1.1, 1.1))))
-    return Outline(joints, ('O_1',), ((LinkPoint('output', 0.0, low), LinkPoint(
+    return Outline(joints, ('O_1',), ((Point('output', 0.0, low), Point(
         'output', 0.0, high), 1.0), (CRANK, joints['A'][0], 1.0)),
                    (Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
                    {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
@@ -336,8 +324,8 @@ def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
 def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
     """Return the outline of a bar with its block at A, or of a cylinder with its rod."""
     joints = _crank(mechanism) | {
-        'O_4': (LinkPoint(GROUND, Length('linkage.a4', mechanism.a4)), OUTPUT)}
-    a, foot = joints['A'][0], LinkPoint('output', 0.0, mechanism.offset)
+        'O_4': (Point(GROUND, Length('linkage.a4', mechanism.a4)), OUTPUT)}
+    a, foot = joints['A'][0], Point('output', 0.0, mechanism.offset)
     bars, blocks = [(CRANK, a, 1.0), (OUTPUT, foot, 1.0)], []
     if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
         low, high = sorted(map(abs, mechanism.input_ranges[-1]))

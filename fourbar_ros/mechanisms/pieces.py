@@ -15,20 +15,9 @@ from functools import lru_cache
 from math import inf, pi, tau
 from typing import Any, NamedTuple
 
+from fourbar_ros.mechanisms import elements
 from fourbar_ros.mechanisms.batches import order_of, range_of
 from fourbar_ros.mechanisms.curves import FIXED
-from fourbar_ros.mechanisms.elements import (
-    BOTH,
-    Distance,
-    Element,
-    INPUT,
-    LinkAngle,
-    LinkMotions,
-    PositionForce,
-    Spring,
-    TableForce,
-    TorsionSpring,
-)
 from fourbar_ros.mechanisms.evaluation import Constants, Formula, formula_of, MOST_STRUCTURES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
@@ -51,7 +40,8 @@ FARTHEST = 1.0          # [rad] distance from the real inputs at which branch po
 class Coordinate(NamedTuple):
     """A number over the input, at some values of which something is not smooth."""
 
-    of: Callable[[NumberType, LinkMotions, Any], Any]   # numbers, motions of links, input -> it
+    # number type, motions of links, input -> it
+    of: Callable[[NumberType, elements.LinkMotions, Any], Any]
     points: Array           # those values
     period: float           # after which it comes round, inf: never
     is_square: bool = False     # of a spring's length: only where it is least matters
@@ -70,12 +60,10 @@ class Pieces(NamedTuple):
 
 
 class Curves:
-    """
-    The coordinates of a mechanism, or of many like it, as functions of the input.
+    """The coordinates of a mechanism, or of many like it, as functions of the input."""
 
-    ``data``: its constants, or columns of them, shape (count, 1). ``rates``: rate and acceleration
-    of the input, or columns, of the edges of friction (:attr:`.Told.edges`); None: without these.
-    """
+    # data: its constants, or columns of them, shape (count, 1); rates: rate and acceleration of
+    # the input, or columns, of the edges of friction (Told.edges); None: without these
 
     def __init__(self, mechanism: Mechanism, data: Constants, count: int = 1,
                  rates: tuple[Any, Any] | None = None) -> None:
@@ -162,7 +150,8 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
     return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
 
 
-def span_of(mechanism: Mechanism, of: Callable[[LinkMotions, Any], Any]) -> tuple[float, float]:
+def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
+            ) -> tuple[float, float]:
     """Return the least and the largest value over the input; ``of``: links, input -> value."""
     def values(x: Array, _: Array) -> tuple[Array, Array]:
         with np.errstate(all='ignore'):
@@ -239,28 +228,28 @@ def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
     return mechanism.input_ranges
 
 
-def _coordinates(element: Element) -> Iterator[Coordinate]:
-    if isinstance(element, Spring):
+def _coordinates(element: elements.Element) -> Iterator[Coordinate]:
+    if isinstance(element, elements.Spring):
         if element.has_length:
             yield Coordinate(lambda n, moving, _: element.tension(n, moving)[2], np.empty(0), inf,
                              True)
-    elif isinstance(element, TorsionSpring):
+    elif isinstance(element, elements.TorsionSpring):
         yield Coordinate(lambda n, moving, _: element.deflection(n, moving), np.array([pi]), tau)
-    elif isinstance(element, PositionForce):
+    elif isinstance(element, elements.PositionForce):
         second = element.apart_from
         if second is not None:
-            yield Coordinate(lambda n, moving, _: Distance(element.point, second).of(
+            yield Coordinate(lambda n, moving, _: elements.Distance(element.point, second).of(
                 n, moving)**2, np.empty(0), inf, True)
         points: Array = np.empty(0)
-        period, turns_back = inf, element.when != BOTH and element.over != INPUT
+        period, turns_back = inf, element.when != elements.BOTH and element.over != elements.INPUT
         jumps = turns_back
-        if isinstance(element.value, TableForce):
+        if isinstance(element.value, elements.TableForce):
             table = element.value.table
             jumps |= len(table.starts) < len(table.places) or element.value.middle is not None
             points, period = np.array(table.starts), element.value.period
             if element.value.middle is not None:        # there the table ends and begins again
                 points = np.append(points, element.value.middle + pi)
-        elif isinstance(element.over, LinkAngle):
+        elif isinstance(element.over, elements.LinkAngle):
             points, period, jumps = np.array([pi]), tau, True
         if points.size or turns_back:
             yield Coordinate(element.position, points, period, False, turns_back, jumps)
@@ -315,11 +304,8 @@ def ends_of_turns(curves: Curves, count: int, turns: int) -> Ends:
 
 
 def _turning_points(values: Function, x: Array, slope: Array, before: Array) -> Array:
-    """
-    Return where a coordinate turns back in intervals after some of the inputs, by its slopes.
-
-    ``values``: inputs and which of the intervals they are in -> coordinate and slope.
-    """
+    """Return where a coordinate turns back in intervals after some inputs, by its slopes."""
+    # values: inputs and which of the intervals they are in -> coordinate and slope
     low, high = x[before], x[before + 1]
 
     def newton(x: Array, which: Array) -> tuple[Array, Array]:

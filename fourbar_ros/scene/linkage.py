@@ -196,7 +196,7 @@ class BodiesOfLinks:
         return bodies
 
     def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
-        from fourbar_ros.mechanics.rods import flat_bar, round_rod  # only for scenes with rods
+        from fourbar_ros.mechanics.bodies import flat_bar, round_rod  # only for scenes with rods
         make: Callable[..., Body] = round_rod if self._section == SECTIONS[0] else flat_bar
         return make(length, density, *section)
 

@@ -14,8 +14,7 @@ from functools import partial
 from math import inf
 from typing import Any, TypeVar
 
-from fourbar_ros.mechanics.bodies import Applied, Body, unchecked
-from fourbar_ros.mechanics.rods import bar_numbers, rod_numbers
+from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
 from fourbar_ros.mechanisms import elements as acting
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.evaluation import Constants
