@@ -138,12 +138,12 @@ class Derivatives:
         """Return (motion, loads) at inputs x, shape (n,), whose fields are duals or numbers."""
         linkage, count = self.scene.linkage, len(self.scene.linkage.MOTION._fields)
         fields = self._duals([index for group in range(1 + with_loads)
-                              for index in flat(self._trace.part(group))], x)
+                              for index in flat(self._trace.results[group])], x)
         return (linkage.MOTION(*fields[:count]),
                 linkage.LOADS(*fields[count:]) if fields[count:] else NoLoads())
 
     def _quantity(self, name: str, x: Any) -> Any:
-        return self._duals([flat(self._trace.part(2))[[*self.quantities].index(name)]], x)[0]
+        return self._duals([flat(self._trace.results[2])[[*self.quantities].index(name)]], x)[0]
 
     def of(self, name: str, x: Array) -> tuple[Array, Array]:
         """Return values of a quantity at inputs x, shape (n,), and derivatives (parameters, n)."""

@@ -421,7 +421,7 @@ class Equation:
         each times the derivative of Q by it.
         """
         positions = np.asarray(position, float)
-        bounds: Array = rounding_bound(self._trace, flat(self._trace.part(2))[0],
+        bounds: Array = rounding_bound(self._trace, flat(self._trace.results[2])[0],
                                        positions.ravel())
         return bounds.reshape(positions.shape)
 

@@ -38,9 +38,6 @@ class Vector:
     def __init__(self, x: Scalar, y: Scalar) -> None:
         self.x, self.y = x, y
 
-    def __repr__(self) -> str:
-        return f'Vector({self.x!r}, {self.y!r})'
-
     def __add__(self, vector: Vector) -> Vector:
         return Vector(self.x + vector.x, self.y + vector.y)
 

@@ -127,6 +127,11 @@ class MovingPoint(NamedTuple):
     a_y: Scalar
 
 
+def between(first: MovingPoint, second: MovingPoint) -> MovingPoint:
+    """Return the vector from the first point to the second, with its derivatives."""
+    return MovingPoint(*[b - a for a, b in zip(first, second)])
+
+
 def vector(x: Scalar | Array, y: Scalar | Array) -> Array:
     """Return components of one shape (...) as vectors of shape (..., 2)."""
     if isinstance(x, float) and isinstance(y, float):

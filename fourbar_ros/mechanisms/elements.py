@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import InvalidParameter, UnknownForce
 from fourbar_ros.mechanics.bodies import Applied, NOT_APPLIED, unchecked
-from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, MovingPoint, point_of
+from fourbar_ros.mechanisms.curves import between, FIXED, LinkMotion, MovingPoint, point_of
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields
 from fourbar_ros.numerics.arguments import check_quantities, finite, quantity
@@ -531,9 +531,7 @@ def _require_two_links(element: Spring | TorsionSpring) -> None:
 
 
 def _apart(first: Attachment, second: Attachment, links: LinkMotions) -> MovingPoint:
-    """Return the vector from the first point to the second, with its derivatives."""
-    p, q = first.on(links[first.link]), second.on(links[second.link])
-    return MovingPoint(*[b - a for a, b in zip(p, q)])
+    return between(first.on(links[first.link]), second.on(links[second.link]))
 
 
 def _turned(first: LinkMotion, second: LinkMotion) -> tuple[Scalar, Scalar]:

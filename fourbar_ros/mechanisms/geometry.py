@@ -34,12 +34,7 @@ AT_END = 1e-12
 
 
 class cached_by_lengths(cached_property[_T]):     # noqa: N801  (used as cached_property is)
-    """
-    A cached property of lengths, assembly mode, input and stroke alone.
-
-    Copies with other loads share its value, see :meth:`.Mechanism.with_external`; every other
-    cached property they compute again.
-    """
+    """A cached property of geometry alone, which copies with other loads share."""
 
 
 class MechanismGeometry(StatedMechanism):

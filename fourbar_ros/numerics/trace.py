@@ -40,8 +40,6 @@ NEUTRAL = {'add': 0.0, 'sub': 0.0, 'mul': 1.0, 'truediv': 1.0}     # x + 0, x - 
 # operations that raise for some floats: a root of a negative number, a division by zero
 REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
-# Indices of results as a formula returned them: numbers, or sequences of such.
-NestedIndices = Union[int, Sequence['NestedIndices']]
 MakeFormula = Callable[[NumberType, Any], Function]
 
 
@@ -153,7 +151,7 @@ class Trace:
         self.varies = set(range(count))
         inputs = list(itertools.islice(symbols, count))
         formula = make_formula(RECORDED, converted(data, lambda _: next(symbols)))
-        self.results: NestedIndices = converted(formula(*inputs), self._index)
+        self.results: Any = converted(formula(*inputs), self._index)
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:
         """Write down an operation on numbers of this trace and floats; return its result."""
@@ -209,10 +207,6 @@ class Trace:
         """Return the number of steps so far; from here on none of them is used again."""
         self._index_of.clear()
         return len(self.steps)
-
-    def part(self, i: int) -> NestedIndices:
-        assert not isinstance(self.results, int), 'the formula returns one number'
-        return self.results[i]
 
     @cached_property
     def used_constants(self) -> list[int]:
@@ -369,7 +363,7 @@ def _passed(operation: str, arguments: Sequence[int], values: Mapping[int, float
     return unknown if values[known] == NEUTRAL[operation] else None
 
 
-def flat(indices: NestedIndices) -> list[int]:
+def flat(indices: Any) -> list[int]:
     """Return the indices of nested results in order: ((3, 5), 8) gives [3, 5, 8]."""
     return [indices] if isinstance(indices, int) else [index for part in indices
                                                        for index in flat(part)]

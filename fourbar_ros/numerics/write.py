@@ -22,7 +22,7 @@ import re
 from typing import Any
 
 from fourbar_ros.numerics.number_types import Function, NumberType
-from fourbar_ros.numerics.trace import flat, NestedIndices, OPERATIONS, REFUSING, Trace
+from fourbar_ros.numerics.trace import flat, OPERATIONS, REFUSING, Trace
 
 DEEPEST = 12      # operations in one expression, one inside the other
 KEPT = 64         # texts whose functions, and whose lines for tracebacks, are kept
@@ -100,7 +100,7 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
             (lines if varies else made).append(f'{"    " * (1 + varies)}v{index} = {whole}')
             texts[index] = f'v{index}', 0
 
-    def nested(indices: NestedIndices) -> str:      # '(v5, (v7, x0, ), )', as the formula has them
+    def nested(indices: Any) -> str:      # '(v5, (v7, x0, ), )', as the formula has them
         return (texts[indices][0] if isinstance(indices, int)
                 else f'({"".join([f"{nested(part)}, " for part in indices])})')
 

@@ -18,7 +18,8 @@ from functools import partial
 from math import atan2, pi, remainder
 from typing import Any
 
-from fourbar_ros.mechanisms.machine.solve.dyads import Ends, Node, turned
+from fourbar_ros.mechanisms.curves import MovingPoint
+from fourbar_ros.mechanisms.machine.solve.dyads import Ends, turned
 from fourbar_ros.mechanisms.machine.solve.frames import driven_link, hangings, Poses
 from fourbar_ros.mechanisms.machine.solve.pairs import half_angle, turned_by
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, Stage
@@ -151,8 +152,8 @@ def assembly_margin(n: NumberType, kind: str, lengths: DyadLengths, ends: Ends) 
         (x1, y1), (x2, y2) = (turned(ends.first, *sizes[:2])[:2],
                               turned(ends.second, *sizes[2:])[:2])
         return x1 * y2 - y1 * x2
-    node: Node = ends.apart
-    x, y = node[:2]
+    apart: MovingPoint = ends.apart
+    x, y = apart[:2]
     q = x * x + y * y
     if kind == 'RRR':
         r1, r2 = sizes
@@ -182,8 +183,8 @@ def square_of_dyad(n: NumberType, stage: Stage, lengths: DyadLengths) -> Measure
     size = sum(map(abs, (*lengths.p, *lengths.q, *lengths.sizes)), start=0.0)
 
     def square(ends: Ends) -> Scalar:
-        node: Node = ends.apart
-        x, y = node[:2]
+        apart: MovingPoint = ends.apart
+        x, y = apart[:2]
         return (x * x + y * y) / (size * size)
     return square
 

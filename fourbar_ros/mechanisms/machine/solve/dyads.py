@@ -11,9 +11,9 @@ deg); a x b is the z component of a cross product, a . b a dot product.
 Dyads between links that are joined to each other are in :mod:`.pairs`. Everything is solved for
 *coefficients*: position, first and second derivative with respect to the
 input. Rates and accelerations, the inertia of the whole machine and virtual power follow from one
-evaluation. A curve is the :class:`~fourbar_ros.mechanisms.points.LinkMotion` of a link at unit
-rate of the input, and a :data:`Node` (x, y, x', y', x'', y'') that of a point, by
-:func:`~fourbar_ros.mechanisms.points.point_of`.
+evaluation. A curve is the LinkMotion of a link at unit
+rate of the input, and a MovingPoint (x, y, x', y', x'', y'') that of a point, by
+point_of() of mechanisms/curves.py.
 
 RRR: B = P + r1 e1 = Q + r2 e2, a triangle P Q B with q = D . D:
 
@@ -57,10 +57,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import Direction, LinkMotion
+from fourbar_ros.mechanisms.curves import Direction, LinkMotion, MovingPoint
 from fourbar_ros.numerics.number_types import NumberType, Scalar
-
-Node = tuple[Scalar, Scalar, Scalar, Scalar, Scalar, Scalar]
 
 
 class DyadMotion(NamedTuple):
@@ -78,9 +76,9 @@ class DyadMotion(NamedTuple):
 class Ends(NamedTuple):
     """The ends P and Q of a dyad and the links that carry them, as its frame sees them."""
 
-    p: Node
-    q: Node
-    apart: Any                  # D = Q - P, a Node; None of a pair and of a cylinder
+    p: MovingPoint
+    q: MovingPoint
+    apart: Any                  # D = Q - P, a MovingPoint; None of a pair and of a cylinder
     relative: Any               # of a pair angle or slide of its carriers; of a cylinder its drive
     half: Any                   # cosine, sine of half that angle where the driven link has it
     first: LinkMotion           # carrier of P
@@ -97,11 +95,6 @@ class Driven(NamedTuple):
     slide: tuple[Scalar, Scalar, Scalar] | None = None      # of a slider, and its derivatives
     # length of a cylinder, direction of its rod, sine and cosine of its transmission angle
     of_cylinder: tuple[Any, ...] | None = None
-
-
-def between(at_p: Node, at_q: Node) -> Node:
-    return (at_q[0] - at_p[0], at_q[1] - at_p[1], at_q[2] - at_p[2], at_q[3] - at_p[3],
-            at_q[4] - at_p[4], at_q[5] - at_p[5])
 
 
 ORIGIN = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

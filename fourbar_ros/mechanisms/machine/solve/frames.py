@@ -33,7 +33,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import Direction, FIXED, LinkMotion, point_of
+from fourbar_ros.mechanisms.curves import between, Direction, FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.machine.solve import dyads, pairs
 from fourbar_ros.mechanisms.machine.solve.dyads import Driven, DyadMotion, Ends
 from fourbar_ros.mechanisms.machine.solve.pairs import FIRST_JOINT, Joints, OnBoth, OnLink
@@ -192,7 +192,7 @@ class Poses:
             return Ends(p, q, None, relative, half, first, second)
         if stage.name == CYLINDER:
             return Ends(p, q, None, self._of_cylinder, None, first, second)
-        return Ends(p, q, dyads.between(p, q), None, None, first, second)
+        return Ends(p, q, between(p, q), None, None, first, second)
 
     def relation(self, link: int, seen_from: int) -> Direction:
         """Return the direction of a link, with derivatives, seen from a link it is pinned to."""

@@ -209,11 +209,6 @@ def fields_of(n: NumberType, stage: Stage, forces: DyadForces) -> list[Scalar]:
     return fields
 
 
-# (sizes of the dyad, directions of both links, slides, sine, needs of both) -> forces.
-SolvesDyad = Callable[[Sequence[Scalar], Vector, Vector, Sequence[Scalar], Scalar, Needs, Needs],
-                      DyadForces]
-
-
 def rrr_forces(sizes: Sequence[Scalar], e1: Vector, e2: Vector, _slides: Sequence[Scalar],
                sine: Scalar, needs1: Needs, needs2: Needs) -> DyadForces:
     """Return the forces in the dyad RRR, two rods, from the moments of both about P and Q."""
@@ -266,5 +261,6 @@ def prp_forces(_sizes: Sequence[Scalar], t1: Vector, t2: Vector, _slides: Sequen
                       (normal1, normal2))
 
 
-SOLVERS: dict[str, SolvesDyad] = {
+# (sizes of the dyad, directions of both links, slides, sine, needs of both) -> forces
+SOLVERS: dict[str, Callable[..., DyadForces]] = {
     'RRR': rrr_forces, 'RRP': rrp_forces, 'RPR': rpr_forces, 'RPP': rpp_forces, 'PRP': prp_forces}

@@ -180,10 +180,6 @@ def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     return with_shapes
 
 
-# {(a link, a second link): :data:`Direction` of the first seen from the second}
-Relations = dict[tuple[int, int], Direction]
-
-
 def by_input(relative: Sequence[Scalar], first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
     """Return derivatives by the input from those by an angle or slide, ``relative``, by (P2)."""
     rate, change = relative[-2:]
@@ -252,7 +248,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
 
 
 def _bar(stage: Stage, ends: Ends, direction: Direction, slide: tuple[Scalar, ...],
-         sine: Scalar, cosine: Scalar, relations: Relations) -> DyadMotion:
+         sine: Scalar, cosine: Scalar, relations: dict[Joined, Direction]) -> DyadMotion:
     """Return the motion of RPR by the direction of its bar, seen from the end on the frame."""
     c, s, turn, bend = direction
     if not stage.turns_first:
