@@ -174,12 +174,9 @@ class Places:
 
 
 def _least(sites: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweight, ...], float]:
-    """
-    Return the counterweights for the least t with |B_k p| <= t, and the bound (G3) of t.
-
-    ``blocks``, shape (k, components, MOMENTS * links): the matrices B_k; ``mass``: the most that
-    may be added [kg].
-    """
+    """Return the counterweights for the least t with |B_k p| <= t, and the bound (G3) of t."""
+    # blocks, shape (k, components, MOMENTS * links): the matrices B_k; mass: the most that may be
+    # added [kg].
     # 1. the cones |B_k p| <= t, with loads and masses of about one and t as the last unknown
     unbalanced = blocks @ sites.loads.given                     # (k, components)
     largest = float(np.linalg.norm(unbalanced, axis=1).max())

@@ -53,12 +53,9 @@ def unit_of(loads: Loads, name: str) -> str:
 
 
 def scene_values(scene: Scene, moments: Array) -> dict[str, float]:
-    """
-    Return the parameters of a scene with other bodies, those at their default left out.
-
-    ``moments``: m [kg], m x, m y [kg m] and J about the first joint [kg m^2] of each link, all in
-    one row. They replace all that the scene says of bodies, rods too.
-    """
+    """Return the parameters of a scene with other bodies, those at their default left out."""
+    # moments: m [kg], m x, m y [kg m] and J about the first joint [kg m^2] of each link, all in
+    # one row. They replace all that the scene says of bodies, rods too.
     values = {name: value for name, value in scene.values.items()
               if not name.startswith('bodies.')}
     for link, of_link in zip(scene.linkage.BODIES._fields, moments.reshape(-1, MOMENTS)):

@@ -145,11 +145,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
 
 def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[Array, Array]:
-    """
-    Return a measure of the quantity in a row of turns, and for which designs it is right.
-
-    ``cycle``: after how much of the input all repeats [rad], negative where it goes backward.
-    """
+    """Return a measure of the quantity in a row of turns, and for which designs it is right."""
+    # cycle: after how much of the input all repeats [rad], negative where it goes backward.
     inputs, values = turns.inputs[row], turns.values[row]
     if measure.part in kinds.MEANS:
         mean, rms = turns.means[row], np.sqrt(turns.mean_squares[row])
@@ -171,12 +168,9 @@ def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[A
 
 def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = TOGETHER
               ) -> Array:
-    """
-    Do work for designs, by index, ``together`` at a time; return those that are not done.
-
-    ``work``: (some rows, samples of a turn) -> which of them are done, a mask. It is asked again,
-    with more samples, for those where samples or search leave a doubt.
-    """
+    """Do work for designs, by index, ``together`` at a time; return those that are not done."""
+    # work: (some rows, samples of a turn) -> which of them are done, a mask. It is asked again,
+    # with more samples, for those where samples or search leave a doubt.
     for samples in SAMPLES:
         left = [rows[:0]]
         for start in range(0, rows.size, together):

@@ -32,13 +32,10 @@ class Chunk(NamedTuple):
 
 def measured(study: Study, drawn: dict[str, Array]
              ) -> tuple[dict[str, Array], list[str], list[tuple[int, str]]]:
-    """
-    Return the measures of n designs, why each is left out, and (index, error) of failures.
-
-    ``drawn``: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where
-    none was computed; a reason may be :data:`FEASIBLE`. As many designs as possible are computed
-    together, those in doubt one by one.
-    """
+    """Return the measures of n designs, why each is left out, and (index, error) of failures."""
+    # drawn: {parameter that varies: values, shape (n,)}. Measures are {name: array}, NaN where
+    # none was computed; a reason may be FEASIBLE. As many designs as possible are computed
+    # together, those in doubt one by one.
     size = len(next(iter(drawn.values())))
     columns: dict[str, Array] = {
         measure.name: np.full(size, '', object) if measure.part == CLASS else np.full(size, np.nan)
@@ -84,7 +81,6 @@ def compute(study: Study, chunk: int) -> Chunk:
 
 
 def _cheap_first(study: Study) -> list[Bound]:
-    """Return the constraints, first those that need no motion: they drop most designs."""
     return sorted(study.bounds, key=lambda bound: (bound.measure.part not in CHEAP,
                                                    bound.measure.part == INPUT_RANGE))
 

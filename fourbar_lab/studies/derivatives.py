@@ -189,11 +189,9 @@ def sensitivities(derivatives: Derivatives, measures: Sequence[Measure]) -> list
 
 
 class _OfMeasure:
-    """
-    The derivatives of one measure of a design whose extrema were searched.
+    """The derivatives of one measure of a design whose extrema were searched."""
 
-    Methods return them as *slopes*, shape (parameters,), in the order of ``derivatives.names``.
-    """
+    # Methods return them as *slopes*, shape (parameters,), in the order of derivatives.names.
 
     def __init__(self, derivatives: Derivatives, design: Design, measure: Measure) -> None:
         self._derivatives, self._design, self._measure = derivatives, design, measure
@@ -214,7 +212,6 @@ class _OfMeasure:
                            self._why_unknown if np.isnan(slopes).any() else '')
 
     def _unknown(self, why: str) -> Array:
-        """Return NaN for every parameter, and keep the first reason."""
         self._why_unknown = self._why_unknown or why
         return np.full(len(self._names), nan)
 
@@ -313,7 +310,6 @@ class _OfMeasure:
                             self._linkage.input_unit if self._is_of_inputs else None)
 
     def _of_dyad(self, extremum: Extremum) -> Array:
-        """Return the slopes of an extremum, or of its input, whatever ties with it."""
         name, x = extremum.quantity, extremum.input
         if extremum.kind == CONSTANT:
             _, slopes = self._derivatives.of(name, nodes(self._linkage, SAMPLES)[0])
@@ -341,7 +337,6 @@ class _OfMeasure:
         return names, angles, sines - sines.min(axis=0) <= TIE
 
     def _dyads(self, extremum: Extremum) -> list[Extremum]:
-        """Return an extremum; of the transmission angle, those of the dyads that count there."""
         if extremum.quantity != ANGLE:
             return [extremum]
         tied = [extremum._replace(quantity=name, value=float(angle)) for name, (angle,), (counts,)
@@ -384,12 +379,9 @@ class _OfMeasure:
         return np.asarray(results[0])
 
     def _of_margin(self) -> Array:
-        """
-        Return the derivatives of the distance from a change point.
-
-        That is the least |sum of lengths with signs| over the sum of all lengths. A length that is
-        negative, as an offset may be, counts with its size.
-        """
+        """Return the derivatives of the distance from a change point."""
+        # That is the least |sum of lengths with signs| over the sum of all lengths. A length that
+        # is negative, as an offset may be, counts with its size.
         signs, lengths = parametric.margin_signs(self._linkage), np.array(self._linkage.lengths)
         if signs is None:
             return self._unknown('it has no formula in the lengths')

@@ -42,7 +42,6 @@ def _by_partials(name: str) -> Function:
 
 
 def _of_values(name: str) -> Function:
-    """Return a function of the values alone: a comparison, a unit."""
     return lambda *arguments: ARRAYS[name](*map(value_of, arguments))
 
 

@@ -51,7 +51,6 @@ def processes(workers: int | None = None) -> Iterator[futures.Executor]:
 
 
 def _begin_worker(alive: Connection) -> None:
-    """End this worker with the main process; Ctrl-C is for that one."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def follow() -> None:

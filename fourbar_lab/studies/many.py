@@ -76,7 +76,6 @@ def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike
     scene, blocks = from_values(SCENE), {name: list[Extrema]() for name in RATES}
 
     def searched(which: Array, samples: int) -> Array:
-        """Search some linkages together, from samples of a turn; return which are done."""
         designs = Designs(scene, {name: column[which] for name, column in zip(names, columns)})
         turns = search(designs, [QUANTITIES[name] for name in RATES], 0.0, samples)
         compared = [*map(_compared, turns.values, turns.counts)]

@@ -87,12 +87,9 @@ class Extent(NamedTuple):
     extrema: Values
 
     def of(self, part: str, period: float = tau) -> Values:
-        """
-        Return a part of the quantity by name, all but rms, or a measure of the mechanism.
-
-        The latter is the time ratio (of the extent of the output) or the least transmission angle
-        (of that of the transmission angle). ``period``: of the input [rad].
-        """
+        """Return a part of the quantity by name, all but rms, or a measure of the mechanism."""
+        # The latter is the time ratio (of the extent of the output) or the least transmission
+        # angle (of that of the transmission angle). period: of the input [rad].
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
             parts: dict[str, Values] = {

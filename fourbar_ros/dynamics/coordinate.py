@@ -81,11 +81,8 @@ class MotionCoordinate:
         return compiled(self.make_successor, self.equation.coordinate)
 
     def excess(self, time: float, state: State) -> float:
-        """
-        Return |do/dp| - 2, positive where the successor o has to take over.
-
-        An event of an integrator; out of reach of this coordinate it is the largest number.
-        """
+        """Return |do/dp| - 2, positive where the successor o has to take over."""
+        # An event of an integrator; out of reach of this coordinate it is the largest number.
         try:
             _, ratio, _ = self.successor(float(state[0]))
         except (FourBarError, ArithmeticError):
@@ -123,11 +120,8 @@ class MotionCoordinate:
         return float(change * ratio + rate * rate * bend)
 
     def modes(self, positions: ArrayLike) -> NDArray[Any]:
-        """
-        Return the assembly mode at values of p, integers of their shape.
-
-        Each dyad is a bit of a mode: of more than 63 dyads they are Python's integers.
-        """
+        """Return the assembly mode at values of p, integers of their shape."""
+        # Each dyad is a bit of a mode: of more than 63 dyads they are Python's integers.
         positions = np.asarray(positions, float)
         grows = (np.ones(positions.shape, bool) if self.is_input
                  else np.asarray(self.successor(positions)[1]) > 0.0)
@@ -136,7 +130,6 @@ class MotionCoordinate:
 
 
 def _of_system(system: System, *key: object) -> MotionCoordinate:
-    """Return a coordinate of a system that was pickled."""
     return system.coordinates.of(*key)       # type: ignore[arg-type]  # a key of a coordinate
 
 
@@ -162,11 +155,8 @@ class Coordinates:
         self.first = self.of(True, mechanism.mode, mechanism.mode)
 
     def of(self, is_input: bool, driven_mode: int, mode: int) -> MotionCoordinate:
-        """
-        Return a coordinate; ``driven_mode``: mode of the links as it drives them.
-
-        ``mode`` as of :class:`MotionCoordinate`.
-        """
+        """Return a coordinate; ``driven_mode``: mode of the links as it drives them."""
+        # mode as of MotionCoordinate.
         key = is_input, driven_mode, mode
         if key not in self._known:
             equation = self.system.make_equation(
@@ -200,12 +190,9 @@ class Coordinates:
 
     def taking_over(self, last: MotionCoordinate, value: float, successor: float, ratio: float
                     ) -> MotionCoordinate:
-        """
-        Return the coordinate that goes on near a toggle: the input's, or that in its place.
-
-        ``value``: of the last coordinate; ``successor``: of that which takes over; ``ratio``:
-        d successor / d value. Where it is negative, the links pass into the other assembly mode.
-        """
+        """Return the coordinate that goes on near a toggle: the input's, or that in its place."""
+        # value: of the last coordinate; successor: of that which takes over; ratio: d successor /
+        # d value. Where it is negative, the links pass into the other assembly mode.
         mode = int(last.modes(value))
         if not last.is_input:
             return self.of(True, mode, mode)
@@ -221,12 +208,9 @@ class Coordinates:
         return self.of(False, nearest, mode if ratio > 0.0 else self.partner(mode))
 
     def prepare(self) -> dict[MotionCoordinate, tuple[MotionCoordinate, ...]]:
-        """
-        Return {coordinate: (first, second)}, of a mechanism with two modes and toggles.
-
-        The first takes over where it falls with the coordinate, the second where it grows; () of
-        the input of a change point: :meth:`taking_over` tells.
-        """
+        """Return {coordinate: (first, second)}, of a mechanism with two modes and toggles."""
+        # The first takes over where it falls with the coordinate, the second where it grows; () of
+        # the input of a change point: taking_over tells.
         inside = (1.0 - NEXT_TO_TOGGLE) * self.half
         successors = dict[MotionCoordinate, tuple[MotionCoordinate, ...]]()
         inputs = {mode: self.of(True, mode, mode) for mode in self._mechanism.modes_passed}
@@ -251,11 +235,8 @@ class Coordinates:
 
 
 def _pose(links: DrivenLinks, value: float, rate: float) -> list[float]:
-    """
-    Return first joints and directions of all links, driven at a value, and how they move.
-
-    At the flat position of a change point the modes differ in how they move alone.
-    """
+    """Return first joints and directions of all links, driven at a value, and how they move."""
+    # At the flat position of a change point the modes differ in how they move alone.
     return [entry for curve in links.make_coefficients(REAL)(value)
             for entry in (curve.x, curve.y, curve.cosine, curve.sine, rate * curve.v_x,
                           rate * curve.v_y, rate * curve.omega)]

@@ -105,12 +105,9 @@ class Outside(NamedTuple):
 
 
 def compiled(make_formula: MakeFormula, links: DrivenLinks) -> Function:
-    """
-    Return the function of one coordinate q, or of an array, that a formula of the links is.
-
-    ``make_formula``: (links, number type) -> function of q that returns several numbers. At one q
-    it raises as ``motion`` does where the links cannot close; arrays have NaN there.
-    """
+    """Return the function of one coordinate q, or of an array, that a formula of the links is."""
+    # make_formula: (links, number type) -> function of q that returns several numbers. At one q it
+    # raises as motion does where the links cannot close; arrays have NaN there.
     line, formula = straight_line(partial(make_formula, links)), make_formula(links, ARRAY)
 
     def results(position: Value) -> Sequence[Any]:

@@ -99,26 +99,21 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
 
 
 class Mover:
-    """
-    Advances a drive and its linkage, from state to state or from message to message.
+    """Advances a drive and its linkage, from state to state or from message to message."""
 
-    A step is made in the input q, next to a toggle in the coordinate p that goes on there
-    (:mod:`fourbar_ros.dynamics.coordinate`). At its start p takes over if |dp/dq| > 2. Within the
-    step the other coordinate takes over where the one in use changes too slowly. At the end of the
-    first step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the
-    state of most samples, as a message does, and a bag can be stepped again. Next to a toggle they
-    hardly change (:meth:`is_told_by_message` is false); the mover then keeps (p, dp/dt) for the
-    values that it gave last.
-
-    In a coordinate a step of RODAS (:mod:`fourbar_ros.dynamics.rosenbrock`) goes over the whole
-    length, or shorter steps where its error is too large or a force table bends: stable whatever
-    the stiffness, of bounded work. The next state follows from the state alone.
-
-    ``tolerance``: allowed error of one step, in the coordinate and the twist, and in speeds times
-    its length; ``budget``: most evaluations of the equation of motion in a step;
-    ``takes_commands``: the torque comes from a topic; ``acting``: names of the links, and of the
-    base, whose wrenches and motion come from outside: unknown before :meth:`act`.
-    """
+    # A step is made in the input q, next to a toggle in the coordinate p that goes on there
+    # (fourbar_ros.dynamics.coordinate). At its start p takes over if |dp/dq| > 2. Within the step
+    # the other coordinate takes over where the one in use changes too slowly. At the end of the
+    # first step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell
+    # the state of most samples, as a message does, and a bag can be stepped again. Next to a
+    # toggle they hardly change (is_told_by_message is false); the mover then keeps (p, dp/dt) for
+    # the values that it gave last. In a coordinate a step of RODAS
+    # (fourbar_ros.dynamics.rosenbrock) goes over the whole length, or shorter steps where its
+    # error is too large or a force table bends: stable whatever the stiffness, of bounded work.
+    # The next state follows from the state alone. tolerance: allowed error of one step, in the
+    # coordinate and the twist, and in speeds times its length; budget: most evaluations of the
+    # equation of motion in a step; takes_commands: the torque comes from a topic; acting: names of
+    # the links, and of the base, whose wrenches and motion come from outside: unknown before act.
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False, acting: Sequence[str] = ()) -> None:
@@ -175,13 +170,10 @@ class Mover:
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,
              is_silent: bool = False, mode: int | None = None) -> tuple[int, DriveValues]:
-        """
-        Return (status, values) a ``step`` [s] after some values.
-
-        ``command``: torque of the source [N m], if it comes from a topic; ``is_silent``: it has
-        not come for long. ``mode``: assembly mode of values from elsewhere, as a bag; None: that
-        of the system.
-        """
+        """Return (status, values) a ``step`` [s] after some values."""
+        # command: torque of the source [N m], if it comes from a topic; is_silent: it has not come
+        # for long. mode: assembly mode of values from elsewhere, as a bag; None: that of the
+        # system.
         state = (self._last[1] if self._last and values is self._last[0]
                  else self.state_of(values, mode))
         state, status, evaluations = self.advance(state, step, command)
@@ -218,11 +210,8 @@ class Mover:
             evaluations=float(evaluations))
 
     def state_of(self, values: DriveValues, mode: int | None = None) -> FullState:
-        """
-        Return the state that a message tells, in a mode; None: the mode of the system.
-
-        What it lacks, as NaN, is zero.
-        """
+        """Return the state that a message tells, in a mode; None: the mode of the system."""
+        # What it lacks, as NaN, is zero.
         source = getattr(values, self._source_field) if self._source_field else 0.0
         source, twist, speed = 0.0 if isnan(source) else source, 0.0, 0.0
         if self._has_shaft:
@@ -239,12 +228,9 @@ class Mover:
                               if coordinate.is_input and coordinate.mode == mode), vector, mode)
 
     def is_told_by_message(self, state: FullState) -> bool:
-        """
-        Return whether a message with input, rate and mode suffices to know a state.
-
-        Next to a toggle it does not: there the input hardly changes with the state, which the
-        mover keeps beside the message, and which nobody knows from a bag.
-        """
+        """Return whether a message with input, rate and mode suffices to know a state."""
+        # Next to a toggle it does not: there the input hardly changes with the state, which the
+        # mover keeps beside the message, and which nobody knows from a bag.
         if not self.passes:
             return True
         try:
@@ -267,7 +253,6 @@ class Mover:
             self._torque, self._linear = command, None
 
     def _linearized(self, state: FullState) -> Linearization:
-        """Return the equations at a state; those of the last are kept, as values ask again."""
         if self._linear is None or self._linear[0] != state:
             try:
                 *fields, change, coefficients = self.formulas[state.coordinate].linearize(
@@ -328,7 +313,6 @@ class Mover:
                 else state._replace(mode=in_input.mode)), is_good
 
     def _handed_over(self, state: FullState) -> FullState:
-        """Return the same state in the coordinate that takes over; its mode by dq/dp."""
         linear = self._linearized(state)
         position, mode = linear.next_position, state.mode
         known = self.taking_over[state.coordinate]
@@ -378,12 +362,9 @@ class Mover:
 
     def _rest(self, state: FullState, linear: Linearization, left: float
               ) -> tuple[FullState, float, bool]:
-        """
-        Return the state after all the time left in one step, as the budget is used up.
-
-        It is one of RODAS if evaluations are left for it, else of implicit Euler. Both are stable:
-        the error is bounded, but above the tolerance.
-        """
+        """Return the state after all the time left in one step, as the budget is used up."""
+        # It is one of RODAS if evaluations are left for it, else of implicit Euler. Both are
+        # stable: the error is bounded, but above the tolerance.
         new = None
         if self._evaluations + ATTEMPT <= self.budget:
             new, _ = self._attempted(state, linear, left, LEAST)
@@ -396,12 +377,9 @@ class Mover:
 
     def _attempted(self, state: FullState, linear: Linearization, h: float, least: float
                    ) -> tuple[FullState | None, float]:
-        """
-        Return the state after a step of RODAS of ``h`` seconds, and the next length over it.
-
-        None where that is below ``least``: the error is too large, or the step left the range of
-        the coordinate; it is to be made again, so much shorter.
-        """
+        """Return the state after a step of RODAS of ``h`` seconds, and the next length over it."""
+        # None where that is below least: the error is too large, or the step left the range of the
+        # coordinate; it is to be made again, so much shorter.
         self._evaluations += ATTEMPT
         try:
             vector, scale = self.formulas[state.coordinate].attempt(
@@ -417,7 +395,6 @@ class Mover:
         return new, scale if new else SHORTER
 
     def _regular(self, state: FullState, vector: Sequence[float]) -> FullState | None:
-        """Return the state with another vector, None where its coordinate is not regular."""
         new = FullState(state.coordinate, StateVector(*vector), state.mode)
         try:
             return new if self._linearized(new).room >= -DEEPEST else None
@@ -427,12 +404,9 @@ class Mover:
 
 def _share_to_table(excess: Callable[[float], float], position: float, gain: float, bend: float
                     ) -> float:
-    """
-    Return the share of a step, in (0, 1], after which a force table comes to its next piece.
-
-    1: it comes to none. The position is quadratic: after a share x of the step it is
-    ``position`` + x (gain + x bend); out of reach counts as beyond.
-    """
+    """Return the share of a step, in (0, 1], after which a force table comes to its next piece."""
+    # 1: it comes to none. The position is quadratic: after a share x of the step it is position +
+    # x (gain + x bend); out of reach counts as beyond.
     def is_beyond(share: float) -> bool:
         try:
             return excess(position + share * (gain + share * bend)) > NEAREST

@@ -43,12 +43,9 @@ CHANGE = 'change'      # the unknown dw/dt
 
 
 def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> Function:
-    """
-    Return the formula (q, w, push, J) -> :class:`.Resistance`.
-
-    ``push``: Q - D w - J'/2 w^2 + T; ``outside`` as of :meth:`.Equation.make_terms`. A fifth
-    argument, ``felt`` of a state near by, saves iterations.
-    """
+    """Return the formula (q, w, push, J) -> :class:`.Resistance`."""
+    # push: Q - D w - J'/2 w^2 + T; outside as of Equation.make_terms. A fifth argument, felt of a
+    # state near by, saves iterations.
     mechanism, make_pose = equation.mechanism, equation.make_pose(equation.coordinate, n)
     constants = mechanism.constants
     if outside:

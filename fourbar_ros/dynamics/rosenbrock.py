@@ -136,14 +136,12 @@ def count_of(name: str) -> int:
 
 
 class StepFormulas:
-    """
-    The formulas of a step in one coordinate, in the assembly mode of its equation.
+    """The formulas of a step in one coordinate, in the assembly mode of its equation."""
 
-    ``passes``: through toggles, where another coordinate takes over; else they are limits.
-    ``tolerance``: allowed error of a step, in the coordinate and the twist, and in speeds times
-    its length. ``acting``: names of what acts from outside, in the order of the numbers that
-    follow the other arguments of all functions: four of the base, three of the wrench on a link.
-    """
+    # passes: through toggles, where another coordinate takes over; else they are limits.
+    # tolerance: allowed error of a step, in the coordinate and the twist, and in speeds times its
+    # length. acting: names of what acts from outside, in the order of the numbers that follow the
+    # other arguments of all functions: four of the base, three of the wrench on a link.
 
     def __init__(self, coordinate: MotionCoordinate, drive: Drive, passes: bool, tolerance: float,
                  acting: Sequence[str] = ()) -> None:
@@ -331,7 +329,6 @@ class StepFormulas:
     def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function,
                 resists: Function, near: Sequence[Any] = ()
                 ) -> Callable[[StateVector], StateVector]:
-        """Return b -> y, the solution of (g - d(dx/dt)/dx) y = b at the start of a step."""
         step, x = DIFFERENCE * self.unit, start.state
         if self._equation.tables:                  # in the piece that lies ahead
             step = n.where(x.rate < 0.0, -step, step)
@@ -351,11 +348,8 @@ class StepFormulas:
 
     def _jacobian(self, x: StateVector, coefficients: Coefficients, by_position: Scalar
                   ) -> list[list[Scalar]]:
-        """
-        Return d(dx/dt)/dx of (RB1), rows and columns in the order of x.
-
-        ``by_position``: derivative of du/dt by p, the one entry that is not known in closed form.
-        """
+        """Return d(dx/dt)/dx of (RB1), rows and columns in the order of x."""
+        # by_position: derivative of du/dt by p, the one entry that is not known in closed form.
         u, (J, half_slope, D, r, r_slope, T_w, T_z, d_w, d_z) = x.rate, coefficients
         w_p = r_slope * u                          # of the speed w = r u by p
         if not self._shaft:
@@ -374,12 +368,9 @@ class StepFormulas:
                 [0.0, 0.0, 0.0, d_w, d_z]]
 
     def _scale(self, n: NumberType, errors: Sequence[Scalar]) -> Scalar:
-        """
-        Return the next length over that of a step, by its estimated errors.
-
-        Below 1 the step failed and is made again that much shorter. The fourth root follows from
-        the order of the method.
-        """
+        """Return the next length over that of a step, by its estimated errors."""
+        # Below 1 the step failed and is made again that much shorter. The fourth root follows from
+        # the order of the method.
         error = reduce(partial(_larger, n), errors) / self._tolerance
         longer = SAFETY * _larger(n, error, 1e-10)**-0.25
         longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
@@ -415,7 +406,6 @@ def _larger(n: NumberType, a: Scalar, b: Scalar) -> Scalar:
 
 
 def _plus(x: StateVector, weight: float, u: StateVector) -> StateVector:
-    """Return x + weight u."""
     return StateVector(*[a + weight * b for a, b in zip(x, u)])
 
 

@@ -160,12 +160,9 @@ class Work:
         return bool(self.reason)
 
     def counted(self, derivative: Callable[..., Any], until: float) -> Callable[..., Any]:
-        """
-        Return a derivative as integrators take it, up to a time ``until`` [s].
-
-        It counts calls, has the torque of just before ``until``, where it may jump, and gives NaN
-        for an error or a huge number: the integrator then takes a shorter step.
-        """
+        """Return a derivative as integrators take it, up to a time ``until`` [s]."""
+        # It counts calls, has the torque of just before until, where it may jump, and gives NaN
+        # for an error or a huge number: the integrator then takes a shorter step.
         latest = nextafter(until, -inf)
 
         def rates(time: float, state: Array) -> list[float]:
@@ -241,7 +238,6 @@ class Run:
         return float(self.legs[-1].time[-1])
 
     def _on_legs(self, times: Array) -> Iterator[tuple[Leg, NDArray[np.bool_], Array]]:
-        """Yield each leg with the mask of the times on it, and the states in its coordinate."""
         starts = np.array([leg.time[0] for leg in self.legs])
         indices = np.maximum(np.searchsorted(starts, times, 'left') - 1, 0)
         for i in np.unique(indices):
@@ -249,7 +245,6 @@ class Run:
             yield self.legs[i], there, self.legs[i].at(times[there])
 
     def _states(self, times: Array) -> Array:
-        """Return the states of the input at times, (n,), of the run."""
         rows: Array = np.empty((len(self.system.names), times.size))
         for leg, there, states in self._on_legs(times):
             rows[:, there] = leg.coordinate.states_of_input(states)
@@ -257,11 +252,9 @@ class Run:
 
     @cached_property
     def _rows(self) -> Array:
-        """Return the states over time, named by ``system.names``, of shape (states, n)."""
         return self._states(self.time)
 
     def _record(self, rows: Array) -> RunState:
-        """Return states named by ``system.names``, of shape (states, ...), by field."""
         drive = self.system.drive
         has_shaft = drive is not None and drive.shaft is not None
         motor = rows[2:4] if has_shaft else rows[:2] if drive else np.full_like(rows[:2], nan)
@@ -424,7 +417,6 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 
 
 def _checked(work: Work, method: str, tolerance: float) -> Run:
-    """Return the finer of two runs that agree within the tolerance, or why there are none."""
     system, allowed = work.system, tolerance * work.system.mechanism.input_unit
     rough = _first_run(work, method, max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
@@ -463,7 +455,6 @@ def _first_run(work: Work, method: str, tolerance: float) -> Run:
 
 def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, share: float = 1.0
          ) -> Run:
-    """Return one run, not compared yet; it may use a ``share`` of the evaluations."""
     work.most, work.first, work.marks = share * work.evaluations, work.used, []
     legs = tuple(_integrate(work, method, tolerance, is_finer))
     run = Run(work.system, legs, work.asked, legs[-1].end, error=inf, drift=nan, method=method,
@@ -476,7 +467,6 @@ def _most(name: str, value: float) -> float:
 
 
 def _check_start(system: System) -> None:
-    """Refuse a start without inertia, or with a kinetic energy that overflows a float."""
     equation, (position, rate) = system.equation, system.start[:2]
     try:
         inertia = float(equation.terms(position).inertia)
@@ -493,7 +483,6 @@ def _check_start(system: System) -> None:
 
 
 def _checked_times(times: ArrayLike, until: float) -> Array:
-    """Return the times at which a run is wanted [s]; refuse any that do not increase from 0."""
     wanted = array('times', times)
     if wanted.ndim != 1 or not wanted.size or not (wanted[0] >= 0.0 and wanted[-1] <= until
                                                    and np.all(np.diff(wanted) > 0.0)):
@@ -502,12 +491,9 @@ def _checked_times(times: ArrayLike, until: float) -> Array:
 
 
 def _is_stiff(system: System, until: float) -> bool:
-    """
-    Return whether stability, not accuracy, would limit the steps of DOP853.
-
-    So it is where the fastest mode at the start is far faster than the run: an eigenvalue of the
-    Jacobian, by central differences.
-    """
+    """Return whether stability, not accuracy, would limit the steps of DOP853."""
+    # So it is where the fastest mode at the start is far faster than the run: an eigenvalue of the
+    # Jacobian, by central differences.
     coordinate, state = system.coordinates.begin(system.start)
     if system.equation.has_resistance:         # within the slip speed LSODA takes over anyway
         state[1] = copysign(max(abs(state[1]), 2.0 * system.mechanism.slip_speed), state[1])
@@ -531,13 +517,10 @@ def _is_stiff(system: System, until: float) -> bool:
 
 
 def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Iterator[Leg]:
-    """
-    Yield the legs of one integration from time 0, to the end or to where the run stops.
-
-    A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
-    force table ends, or the run stops. ``is_finer``: legs between jumps of the torque are cut in
-    two, so that the run whose error is estimated and the finer one do not take the same steps.
-    """
+    """Yield the legs of one integration from time 0, to the end or to where the run stops."""
+    # A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
+    # force table ends, or the run stops. is_finer: legs between jumps of the torque are cut in
+    # two, so that the run whose error is estimated and the finer one do not take the same steps.
     system, stop_when = work.system, work.stop_when
     breaks = _restarts(system, work.until, is_finer)
     (coordinate, state), first = system.coordinates.begin(system.start), 0.0
@@ -587,7 +570,6 @@ def _unless_zero(value: float, instead: float) -> float:
 
 def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
          tolerance: float, work: Work, events: list[Event], step: float | None) -> Leg:
-    """Return the leg from a state on, to the end of its span or an event; ``step``: its first."""
     start = np.array(state)
     rates = work.counted(coordinate.derivative, span[1])
     result = _solved(rates, span, start, method, tolerance, dense_output=True,
@@ -637,11 +619,8 @@ def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, meth
 
 
 def _restarts(system: System, until: float, is_finer: bool) -> Array:
-    """
-    Return the times at which integrations restart: where the torque jumps or bends.
-
-    A finer run also restarts between them: otherwise both runs would take the same single step.
-    """
+    """Return the times at which integrations restart: where the torque jumps or bends."""
+    # A finer run also restarts between them: otherwise both runs would take the same single step.
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)
     breaks = breaks[(breaks > 0.0) & (breaks < until)]
@@ -652,7 +631,6 @@ def _restarts(system: System, until: float, is_finer: bool) -> Array:
 
 
 def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
-    """Return the events that end a run in a coordinate: limits of the input."""
     passes_toggles = coordinate.can_end or system.mechanism.turns_fully
 
     def limit(time: float, state: Any) -> float:
@@ -664,12 +642,9 @@ def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
 
 
 def _remembered(event: Event, first: float) -> Callable[..., float]:
-    """
-    Return an event as solve_ivp takes it, with one value for each time.
-
-    Its search for the zero in a step then finds the values that it found at the ends of the step,
-    though the interpolant differs from the step by rounding.
-    """
+    """Return an event as solve_ivp takes it, with one value for each time."""
+    # Its search for the zero in a step then finds the values that it found at the ends of the
+    # step, though the interpolant differs from the step by rounding.
     known = {} if event.before is None else {first: event.before}
 
     def function(time: float, state: Array) -> float:
@@ -696,14 +671,12 @@ def _watch(work: Work, first: float) -> Event:
 
 
 def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
-    """Return the event where the force of a table bends: at its next point."""
     excess = coordinate.equation.make_excess(state[0])
     return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, direction=1.0)
 
 
 def _is_slow(system: System, coordinate: MotionCoordinate, time: float, state: list[float]
              ) -> bool:
-    """Return whether the rate is within the slip speed; where it is at its end, soon after."""
     beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
     if abs(beyond) > AHEAD:
         return beyond < 0.0
@@ -741,7 +714,6 @@ def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state
 
 
 def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
-    """Return a function of time and state of the input as one of the state in a coordinate."""
     return lambda time, state: finite('stop_when', stop_when(
         time, coordinate.states_of_input(np.asarray(state))))
 
@@ -750,12 +722,9 @@ def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
 
 
 def _difference(rough: Run, fine: Run) -> float:
-    """
-    Return the largest difference of the input of two runs [rad] or [m].
-
-    At steps of the rougher run, between which the finer one is interpolated. Where both stop as
-    asked, the difference of their last times counts too, times the rate.
-    """
+    """Return the largest difference of the input of two runs [rad] or [m]."""
+    # At steps of the rougher run, between which the finer one is interpolated. Where both stop as
+    # asked, the difference of their last times counts too, times the rate.
     if (rough.status == EVENT) != (fine.status == EVENT) or fine.status == STOPPED:
         return inf
     times = np.unique(np.concatenate([leg.time for leg in rough.legs]))
@@ -769,12 +738,9 @@ def _difference(rough: Run, fine: Run) -> float:
 
 
 def energy_drift(run: Run) -> float:
-    """
-    Return the largest change of energy less work at the steps, over the energy in play.
-
-    It must be constant, so it measures the error of a run; a change that rounding explains does
-    not count.
-    """
+    """Return the largest change of energy less work at the steps, over the energy in play."""
+    # It must be constant, so it measures the error of a run; a change that rounding explains does
+    # not count.
     # of all legs in a coordinate at once, by rows of their states
     by_coordinate = dict[int, list[Leg]]()
     for leg in run.legs:

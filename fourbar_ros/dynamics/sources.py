@@ -104,11 +104,8 @@ class Law(ABC):
     @abstractmethod
     def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """
-        Return the law that holds next to a speed and a state.
-
-        ``command``: a value in place of the field that ``self.command`` names.
-        """
+        """Return the law that holds next to a speed and a state."""
+        # command: a value in place of the field that self.command names.
 
     def limited(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         """Return the linear law, and the size of its torque at which it is cut off, if it is."""
@@ -220,7 +217,6 @@ class SpeedController(Law):
         by = kp or ki          # without a proportional part, ki times one second takes its place
 
         def beyond(torque: float) -> tuple[Scalar, ...]:
-            """Return the law at a limit of the torque."""
             if not ki:
                 return tuple(Piece(torque))
             return (torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,

@@ -134,7 +134,6 @@ def _without_force(push: Function, error: Function, samples: Array, shortest: fl
 
 
 def _jumps(equation: Equation, position: float, drive: float) -> bool:
-    """Return whether Q + T jumps: it is larger 1e-9 beside an input than its slope there says."""
     aside = 1e-9 * equation.mechanism.input_unit
     below, here, above = equation.terms(position + aside * np.arange(-1.0, 2.0)).force + drive
     bend = abs(float(equation.stiffness(position))) * aside
@@ -142,7 +141,6 @@ def _jumps(equation: Equation, position: float, drive: float) -> bool:
 
 
 def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
-    """Return inputs in each range: of a full crank equal steps, else denser towards both ends."""
     if mechanism.turns_fully:
         # a sample beyond the turn: its ends, where equilibria are often, are then inside
         return [(np.arange(turns * SAMPLES + 1) + 0.5) * (tau / SAMPLES) - pi]
@@ -152,7 +150,6 @@ def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
 
 
 def _ends_of_pieces(mechanism: Mechanism, samples: Array) -> Array:
-    """Return the ends of the pieces of forces between samples of a cycle or a range."""
     ends: Array = np.array(mechanism.pieces.ends if mechanism.pieces else ())
     if mechanism.turns_fully:
         ends = samples[0] + (ends - samples[0]) % mechanism.cycle
@@ -261,11 +258,8 @@ def free_period(system: System) -> float:
 
 
 def _turning_points(system: System, energy: float) -> tuple[float, float] | None:
-    """
-    Return the inputs between which the motion swings, or None for a crank that goes round.
-
-    Raises InvalidParameter for an equilibrium, and for a motion that reaches a limit.
-    """
+    """Return the inputs between which the motion swings, or None for a crank that goes round."""
+    # Raises InvalidParameter for an equilibrium, and for a motion that reaches a limit.
     start, rate = system.start[:2]
     low: float | None
     if rate == 0.0:          # the start is a turning point: the force says which
@@ -283,12 +277,9 @@ def _turning_points(system: System, energy: float) -> tuple[float, float] | None
 
 
 def _turning_point(system: System, energy: float, side: float) -> float | None:
-    """
-    Return the nearest input on one side (+-1) of the start where all energy is potential.
-
-    Searched on samples, dense next to the start: from rest the start itself, a turning point too,
-    is left out. None if there is none within a period, or the range.
-    """
+    """Return the nearest input on one side (+-1) of the start where all energy is potential."""
+    # Searched on samples, dense next to the start: from rest the start itself, a turning point
+    # too, is left out. None if there is none within a period, or the range.
     mechanism, (start, rate) = system.mechanism, system.start[:2]
     reach = mechanism.period
     if not mechanism.turns_fully:

@@ -28,7 +28,6 @@ class DifferenceSampler(Sampler):
     _x: Array                # samples of the path in rising order
 
     def _rows(self, state: State, x: Array) -> Array:
-        """Return the quantities of a state, (quantities, *x.shape), one by one if need be."""
         try:
             return super()._rows(state, x)
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
@@ -72,12 +71,10 @@ class DifferenceSampler(Sampler):
         return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
 
     def by_lengths(self, x: Array, row: Array) -> Array:
-        """
-        Return the derivatives by the logarithms of lengths, (n, lengths), by differences.
-
-        Their steps are parts of the distances to a change point and to lengths that cannot close,
-        which a range of the input narrows as the root of; NaN where even so nothing closes.
-        """
+        """Return the derivatives by the logarithms of lengths, (n, lengths), by differences."""
+        # Their steps are parts of the distances to a change point and to lengths that cannot
+        # close, which a range of the input narrows as the root of; NaN where even so nothing
+        # closes.
         linkage, count = self.linkage, len(self.linkage.lengths)
         width = min([1.0, *((high - low) / self.unit for low, high in linkage.closing_ranges)])
         step = max(LEAST_CHANGE, min(MOST_CHANGE, PART * linkage.change_point_margin,

@@ -188,12 +188,10 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
 
 
 class Search:
-    """
-    The search, and its proof, for some quantities of a mechanism at rate and acceleration.
+    """The search, and its proof, for some quantities of a mechanism at rate and acceleration."""
 
-    ``within``: lowest and highest input, see :func:`.input_paths`; ``paths``: those of the input;
-    ``unresolved``: where their samples are not dense enough, in words.
-    """
+    # within: lowest and highest input, see input_paths; paths: those of the input; unresolved:
+    # where their samples are not dense enough, in words.
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
@@ -252,13 +250,10 @@ class Search:
     def proved(self, extrema: list[list[PathExtremum]], with_conditions: bool,
                check: Callable[[float], None], seconds: float
                ) -> tuple[list[list[PathExtremum]], list[str], set[int]]:
-        """
-        Return the extrema and the text of the proof of each quantity, and whose are refuted.
-
-        Extrema that contradict their proof are searched once more: between the ends of the parts
-        in which the proof says that they are.
-        ``extrema``: results of the search of each quantity; others as for :meth:`prove`.
-        """
+        """Return the extrema and the text of the proof of each quantity, and whose are refuted."""
+        # Extrema that contradict their proof are searched once more: between the ends of the parts
+        # in which the proof says that they are. extrema: results of the search of each quantity;
+        # others as for prove.
         proofs = self.prove(extrema, check, seconds)
         texts = [proof.verdict(of_quantity) for proof, of_quantity in zip(proofs, extrema)]
         wrong = {row for row, proof in enumerate(proofs)
@@ -303,7 +298,6 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
 
 def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
               find: Callable[..., list[Extremum]]) -> list[Extremum]:
-    """Return the extrema of a quantity of the drive; ``find``: as :func:`find_extrema`."""
     name, field, links, rates = (quantity.name, quantity.quantity, quantity.links(linkage),
                                  quantity.rates(rate))
     if not quantity.is_inverse:
@@ -319,12 +313,9 @@ def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
 
 
 def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[Extremum]:
-    """
-    Return the extrema of one over a rate from those of the rate.
-
-    ``turning``: interior extrema of the position. There, and where the rate only touches zero, it
-    is infinite on both sides.
-    """
+    """Return the extrema of one over a rate from those of the rate."""
+    # turning: interior extrema of the position. There, and where the rate only touches zero, it is
+    # infinite on both sides.
     largest = max([abs(extremum.value) for extremum in extrema if isfinite(extremum.value)],
                   default=0.0)
     inverse = list[Extremum]()
@@ -384,13 +375,10 @@ def _is_one(quantity: Any) -> bool:
 def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], proof: str,
              is_refuted: bool, unresolved: str,
              exact: Callable[[list[float]], Array]) -> list[Extremum]:
-    """
-    Return the extrema of a quantity as records for users, by input, the global ones marked.
-
-    ``extrema``: from the search; ``proof``: says whether they are complete; ``is_refuted``: the
-    proof says that they are not, so that only infinite ones are global; ``unresolved``: where
-    samples are not dense enough; ``exact``: see :func:`_most_extreme`.
-    """
+    """Return the extrema of a quantity as records for users, by input, the global ones marked."""
+    # extrema: from the search; proof: says whether they are complete; is_refuted: the proof says
+    # that they are not, so that only infinite ones are global; unresolved: where samples are not
+    # dense enough; exact: see _most_extreme.
     extrema = sorted(extrema, key=lambda extremum: (extremum.x, extremum.side))
     name, symbol, mode, unit = quantity.name, quantity.unit, linkage.mode, linkage.input_unit
     is_slide = linkage.is_driven_by_slide

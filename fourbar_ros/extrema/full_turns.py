@@ -69,12 +69,9 @@ def inputs(count: int) -> Array:
 
 
 def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle: Array) -> Turns:
-    """
-    Return the extrema of q quantities of n mechanisms whose cranks turn fully.
-
-    Samples of a turn, ``count`` of them, give slopes; sign changes of these bracket extrema, which
-    are then refined. ``is_angle``, shape (q,): which quantities may jump by 2 pi.
-    """
+    """Return the extrema of q quantities of n mechanisms whose cranks turn fully."""
+    # Samples of a turn, count of them, give slopes; sign changes of these bracket extrema, which
+    # are then refined. is_angle, shape (q,): which quantities may jump by 2 pi.
     spacing = 2.0 * pi / count
     x = np.broadcast_to(inputs(count), (mechanisms, count))
     samples = evaluate(x, np.arange(mechanisms))
@@ -150,13 +147,10 @@ class Roots(NamedTuple):
 
 
 def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[Roots, Array]:
-    """
-    Return the roots of slopes, and which mechanisms may have more, shape (n,).
-
-    ``slopes`` has shape (samples, q * n), times the spacing of the samples. Where a slope changes
-    its sign between two samples lies a root; its first guess is that of a cubic through values and
-    bends there, then of a polynomial through the samples around, unless that leads away.
-    """
+    """Return the roots of slopes, and which mechanisms may have more, shape (n,)."""
+    # slopes has shape (samples, q * n), times the spacing of the samples. Where a slope changes
+    # its sign between two samples lies a root; its first guess is that of a cubic through values
+    # and bends there, then of a polynomial through the samples around, unless that leads away.
     bends = slopes_of(slopes, PLAIN)
     changes, doubtful = changes_and_doubts(slopes, bends * (1.0 / 3.0), True)
     i, column = np.nonzero(changes)
@@ -249,12 +243,9 @@ def slopes_of(f: Array, weights: Sequence[float] = FINE) -> Array:
 
 
 def is_coarse(f: Array, span: Array) -> Array:
-    """
-    Return which functions the samples f, shape (samples, m), do not resolve, shape (m,).
-
-    Every other sample is compared with what the ones between say there; ``span``, shape (m,): the
-    largest less the least sample.
-    """
+    """Return which functions the samples f, shape (samples, m), do not resolve, shape (m,)."""
+    # Every other sample is compared with what the ones between say there; span, shape (m,): the
+    # largest less the least sample.
     width, count = len(BETWEEN), len(f) // 2
     even, error, term = _wrapped(f[::2], width), f[1::2].copy(), np.empty((count, *f.shape[1:]))
     for k, weight in enumerate(BETWEEN):
@@ -267,13 +258,10 @@ def is_coarse(f: Array, span: Array) -> Array:
 
 
 def roots_between(f: Array, i: Array, column: Array, guess: Array) -> tuple[Array, Array]:
-    """
-    Return where functions have roots, in steps after sample ``i``, and their slopes there.
-
-    By Newton's method on the polynomials through the nearest samples of f, shape (samples, m). All
-    else has shape (roots,): the sample before the root and the column of its function, both as
-    indices, and a guess from 0 to 1.
-    """
+    """Return where functions have roots, in steps after sample ``i``, and their slopes there."""
+    # By Newton's method on the polynomials through the nearest samples of f, shape (samples, m).
+    # All else has shape (roots,): the sample before the root and the column of its function, both
+    # as indices, and a guess from 0 to 1.
     middle = AROUND // 2 - 1
     near = (np.arange(AROUND)[:, None] - middle + i) % len(f)
     table = f.ravel().take(near * f.shape[1] + column)

@@ -62,12 +62,10 @@ class End(NamedTuple):
 
 
 class InputPath(NamedTuple):
-    """
-    Samples of a range of the input in which a mechanism moves smoothly in one assembly mode.
+    """Samples of a range of the input in which a mechanism moves smoothly in one assembly mode."""
 
-    Between ``first`` and ``last`` steps of the path's parameter are equal; beyond, points are
-    added next to ``low`` and ``high``.
-    """
+    # Between first and last steps of the path's parameter are equal; beyond, points are added next
+    # to low and high.
 
     x: Array             # (n,), rising inputs; of a full period from half of it below zero on
     low: End | None      # where it begins; None: after the last point is the first
@@ -107,13 +105,10 @@ class InputPath(NamedTuple):
 
 
 def closer_points(end: End | None, count: int) -> Array:
-    """
-    Return the parameters t of points added at an end at t = 0, ever closer to it.
-
-    Among ``count`` equal steps of [0, 1] the first point is half a step away: these are at 1/2,
-    1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end, and
-    at that of a piece.
-    """
+    """Return the parameters t of points added at an end at t = 0, ever closer to it."""
+    # Among count equal steps of [0, 1] the first point is half a step away: these are at 1/2, 1/4
+    # ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end, and at
+    # that of a piece.
     if end is None or end.kind == PIECE:
         return np.zeros(0)
     octaves = (0.5 * np.arange(1, 1 + POLE_POINTS) if end.is_pole
@@ -149,15 +144,12 @@ class Kernels(NamedTuple):
 
 def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] | None = None,
                 poles: Sequence[float] = (), pieces: Pieces | None = None) -> list[InputPath]:
-    """
-    Return the paths that make up the motion of a mechanism in its mode.
-
-    ``points`` is the least number of points of a full turn, without those added at the ends.
-    ``within``: the inputs [rad or m] between which paths are wanted, of angles at most a period
-    apart. ``poles``: those of the mechanism's ``flat_inputs`` at which quantities have poles, so
-    that paths end there. ``pieces``: those of loads with forces over a position.
-    A slide is given in units of :attr:`input_unit`.
-    """
+    """Return the paths that make up the motion of a mechanism in its mode."""
+    # points is the least number of points of a full turn, without those added at the ends. within:
+    # the inputs [rad or m] between which paths are wanted, of angles at most a period apart.
+    # poles: those of the mechanism's flat_inputs at which quantities have poles, so that paths end
+    # there. pieces: those of loads with forces over a position. A slide is given in units of
+    # input_unit.
     unit, is_slide = mechanism.input_unit, mechanism.is_driven_by_slide
     turned = (2.0 * pi * round(mechanism.cut[0] / (2.0 * pi))      # the turn of the stroke
               if mechanism.cut and not is_slide else 0.0)
@@ -279,12 +271,9 @@ def _between(low: float, high: float, singular: Array, points: int,
 
 def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[float, float]
             ) -> dict[float, End]:
-    """
-    Return {phi: End} of the part of a range between the two inputs ``cut``.
-
-    ``new_ends``: {phi: input}, those of both that lie inside the range. They are regular ends, but
-    next to a pole the pole is the end.
-    """
+    """Return {phi: End} of the part of a range between the two inputs ``cut``."""
+    # new_ends: {phi: input}, those of both that lie inside the range. They are regular ends, but
+    # next to a pole the pole is the end.
     slack = {phi: NARROWEST if end.is_pole else 0.0 for phi, end in ends.items()}
     low, high = cut
     kept = {phi: end for phi, end in ends.items()
@@ -335,12 +324,9 @@ def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array],
 
 
 def _kernels(singular: Array, points: int) -> Kernels:
-    """
-    Return the kernel of ``points`` equal steps of a turn, then those of singular points.
-
-    A kernel is a term of t(phi) that crowds samples around the real part of such a point.
-    A point at a distance w from the real inputs gets kernels of the widths w, 4 w, ... below 1.
-    """
+    """Return the kernel of ``points`` equal steps of a turn, then those of singular points."""
+    # A kernel is a term of t(phi) that crowds samples around the real part of such a point. A
+    # point at a distance w from the real inputs gets kernels of the widths w, 4 w, ... below 1.
     centres, widths = [0.0], [40.0]               # as good as infinitely wide: equal steps
     for z in singular:
         width = max(abs(z.imag), NARROWEST)
@@ -371,12 +357,9 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
 
 
 def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:
-    """
-    Return phi at t(phi) = t.
-
-    Nodes at equal steps of each kernel alone bracket it; a cubic through two of them and their
-    slopes (Hermite) is good to 1e-4 of a step, with one step of Newton's method to 1e-9.
-    """
+    """Return phi at t(phi) = t."""
+    # Nodes at equal steps of each kernel alone bracket it; a cubic through two of them and their
+    # slopes (Hermite) is good to 1e-4 of a step, with one step of Newton's method to 1e-9.
     half = 0.5 * (-pi + 2.0 * pi / NODES * np.arange(NODES))
     centres = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
     nodes = np.add.outer(np.arange(-2, 3) * (2.0 * pi), centres).ravel()

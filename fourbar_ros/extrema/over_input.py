@@ -159,13 +159,10 @@ def settled(mean: Values, rms: Values) -> Values:
 
 
 def efficiency(linkage: Mechanism, rate: float = 1.0, acceleration: float = 0.0) -> float:
-    """
-    Return the share of the work of a cycle that friction leaves, between drive and loads.
-
-    From the work of the drive with and without friction, at the same motion: their quotient that
-    is below 1, whichever way the work goes. What dampers take is no loss of it. NaN where the
-    input does not turn fully, where no work is done, and where friction turns its sign.
-    """
+    """Return the share of the work of a cycle that friction leaves, between drive and loads."""
+    # From the work of the drive with and without friction, at the same motion: their quotient that
+    # is below 1, whichever way the work goes. What dampers take is no loss of it. NaN where the
+    # input does not turn fully, where no work is done, and where friction turns its sign.
     work, without = (OverInput(each, linkage.drive_load, rate, acceleration).of_cycle
                      for each in (linkage, linkage.without_friction))
     return efficiency_of(work, without)
@@ -204,12 +201,9 @@ class OutputRange(NamedTuple):
 
 
 def time_ratio(least_at: Values, most_at: Values, period: float) -> Values:
-    """
-    Return the time of the slower stroke of an output over that of the faster one.
-
-    At constant speed of an input that turns fully; NaN where there is none. ``least_at``,
-    ``most_at``: inputs at which the output is least and greatest.
-    """
+    """Return the time of the slower stroke of an output over that of the faster one."""
+    # At constant speed of an input that turns fully; NaN where there is none. least_at, most_at:
+    # inputs at which the output is least and greatest.
     forward = np.mod(np.subtract(most_at, least_at), period)
     back = period - forward
     with np.errstate(divide='ignore', invalid='ignore'):
@@ -266,7 +260,6 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
 
 
 def _turns_on(linkage: Mechanism, quantity: Quantity) -> bool:
-    """Return whether an angle is on by whole turns after one turn of the input."""
     sampler, way = Sampler(linkage, [quantity], (0.0, 0.0)), 0.0
     for path in input_paths(linkage, SAMPLES):
         angles = sampler.along(path).values[0]

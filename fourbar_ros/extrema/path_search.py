@@ -106,9 +106,7 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
 
 
 def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
-    """Return extrema along a path, marked where kinds do not take turns; none without a value."""
     def along(extremum: PathExtremum) -> tuple[float, int]:
-        """Return where an extremum is on the path."""
         if extremum.side and not extremum.is_jump:
             return -extremum.side * inf, 0
         return (extremum.x if path.low is None or turn == inf
@@ -135,13 +133,10 @@ def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[P
 
 
 def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[float, float]]:
-    """
-    Return {row: (value, error)} of the quantities that are constant along a path.
-
-    That is, of those whose samples differ by no more than their last bits, error 0, or than their
-    rounding errors may: then the error is the bound of these, and the value is zero if all samples
-    are within it.
-    """
+    """Return {row: (value, error)} of the quantities that are constant along a path."""
+    # That is, of those whose samples differ by no more than their last bits, error 0, or than
+    # their rounding errors may: then the error is the bound of these, and the value is zero if all
+    # samples are within it.
     value = np.median(samples.values, axis=1)
     away = np.abs(samples.values - value[:, None])
     is_exact = ~(away > 64.0 * EPS * np.abs(value)[:, None]).any(axis=1)
@@ -232,7 +227,6 @@ class Roots(NamedTuple):
 
 
 def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None) -> Roots:
-    """Return where the slopes of the quantities ``rows`` change sign, hidden pairs too."""
     x, is_closed, before_gaps = samples.path.x, samples.path.is_closed, samples.path.before_gaps
     # at a toggle derivatives have poles of a power of sin(mu): without them sign changes show
     # between samples, and a positive factor moves no root
@@ -254,7 +248,6 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
 
     def newton(x: Array, which: Array) -> tuple[Array, ...]:
-        """Return the slopes (or those of squares) and Newton steps for some of the brackets."""
         return sampler.newton(x, row[which], spacing[which], is_positive[which])
 
     def solved(which: Array) -> Array:
@@ -288,15 +281,12 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool,
               at_gaps: _AtGaps | None) -> list[PathExtremum]:
-    """
-    Return the extrema of the quantities ``rows`` between the samples.
-
-    Example: |F32| of the paper's linkage at 25 rad/s, at 256 samples of a turn. Its slope is -3769
-    N/rad at sample 105, theta1 = -0.3396, and +5327 at sample 106, -0.3236; so the root between
-    them, -0.3338, is a minimum. Its value, 46.3 N, is 34 N below sample 106 and 12 below 105, and
-    rounding errors are at most 7e-11: it is accepted. Were the difference within them, it would be
-    none.
-    """
+    """Return the extrema of the quantities ``rows`` between the samples."""
+    # Example: |F32| of the paper's linkage at 25 rad/s, at 256 samples of a turn. Its slope is
+    # -3769 N/rad at sample 105, theta1 = -0.3396, and +5327 at sample 106, -0.3236; so the root
+    # between them, -0.3338, is a minimum. Its value, 46.3 N, is 34 N below sample 106 and 12 below
+    # 105, and rounding errors are at most 7e-11: it is accepted. Were the difference within them,
+    # it would be none.
     roots = _roots(sampler, samples, rows, at_gaps)
     is_magnitude = np.asarray((samples.values >= 0.0).all(axis=1))[roots.quantity]
     near = samples.values[roots.quantity, roots.before]
@@ -325,13 +315,10 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
 
 
 def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
-    """
-    Return which magnitudes |F| are least because F changes its sign: they are kinks.
-
-    |F| is zero there: the rounding of the input explains its value, or the parabola through three
-    values of F^2 from many digits comes down to zero; of functions, which have none, the rounding
-    of the terms of F explains it.
-    """
+    """Return which magnitudes |F| are least because F changes its sign: they are kinks."""
+    # |F| is zero there: the rounding of the input explains its value, or the parabola through
+    # three values of F^2 from many digits comes down to zero; of functions, which have none, the
+    # rounding of the terms of F explains it.
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
@@ -370,17 +357,13 @@ class _Turn(NamedTuple):
 
 def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots,
                   jumps: Sequence[_Jump]) -> Array:
-    """
-    Return the indices of the roots that rounding errors cannot have made.
-
-    Maxima and minima take turns along a path. Two neighbours between which no fall is larger than
-    rounding errors are taken out together, the most alike first; so is one beside an end to which
-    there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0. Where the bound of
-    the errors may be far too large, many digits confirm extrema.
-    """
+    """Return the indices of the roots that rounding errors cannot have made."""
+    # Maxima and minima take turns along a path. Two neighbours between which no fall is larger
+    # than rounding errors are taken out together, the most alike first; so is one beside an end to
+    # which there is none. Values 3, 1, 2, 0 with an error of 1.5 each leave 3 and 0. Where the
+    # bound of the errors may be far too large, many digits confirm extrema.
     @cache
     def is_confirmed(k: int) -> bool:
-        """Return whether many digits have an extremum at a root; not of kinks between pieces."""
         if isnan(roots.spacing[k]):
             return False
         beside = BESIDE * roots.spacing[k]
@@ -439,7 +422,6 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array,
     """Return those of the extrema of a quantity, with any ends, that its rounding leaves."""
     @cache
     def fall(turn: _Turn, following: _Turn) -> float:
-        """Return the largest fall between two neighbours, over its error."""
         least = abs(turn.value - following.value) / max(turn.error, following.error, SMALLEST)
         between = (following.before - turn.before) % values.size
         if least > 1.0 or not between:
@@ -465,12 +447,9 @@ def _with_falls(turns: list[_Turn], values: Array, errors: Array,
 
 def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
             rows: Array) -> list[PathExtremum]:
-    """
-    Return the limits of the quantities ``rows`` at one end of a path as extrema.
-
-    ``side``: +1 if the path lies above the end. A limit is infinite, or a minimum if the quantity
-    rises inward, else a maximum.
-    """
+    """Return the limits of the quantities ``rows`` at one end of a path as extrema."""
+    # side: +1 if the path lies above the end. A limit is infinite, or a minimum if the quantity
+    # rises inward, else a maximum.
     if end.kind in (REGULAR, PIECE):
         limits = sampler.values(np.array([end.x]))[:, 0]
     elif end.is_pole:
@@ -494,13 +473,10 @@ def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
 
 def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
                       rows: Array) -> Array:
-    """
-    Return the limits of all quantities at a toggle; right for ``rows``.
-
-    Quantities are meromorphic in the path's parameter: one whose differences grow about twofold
-    each time the distance falls to a quarter has a pole. The others go on smoothly into the other
-    assembly mode.
-    """
+    """Return the limits of all quantities at a toggle; right for ``rows``."""
+    # Quantities are meromorphic in the path's parameter: one whose differences grow about twofold
+    # each time the distance falls to a quarter has a pole. The others go on smoothly into the
+    # other assembly mode.
     values, path = samples.values, samples.path
     inward = path.inward(side)
     nearest = values[:, inward[:4]]
@@ -534,13 +510,10 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
 
 
 def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Array]:
-    """
-    Return the limits of quantities at a toggle, and which were extrapolated from one side.
-
-    ``here``, ``beyond``: samples on the path and on that of the other assembly mode, each from the
-    toggle on, shape (quantities, 12). One polynomial through both sides is three digits better
-    than an extrapolation from one.
-    """
+    """Return the limits of quantities at a toggle, and which were extrapolated from one side."""
+    # here, beyond: samples on the path and on that of the other assembly mode, each from the
+    # toggle on, shape (quantities, 12). One polynomial through both sides is three digits better
+    # than an extrapolation from one.
     every = np.arange(len(beyond))[:, None]
     one_sided = here @ _UP_TO
     # An angle in [0, pi] goes on as its negative.
@@ -556,13 +529,10 @@ def _continued(sampler: Sampler, here: Array, beyond: Array) -> tuple[Array, Arr
 
 def sampled_conditions(sampler: Sampler, x: Array, row: Array,
                        spacing: Array) -> tuple[Array, Array]:
-    """
-    Return the conditions of the input and of the relative value of n extrema, (n,).
-
-    They come from derivatives by the lengths beside each: see the top of this file. ``x``: inputs
-    of the extrema; ``row``: their quantities; ``spacing``: distance of samples there. A change
-    point has none, as linkages of other lengths are none.
-    """
+    """Return the conditions of the input and of the relative value of n extrema, (n,)."""
+    # They come from derivatives by the lengths beside each: see the top of this file. x: inputs of
+    # the extrema; row: their quantities; spacing: distance of samples there. A change point has
+    # none, as linkages of other lengths are none.
     turn = max(TURN, 4.0 * sampler.TURN) * spacing    # differences reach half as far
     around, rows = np.concatenate((x - turn, x, x + turn)), np.concatenate((row, row, row))
     (_, value, _), (before, _, after) = (

@@ -70,11 +70,9 @@ class ProvenPiece(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """
-    All extrema of a quantity inside the paths, or why they are not known.
+    """All extrema of a quantity inside the paths, or why they are not known."""
 
-    Next to the ends of a range nothing is enclosed: extrema found there are taken as they are.
-    """
+    # Next to the ends of a range nothing is enclosed: extrema found there are taken as they are.
 
     linkage: Mechanism
     parts: list[ProvenPiece]
@@ -170,13 +168,11 @@ class Proof(NamedTuple):
         return ''
 
     def _is_at(self, extremum: PathExtremum, cut: float) -> bool:
-        """Return whether an extremum lies where nothing is enclosed about a cut."""
         away = extremum.x - cut
         away -= 0.0 if self.period == inf else self.period * round(away / self.period)
         return abs(away) < LEFT_OUT_AT_CUT
 
     def _is_left_out(self, extremum: PathExtremum) -> bool:
-        """Return whether an extremum is so near to an end that nothing is enclosed there."""
         position = self.linkage.input_unit * extremum.x
         return any(0.0 < side * self.linkage.distance(position, end) < width
                    for side, end, width in self.ends)
@@ -229,14 +225,10 @@ def polynomial(c: list[arb], t: arb | float) -> arb:
 def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, float],
           paths: Sequence[InputPath], extrema: Sequence[Sequence[PathExtremum]],
           check: Callable[[float], None], seconds: float) -> list[Proof]:
-    """
-    Return a proof of each quantity, whose ``verdict`` compares extrema with it.
-
-    ``extrema``: those of each quantity; one that is constant in a range is not proved.
-    ``check``: called before each piece with the share of the paths that is decided; an
-    exception from it ends the proof. ``seconds``: of a processor, for each quantity; those
-    still open then are not proved.
-    """
+    """Return a proof of each quantity, whose ``verdict`` compares extrema with it."""
+    # extrema: those of each quantity; one that is constant in a range is not proved. check: called
+    # before each piece with the share of the paths that is decided; an exception from it ends the
+    # proof. seconds: of a processor, for each quantity; those still open then are not proved.
     paths, unit = [_away_from_ends(path) for path in paths], linkage.input_unit
     ends = [(side, unit * end.x, unit * abs(end.x - path.x[path.inward(side)[0]]))
             for path in paths for side, end in path.ends()]
@@ -257,7 +249,6 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
 
 
 def _away_from_ends(path: InputPath) -> InputPath:
-    """Return a path without its samples next to poles and limits."""
     if path.is_closed:
         return path
     ends = [end for _, end in path.ends()]
@@ -268,7 +259,6 @@ def _away_from_ends(path: InputPath) -> InputPath:
 
 
 def _pieces(path: InputPath) -> list[tuple[float, float]]:
-    """Return the pieces (low, high) between every fourth sample of a path, apart from cuts."""
     x = path.x.tolist()
     x += [x[0] + path.period] if path.is_closed else []
     edges, pieces = x[:-1:STRIDE] + x[-1:], list[tuple[float, float]]()
@@ -320,11 +310,8 @@ def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: 
 
 
 def _sense(c: list[arb], left: arb, right: arb) -> int | None:
-    """
-    Return the sense of the only extremum of a quantity between two t, 0 of none, else None.
-
-    ``c``: its series, (Z1).
-    """
+    """Return the sense of the only extremum of a quantity between two t, 0 of none, else None."""
+    # c: its series, (Z1).
     slope, radius = slopes(c), abs(left).max(abs(right))
     bend = slopes(slope)
     if abs(slope[0]) > polynomial([abs(k) for k in slope[1:]], radius) * radius:
@@ -338,12 +325,10 @@ def _sense(c: list[arb], left: arb, right: arb) -> int | None:
 
 
 class Enclosing:
-    """
-    Encloses some quantities of a mechanism over pieces of the input, given in its unit.
+    """Encloses some quantities of a mechanism over pieces of the input, given in its unit."""
 
-    ``why_not``: {index of a quantity: why it cannot be enclosed}. ``squares``: indices of roots,
-    such as magnitudes of forces: their squares are enclosed. ImportError without python-flint.
-    """
+    # why_not: {index of a quantity: why it cannot be enclosed}. squares: indices of roots, such as
+    # magnitudes of forces: their squares are enclosed. ImportError without python-flint.
 
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float]) -> None:
@@ -390,7 +375,6 @@ class Enclosing:
                         if index not in trace.varies], self._table, self._values)
 
     def _make(self, number_type: NumberType, constants: Any) -> Function:
-        """Return the formula of all quantities, position -> values, from rates and data."""
         rates, data = constants
         step = self._formula.make(number_type, data)
 
@@ -411,7 +395,6 @@ class Enclosing:
         return values
 
     def _needed(self, rows: tuple[int, ...]) -> list[int]:
-        """Return the indices of the operations that some quantities need, in order."""
         if rows not in self._orders:
             self._orders[rows] = [
                 index for index in self._trace.needed([
@@ -458,11 +441,8 @@ class Enclosing:
         return self(low, high, [i])[1][i]
 
     def _coefficients(self, i: int, values: Sequence[Any]) -> list[arb] | None:
-        """
-        Return c_0 to c_n and C of (Z1) of a quantity, from the values of the trace.
-
-        None where a choice may not be the same all over the piece.
-        """
+        """Return c_0 to c_n and C of (Z1) of a quantity, from the values of the trace."""
+        # None where a choice may not be the same all over the piece.
         from flint import arb_series
 
         if not all(values[index][1] for index in self._needed((i,)) if index in self._choices):
@@ -475,7 +455,6 @@ class Enclosing:
 
 
 def _recorded(value: Any) -> Any:
-    """Return what a function of a user gave, if it is one number."""
     if not isinstance(value, (Number, float, int)):
         raise TypeError(f'it returns {type(value).__name__}')
     return value

@@ -56,12 +56,9 @@ class Samples(NamedTuple):
 
 
 def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
-    """
-    Return {unit: size of the terms that add up to rates and accelerations in that unit}.
-
-    A result is uncertain by rounding of its terms, so differences below some eps times these sizes
-    are taken for noise.
-    """
+    """Return {unit: size of the terms that add up to rates and accelerations in that unit}."""
+    # A result is uncertain by rounding of its terms, so differences below some eps times these
+    # sizes are taken for noise.
     size, omega, alpha = max(map(abs, mechanism.lengths)), 0.0, 0.0
     for joint in [joint.coordinate for joint in mechanism.JOINTS]:
         # a bar that reaches as far as a slide turns by what it moves, over the distance
@@ -79,15 +76,12 @@ def not_real(quantity: Asked, result: str) -> InvalidParameter:
 
 
 class Sampler:
-    """
-    Values and derivatives of some quantities of a mechanism in its mode.
+    """Values and derivatives of some quantities of a mechanism in its mode."""
 
-    The input x is in units of :attr:`~fourbar_ros.mechanisms.mechanism.Mechanism.input_unit`.
-
-    ``rates``: rate and acceleration of the input. ``poles``: those flat positions of a change
-    point at which the quantities have poles, as joint reactions may [rad or m]. Raises
-    MissingBodies or UnknownBaseMotion if a quantity needs loads and the linkage has none.
-    """
+    # The input x is in units of fourbar_ros.mechanisms.mechanism.Mechanism.input_unit. rates: rate
+    # and acceleration of the input. poles: those flat positions of a change point at which the
+    # quantities have poles, as joint reactions may [rad or m]. Raises MissingBodies or
+    # UnknownBaseMotion if a quantity needs loads and the linkage has none.
 
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
@@ -189,7 +183,6 @@ class Sampler:
             return self._rows(state, x)
 
     def _rows(self, state: State, x: Array) -> Array:
-        """Return the quantities of a state, shape (quantities, *x.shape)."""
         rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
             value = quantity.of(*state)

@@ -86,11 +86,8 @@ class _Intervals(NamedTuple):
 
 def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, cycle: float
                   ) -> full_turns.Turns:
-    """
-    Return the extrema of q loads of n mechanisms whose cranks turn fully.
-
-    ``count``: of samples of a cycle at least; ``cycle``: after which all repeats [rad].
-    """
+    """Return the extrema of q loads of n mechanisms whose cranks turn fully."""
+    # count: of samples of a cycle at least; cycle: after which all repeats [rad].
     mechanisms = len(ends.inputs)
     rule = _RULES[FEWER if np.isfinite(ends.inputs).sum() > MANY_ENDS * mechanisms else POINTS]
     of, samples = _resolved(evaluate, rule, _intervals(ends, FEWER * cycle / count, cycle),
@@ -269,12 +266,9 @@ def _resolved(evaluate: full_turns.ColumnFunction, rule: _Rule, of: _Intervals, 
 
 
 def _smooth(samples: Array, row: Array, first: Array) -> tuple[Array, Array, Array]:
-    """
-    Return smooth functions with extrema at the inputs of loads, and their spans, (q, n).
-
-    And which loads are positive, (q, n): of them it is half the square, since a magnitude changes
-    suddenly near a zero of the force and its square does not.
-    """
+    """Return smooth functions with extrema at the inputs of loads, and their spans, (q, n)."""
+    # And which loads are positive, (q, n): of them it is half the square, since a magnitude
+    # changes suddenly near a zero of the force and its square does not.
     is_positive = np.minimum.reduceat(samples.min(axis=1), first, axis=1) > 0.0
     f = np.where(is_positive[:, None, row], 0.5 * samples, 1.0) * samples
     return f, is_positive, (np.maximum.reduceat(f.max(axis=1), first, axis=1)
@@ -282,5 +276,4 @@ def _smooth(samples: Array, row: Array, first: Array) -> tuple[Array, Array, Arr
 
 
 def _firsts(row: Array) -> Array:
-    """Return the index of the first of each group of equal, sorted numbers."""
     return np.flatnonzero(np.diff(row, prepend=-1))
