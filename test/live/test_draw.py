@@ -128,6 +128,23 @@ def test_a_four_bar_is_drawn_by_four_clicks_and_saved(paper, file):
     assert saved.linkage == scene.linkage and saved.values == scene.values
 
 
+def test_bars_are_made_of_a_material_and_the_crank_with_them(paper):
+    before = paper.four_bar().linkage.bodies
+    paper.open('Numbers')
+    paper.script('document.querySelectorAll("#panel details").forEach(e => e.open = true); const s '
+                 '= document.querySelector("[aria-label=material]"); s.value = "2700"; s.onchange()')
+    paper.until(lambda: paper.state['scene']['bodies']['rods']['density'] == 2700, 'aluminium')
+    after = paper.in_python().linkage.bodies
+    for name in ('crank', 'l1', 'l2'):
+        one, two = getattr(before, name), getattr(after, name)
+        for field in ('mass', 'inertia'):
+            assert getattr(two, field) == pytest.approx(getattr(one, field) * 2700 / 7850, rel=1e-9)
+    along = paper.state['scene']['linkage']['points']['A']['along']
+    paper.write('linkage.points.A.along', str(0.9 * along))
+    assert paper.in_python().linkage.bodies.crank.mass == pytest.approx(
+        0.9 * after.crank.mass, rel=1e-9)
+
+
 def test_a_slider_crank_gets_a_spring(paper):
     paper.begin()
     paper.press(paper.at(-200, 0), paper.at(-150, 50))

@@ -11,6 +11,7 @@ import time
 import urllib.error
 import urllib.request
 
+from fourbar_lab.drawing.collineation import collineation_axis
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import from_values
@@ -333,6 +334,21 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
             and message['params']['documentURL'].startswith('file:')}
     assert all(re.match('(file:|data:|blob:|about:|chrome)', url) for url in urls), urls
     assert not errors(driver)
+
+
+def test_the_axis_of_collineation_goes_through_its_poles(tab):
+    linkage = load_scene('paper').linkage
+    axis = collineation_axis(linkage, linkage.motion(1.0))
+    tab.script('page.store.dispatch({ view: { at: 1, layers: { centres: true } } })')
+    start, end, scale = tab.script("""
+const line = document.querySelector('#picture .axis'), { x, y, scale } = page.picture.view;
+return [...['1', '2'].map(i => [x + line.getAttribute(`x${i}`) / scale,
+                                y - line.getAttribute(`y${i}`) / scale]), scale]""")
+    along = np.subtract(end, start) / np.hypot(*np.subtract(end, start))
+    for pole in (axis.p13, axis.p24):
+        x, y = max(map(abs, linkage.lengths)) * pole[:2] / pole[2] - start
+        # the ends are at hundredths of a pixel
+        assert abs(x * along[1] - y * along[0]) < 0.02 / scale
 
 
 def test_a_second_scene_and_the_scene_as_it_was_are_drawn_in_pale(driver, file, tmp_path):

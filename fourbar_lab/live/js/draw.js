@@ -152,7 +152,7 @@ const written = (scene, set) => Object.entries(set).reduce((made, [path, value])
 
 /** What a sketch changes in a scene (numbers in SI): {path: value, subtree or null}; `before` is the sketch of the scene. */
 export function changesOf(scene, sketch, before = null, held = null) {
-  const frames = settle(sketch, before, held), set = {}, { linkage = {}, dyads = {}, bodies = {} } = scene;
+  const frames = settle(sketch, before, held), set = {}, { linkage = {}, dyads = {} } = scene;
   const places = [...sketch.dyads.map(dyad => dyad.inner), ...Object.values(sketch.points).map(point => point.at)].filter(Boolean);
   const tiny = 1e-11 * Math.max(...places.map(at => Math.hypot(...at)));
   const put = (path, value, old) => {
@@ -204,12 +204,16 @@ export function changesOf(scene, sketch, before = null, held = null) {
     else localIn(frames[link], at).forEach((value, i) => put(`${path}.${['along', 'across'][i]}`, value, old[['along', 'across'][i]]));
     if (old.link && old.link !== link) set[`${path}.link`] = link;
   }
-  const known = Object.values(linkage.points || {}).find(point => point.link === 'crank');
-  if (bodies.rods && bodies.crank && known) {             // a crank that was a rod stays one
-    const was = rodOf(bodies.rods, Math.hypot(known.along ?? 0, known.across ?? 0)), body = rodOf(bodies.rods, Math.hypot(...crankPin(sketch).at));
-    if (Math.abs(bodies.crank.mass - was.mass) < 1e-6 * was.mass) for (const field of Object.keys(body)) if (Math.abs(body[field] - bodies.crank[field]) > 1e-9 * body[field]) set[`bodies.crank.${field}`] = tidy(body[field]);
-  }
-  return set;
+  return Object.assign(set, crankOf(scene, written(scene, set)));
+}
+
+/** What of a crank that is a rod changes with its length or with the section and density of the rods. */
+function crankOf(before, after) {
+  const [was, body] = [before, after].map(({ linkage = {}, bodies = {} }) => {
+    const { along = 0, across = 0 } = Object.values(linkage.points || {}).find(point => point.link === 'crank') || {};
+    return bodies.rods && rodOf(bodies.rods, Math.hypot(along, across));
+  }), { crank } = before.bodies || {}, isRod = was && body && crank && Math.abs(crank.mass - was.mass) < 1e-6 * was.mass;
+  return Object.fromEntries(Object.entries(isRod ? body : {}).filter(([field, value]) => Math.abs(value - crank[field]) > 1e-9 * value).map(([field, value]) => [`bodies.crank.${field}`, tidy(value)]));
 }
 
 /** A sketch driven at another link on the ground, whose pins are all that joins links; RangeError if no dyads do it. */
@@ -259,6 +263,8 @@ export function addDrawing(page) {
   let draft = {};             // clicks that are no scene yet: origin, crank, ends [{name, pin, link, at}], guide
   let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
   const scene = () => store.state.scene;
+  /** A change of numbers, with what follows from it. */
+  page.alsoChanged = set => ({ ...set, ...crankOf(scene(), written(scene(), set)) });
   const isEmpty = () => !Object.keys(store.state.scene).length;
   const sketchNow = () => {
     const x = page.engine.inside(store.state.view.at);
@@ -313,7 +319,7 @@ export function addDrawing(page) {
       field.addEventListener('blur', close);
       field.addEventListener('keydown', guarded(key => {
         key.stopPropagation();
-        if (key.key === 'Enter') store.dispatch({ set: { [path]: page.numberOf(field.value, 'm') } });
+        if (key.key === 'Enter') store.dispatch({ set: page.alsoChanged({ [path]: page.numberOf(field.value, 'm') }) });
         if (key.key === 'Enter' || key.key === 'Escape') close();
       }));
     };

@@ -444,7 +444,7 @@ export async function start(data, source) {
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
   find("more").append(html("label", {}, `acceleration of the input [${shownUnit(structure.input.unit)[0] === "deg" ? "rad" : "m"}/s²] `, accelerationField, accelerationWords));
-  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" })) {
+  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres, collineation", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" })) {
     find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves", ...(data.second ? ["second"] : [])].includes(name),
       onchange: event => {
         store.dispatch({ view: { layers: { ...store.state.view.layers, [name]: event.target.checked } } });

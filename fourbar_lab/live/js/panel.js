@@ -6,6 +6,7 @@ import { significant } from "./picture.js";
 import { shownName, shownUnit } from "./curves.js";
 const SPAN = 2.5;      // sliders reach so many times the first value
 const GROUP_NAMES = { linkage: "Linkage", dyads: "Dyads", cylinder: "Cylinder", drive: "Input", gravity: "Gravity", bodies: "Masses", springs: "Springs", torsion_springs: "Torsion springs", forces: "Forces over a position", external: "Loads from outside", friction: "Friction", points: "Points" };
+const MATERIALS = { steel: 7850, aluminium: 2700, brass: 8500, titanium: 4430, PLA: 1240, oak: 700 };      // [kg/m^3]
 const OPEN_GROUPS = ["linkage", "dyads", "drive"];
 
 /** An element of HTML with properties, attributes (names with "-" or "role") and children. */
@@ -129,7 +130,7 @@ export class Panel {
       const box = html("details", { open: OPEN_GROUPS.includes(group) }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
       for (const { name, unit, text, value, choices } of members) {
         const short = name.split(".").slice(1).join("."), row = html("div", { className: "field", title: text });
-        const change = (number, merge = null) => page.store.dispatch({ set: { [name]: number }, merge });
+        const change = (number, merge = null) => page.store.dispatch({ set: page.alsoChanged({ [name]: number }), merge });
         if (choices) {
           const select = html("select", { "aria-label": name, onchange: () => change(Number(select.value)) },
             ...Object.entries(choices).map(([mode, words]) => html("option", { value: mode, textContent: words })));
@@ -144,6 +145,12 @@ export class Panel {
           const both = { set: number => (field.set(number), (slider.value = number)) };
           this.fields.set(name, both);
           row.append(html("span", { className: "name", textContent: `${short.replaceAll(".", ".\u200b")}${unit ? ` [${unit}]` : ""}` }), field, slider, words);
+          if (name === "bodies.rods.density") {
+            const material = html("select", { "aria-label": "material", onchange: () => change(Number(material.value)) }, html("option", { value: "", textContent: "other" }),
+              ...Object.entries(MATERIALS).map(([textContent, density]) => html("option", { value: density, textContent })));
+            both.set = number => (field.set(number), (slider.value = number), (material.value = Object.values(MATERIALS).includes(number) ? number : ""));
+            box.append(html("div", { className: "field" }, html("span", { className: "name", textContent: "material of rods" }), material));
+          }
         }
         box.append(row);
       }

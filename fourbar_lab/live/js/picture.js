@@ -294,15 +294,23 @@ export class Picture {
     const [c, s] = tangent, tip = [end[0] + 9 * c, end[1] + 9 * s];
     draw(parent, "polygon", { class: "drive", points: [tip, [end[0] - 5 * s, end[1] + 5 * c], [end[0] + 5 * s, end[1] - 5 * c]] });
   }
-  /** A cross and P_ij at each instant centre of two links that is in view and no joint; link 1 is the ground. */
+  /** A cross and P_ij at each instant centre of two links in view; link 1 is the ground. Of four links the axis of collineation, through P_13 and P_24. */
   centres(parent, engine, labels) {
     const links = engine.structure.links.map(link => {
       const i = engine.index[`frame.${link}.x`], to = engine.to, w = to[i + 8];
       return [w, to[i + 2] + w * to[i + 1], to[i + 3] - w * to[i]];     // velocity at the origin, if the link were there
     });
-    const every = [[0, 0, 0], ...links];
+    const every = [[0, 0, 0], ...links], centreOf = (p, q) => {
+      const w = q[0] - p[0];
+      return this.pixels([-(q[2] - p[2]) / w, (q[1] - p[1]) / w]);
+    };
+    if (every.length === 4) {
+      const [[x1, y1], [x2, y2]] = [centreOf(every[0], every[2]), centreOf(every[1], every[3])], size = Math.hypot(x2 - x1, y2 - y1);
+      const [u, v] = [x2 - x1, y2 - y1].map(part => (2 * (this.width + this.height) * part) / size), s = ((this.width / 2 - x1) * u + (this.height / 2 - y1) * v) / (u * u + v * v);
+      if (Number.isFinite(s) && size > 1e-6) draw(parent, "line", { class: "axis", x1: x1 + (s - 1) * u, y1: y1 + (s - 1) * v, x2: x1 + (s + 1) * u, y2: y1 + (s + 1) * v });
+    }
     every.forEach((p, i) => every.slice(i + 1).forEach((q, j) => {
-      const w = q[0] - p[0], [x, y] = this.pixels([-(q[2] - p[2]) / w, (q[1] - p[1]) / w]);
+      const [x, y] = centreOf(p, q);
       if (!(x > 0 && y > 0 && x < this.width && y < this.height)) return;
       for (const k of [-6, 6]) draw(parent, "line", { class: "centre", x1: x - 6, y1: y - k, x2: x + 6, y2: y + k });
       labels.push({ kind: "centre", anchor: [x, y], away: 0.8, words: `P_{${i + 1}${i + j + 2}}` });
