@@ -131,18 +131,50 @@ def test_a_four_bar_is_drawn_by_four_clicks_and_saved(paper, file):
 def test_bars_are_made_of_a_material_and_the_crank_with_them(paper):
     before = paper.four_bar().linkage.bodies
     paper.open('Numbers')
-    paper.script('document.querySelectorAll("#panel details").forEach(e => e.open = true); const s '
-                 '= document.querySelector("[aria-label=material]"); s.value = "2700"; s.onchange()')
+    paper.script("""
+document.querySelectorAll("#panel details").forEach(e => e.open = true);
+const material = document.querySelector("[aria-label=material]");
+material.value = "2700";
+material.onchange()""")
     paper.until(lambda: paper.state['scene']['bodies']['rods']['density'] == 2700, 'aluminium')
     after = paper.in_python().linkage.bodies
     for name in ('crank', 'l1', 'l2'):
         one, two = getattr(before, name), getattr(after, name)
         for field in ('mass', 'inertia'):
-            assert getattr(two, field) == pytest.approx(getattr(one, field) * 2700 / 7850, rel=1e-9)
+            ratio = getattr(two, field) / getattr(one, field)
+            assert ratio == pytest.approx(2700 / 7850, rel=1e-9)
     along = paper.state['scene']['linkage']['points']['A']['along']
     paper.write('linkage.points.A.along', str(0.9 * along))
     assert paper.in_python().linkage.bodies.crank.mass == pytest.approx(
         0.9 * after.crank.mass, rel=1e-9)
+
+
+def test_a_four_bar_is_drawn_and_shaped_by_keys_alone(paper):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+    paper.begin()
+    paper.script('page.picture.svg.focus({ preventScroll: true })')
+
+    def keys(*pressed):
+        ActionChains(paper.driver).send_keys(*pressed).perform()
+    keys(Keys.LEFT * 6, Keys.DOWN * 4, Keys.ENTER, Keys.RIGHT * 2, Keys.UP * 4, Keys.ENTER,
+         Keys.RIGHT * 10, Keys.UP * 5, Keys.ENTER, Keys.DOWN * 9, Keys.ENTER)
+    dyad, = paper.drawn('d1').linkage.dyads
+    scale = paper.script('return page.picture.scale')
+    # of 200 and 100 px, to a third digit
+    assert dyad.length_1 * scale == pytest.approx(hypot(200, 100), rel=5e-3)
+    assert dyad.second.along * scale == pytest.approx(240, rel=5e-3)
+    assert dyad.second.across == pytest.approx(0.0, abs=5e-3 * 240 / scale)
+    before = paper.state['scene']
+    paper.tool('shape')
+    paper.script('page.picture.svg.focus({ preventScroll: true })')
+    x, y = paper.script('const p = page.picture; return p.pixels(page.engine.joint("d1_second"))'
+                        '.map((v, i) => v - [p.width, p.height][i] / 2)')
+    sideways, upwards = (Keys.RIGHT if x > 0 else Keys.LEFT), (Keys.DOWN if y > 0 else Keys.UP)
+    keys(sideways * round(abs(x) / 20), upwards * round(abs(y) / 20), ' ', Keys.RIGHT * 2, ' ')
+    assert paper.in_python().linkage.dyads[0].second.along > dyad.second.along
+    ActionChains(paper.driver).key_down(Keys.CONTROL).send_keys('z').key_up(Keys.CONTROL).perform()
+    paper.until(lambda: paper.state['scene'] == before, 'the scene before')
 
 
 def test_a_slider_crank_gets_a_spring(paper):

@@ -386,7 +386,25 @@ export async function start(data, source) {
     },
     move(place) { if (held) store.dispatch({ view: { at: page.engine.nearest(held, place, page.engine.x) } }); },
     up(place) { this.move(place); held = null; } });
+  // a tool by keys: arrows move a cross, by 20 px or with Shift by one, Enter clicks, Space presses and lets go
+  let cross = null, isPressed = false;
+  const byKeys = event => {
+    const tool = current(), way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (event.target !== svg || !tool.isDrawing || !(way || event.key === "Enter" || event.key === " ")) return false;
+    event.preventDefault();
+    cross ??= { at: [picture.width / 2, picture.height / 2], mark: draw(svg, "path", { class: "cross" }) };
+    if (way) cross.at = cross.at.map((value, i) => value + way[i] * (event.shiftKey ? 1 : 20));
+    cross.mark.setAttribute("d", `M${cross.at}m-9 0h18m-9-9v18`);
+    const box = svg.getBoundingClientRect(), [clientX, clientY] = [box.left + cross.at[0], box.top + cross.at[1]];
+    const place = picture.metres({ clientX, clientY }), hit = hitOf({ target: document.elementFromPoint(clientX, clientY) ?? svg });
+    if (event.key === " ") isPressed = !isPressed;
+    for (const act of way ? ["move"] : event.key === "Enter" ? ["down", "up"] : isPressed ? ["down"] : ["up"]) tool[act]?.(place, event, hit);
+    if (!way && !isPressed) store.seal();
+    return true;
+  };
+  svg.addEventListener("blur", () => (cross?.mark.remove(), (cross = null)));
   svg.addEventListener("keydown", event => {
+    if (byKeys(event)) return;
     if (current().key?.(event) || !page.engine) return;
     const [low, high] = [page.engine.ranges[0][0], page.engine.ranges.at(-1)[1]], step = (high - low) / 180;
     const at = { ArrowRight: view => view + step, ArrowUp: view => view + step, ArrowLeft: view => view - step, ArrowDown: view => view - step, Home: () => low, End: () => high }[event.key];
@@ -523,6 +541,7 @@ export async function start(data, source) {
   }
   else if (data.canAsk) await askStructure();
   else page.refuse("this file has no server: another structure needs fourbar live");
+  if (page.engine) store.dispatch({ view: { at: page.engine.inside(store.state.view.at) } });       // a slide begins where it can be
   document.documentElement.dataset.ready = "yes";
   return page;
 }

@@ -334,7 +334,7 @@ export class Picture {
   /** The picture as a file, in the colours of print. */
   file(style) {
     const copy = this.svg.cloneNode(true);
-    for (const gone of copy.querySelectorAll(".grips, .over")) gone.remove();
+    for (const gone of copy.querySelectorAll(".grips, .over, .cross")) gone.remove();
     copy.setAttribute("xmlns", SVG);
     copy.setAttribute("width", this.width);
     copy.setAttribute("height", this.height);
