@@ -110,7 +110,6 @@ class Spring:
         return (0.5 * self.stiffness * stretch + self.preload) * stretch
 
     def forces(self, n: NumberType, links: LinkMotions, *_: Scalar) -> list[ForceOnLink]:
-        """Return the forces on its first and on its second link, which move over time."""
         pull = _damped(self, n, links)
         p, q = self.first.on(links[self.first.link]), self.second.on(links[self.second.link])
         x, y = q.x - p.x, q.y - p.y
@@ -165,7 +164,6 @@ class TorsionSpring:
         return 0.5 * self.stiffness * stretch * stretch
 
     def forces(self, n: NumberType, links: LinkMotions, *_: Scalar) -> list[ForceOnLink]:
-        """Return the couples on its first and on its second link, which move over time."""
         moment, first, second = _damped(self, n, links), links[self.first], links[self.second]
         return [ForceOnLink(self.first, first.x, first.y, 0.0, 0.0, moment),
                 ForceOnLink(self.second, second.x, second.y, 0.0, 0.0, -moment)]
@@ -184,7 +182,6 @@ class TableForce:
         return self.table(self._counted(s))
 
     def slope(self, s: Array) -> Array:
-        """Return the derivative by s, an array."""
         return self.table.slope(self._counted(s))
 
     def _counted(self, s: Any) -> Any:

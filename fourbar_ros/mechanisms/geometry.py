@@ -112,12 +112,9 @@ class MechanismGeometry(StatedMechanism):
         return low + away, high + away
 
     def range_around(self, position: float) -> tuple[float, float]:
-        """
-        Return the range of the input with a position, shifted by whole turns so that it holds it.
-
-        Of an input that turns fully the stroke, or half a period to both sides. OutOfRange outside
-        all ranges.
-        """
+        """Return the range of the input that holds a position, moved there by whole turns."""
+        # Of an input that turns fully the stroke, or half a period to both sides. OutOfRange
+        # outside all ranges.
         if self.turns_fully:
             low, high = self.stroke_around(position)
             reach = 0.5 * self.period if self.stroke is None else inf
@@ -198,12 +195,9 @@ class MechanismGeometry(StatedMechanism):
 
     @cached_by_lengths
     def period(self) -> float:
-        """
-        Return after how much of the input everything repeats [rad]; inf of a slide.
-
-        A turn; two of a change point that passes an odd number of flat positions in one, as the
-        branch is then on its other side.
-        """
+        """Return after how much of the input everything repeats [rad]; inf of a slide."""
+        # A turn; two of a change point that passes an odd number of flat positions in one, as the
+        # branch is then on its other side.
         if self.is_driven_by_slide:
             return inf
         return 4.0 * pi if self.closes_fully and self._has_odd_turns else 2.0 * pi
@@ -228,12 +222,9 @@ class MechanismGeometry(StatedMechanism):
 
     @cached_by_lengths
     def dead_points(self) -> tuple[Any, ...]:
-        """
-        Return where the output turns back in this mode: its rate is zero at any rate of the input.
-
-        Records of the input, from -pi on, and the output there; for a change point whose branch
-        changes its side, those of either side through which its motion goes in a period.
-        """
+        """Return where the output turns back in this mode, at any rate of the input."""
+        # Records of the input, from -pi on, and the output there; for a change point whose branch
+        # changes its side, those of either side through which its motion goes in a period.
         if not self.flat_inputs:
             return tuple(sorted(point for point in self.stalls(self.sign)
                                 if self.is_in_stroke(point[0])))

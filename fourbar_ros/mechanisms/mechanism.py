@@ -88,14 +88,10 @@ class Mechanism(MechanismGeometry):
         return joint_loads
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
-        """
-        Return position -> coefficients of all links for a number type: what dynamics is made of.
-
-        For each of ``LINKS`` (x, y, x', y', x'', y'', cosine, sine, theta', theta''): place of its
-        first joint and direction, primes for derivatives with respect to the input. That is its
-        LinkMotion at unit rate and zero acceleration, and exact. A stroke is no limit here; where
-        the links cannot close it raises ValueError, or gives NaN in arrays.
-        """
+        """Return position -> coefficients of all links for a number type, as dynamics needs."""
+        # Those of a link are its LinkMotion at unit rate and zero acceleration: derivatives with
+        # respect to the input, exact. A stroke is no limit here; where the links cannot close it
+        # raises ValueError, or gives NaN in arrays.
         motion_of, as_motion = self.motion_formula(n, self.constants), self.MOTION
         link_motion, links = self.link_motion, [link.name for link in self.LINKS]
 
