@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, significant
 from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
-from fourbar_lab.drawing.polygons import acceleration_polygon, Arrow, sides_of, velocity_polygon
+from fourbar_lab.drawing.polygons import Arrow, polygons_of, sides_of
 from fourbar_lab.drawing.sheet import Sheet, USUAL
 from fourbar_ros import Mechanism
 from fourbar_ros.errors import FourBarError
@@ -125,8 +125,7 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
     lengths and polygons. The panels stand beside each other, below each other in a column. Title
     and text are beside the figure: :func:`save` makes room for them.
     """
-    velocities, accelerations = velocity_polygon(mechanism, motion), acceleration_polygon(
-        mechanism, motion)
+    velocities, accelerations = polygons_of(mechanism, motion)
     diagram = diagram_of(mechanism, motion)
     with new_figure(12.6, 4.4, paper) as figure:
         across, size, top = figure.get_figwidth(), figure.style['font.size'], 0.95

@@ -55,16 +55,6 @@ def turned(rate: float, r: Array) -> Array:
     return rate * np.array([-r[1], r[0]])
 
 
-def velocity_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
-    """Return the arrows of the velocities [m/s]."""
-    return polygons_of(mechanism, motion)[0]
-
-
-def acceleration_polygon(mechanism: Mechanism, motion: Any) -> list[Arrow]:
-    """Return the arrows of the accelerations [m/s^2]."""
-    return polygons_of(mechanism, motion)[1]
-
-
 def polygons_of(mechanism: Mechanism, motion: Any) -> tuple[list[Arrow], list[Arrow]]:
     """
     Return the arrows of the velocities [m/s] and accelerations [m/s^2]; the pole is the origin.

@@ -354,7 +354,7 @@ def scene_with(machine):
     scene, count = from_values(PAPER), len(machine.JOINTS)
     return replace(
         scene, linkage=machine, joint_names=tuple(joint.place for joint in machine.JOINTS),
-        joint_states=replace(scene.joint_states, ratios=[1.0] * count, offsets=[0.0] * count))
+        joint_states=scene.joint_states._replace(ratios=[1.0] * count, offsets=[0.0] * count))
 
 
 def test_random_machines_close():

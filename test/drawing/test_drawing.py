@@ -6,7 +6,7 @@ from itertools import combinations, cycle
 from math import hypot
 
 from fourbar_lab.drawing.labels import labels_of, significant
-from fourbar_lab.drawing.polygons import acceleration_polygon, renamed, velocity_polygon
+from fourbar_lab.drawing.polygons import polygons_of, renamed
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
@@ -31,8 +31,7 @@ def test_polygons_close():
     """Parts in a chain end where a sum from the pole ends; to 1e-12 of the longest arrow."""
     for mechanism, given in cases(8):
         motion = mechanism.motion(*given)
-        for polygon in (velocity_polygon, acceleration_polygon):
-            arrows = polygon(mechanism, motion)
+        for arrows in polygons_of(mechanism, motion):
             longest = max(hypot(*arrow.vector) for arrow in arrows)
             ends = [arrow.vector for arrow in arrows if arrow.is_sum]
             starts = [arrow.start for arrow in arrows]
@@ -46,11 +45,11 @@ def test_polygons_close():
 def test_sums_are_the_motion_of_the_joints():
     motion = SliderCrank(0.1, 0.3, 0.02).motion(0.7, 30.0, 4.0)
     velocity = {arrow.label: arrow.vector
-                for arrow in velocity_polygon(SliderCrank(0.1, 0.3, 0.02), motion)}
+                for arrow in polygons_of(SliderCrank(0.1, 0.3, 0.02), motion)[0]}
     assert velocity['V_B'] == pytest.approx((motion.slide_velocity, 0.0), abs=1e-14)
     inverted = InvertedSlider(0.1, 0.3, 0.02)
     motion = inverted.motion(0.7, 30.0, 4.0)
-    arrows = {arrow.label: arrow.vector for arrow in acceleration_polygon(inverted, motion)}
+    arrows = {arrow.label: arrow.vector for arrow in polygons_of(inverted, motion)[1]}
     assert (hypot(*arrows['A_{Cor}'])
             == pytest.approx(abs(2.0 * motion.omega4 * motion.slide_velocity), rel=1e-14))
     assert hypot(*arrows['A_{rel}']) == pytest.approx(abs(motion.slide_acceleration), rel=1e-14)
@@ -115,7 +114,7 @@ def test_pictures_have_equal_scales_and_all_labels(mechanism, value):
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
     assert {f'${name}$' for name in diagram_of(mechanism, motion).joints} <= set(words[0])
     assert any(f'{significant(loads.f41)} N' in text for text in words[0])
-    for arrow in velocity_polygon(mechanism, motion):
+    for arrow in polygons_of(mechanism, motion)[0]:
         size = significant(hypot(*arrow.vector))
         assert f'${arrow.label}$' in words[1] and f'${arrow.label}$ = {size}' in words[1]
 

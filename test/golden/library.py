@@ -230,7 +230,7 @@ class Simulated:
         """Return status, error, states by name, energy and mode."""
         scene, _ = scene_of(key)
         until = self.until[key]
-        scene = replace(scene, drive=replace(scene.drive, rate=COUNT / until))
+        scene = replace(scene, drive=scene.drive._replace(rate=COUNT / until))
         run = simulate_scene(scene, until, 1e-10).run
         energy = run.system.equation.energy(run.position, run.rate)
         states = {**run.states._asdict(),

@@ -115,8 +115,8 @@ class Answers:
         top_speed = math.nan
         if turns == 'wrapped':
             top_speed = truth.most[0] * rng.choice([1.0, 3.0]) + 1e-9
-        its_scene = replace(SCENE, drive=replace(
-            SCENE.drive, source=source, joint_ratio=ratio, window=int(rng.choice([3, 5, 9])),
+        its_scene = replace(SCENE, drive=SCENE.drive._replace(
+            source=source, joint_ratio=ratio, window=int(rng.choice([3, 5, 9])),
             top_speed=top_speed))
         estimator = estimator_of(its_scene)
         motion = np.array(truth(true_times * NS))
