@@ -22,9 +22,7 @@ from fourbar_lab.export.statements import filled, JS, JUDGED, lines_of, snippet,
 from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Base
-from fourbar_ros.mechanisms.curves import LinkMotion, PointMotion
-from fourbar_ros.mechanisms.elements import TableForce
-from fourbar_ros.mechanisms.evaluation import Constants
+from fourbar_ros.mechanisms import curves, elements, evaluation
 from fourbar_ros.mechanisms.points import make_point, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
@@ -71,7 +69,7 @@ class JsModule:
                        for field, value in zip(Base._fields, self.mechanism.gravity)}
         return values
 
-    def _constants(self, n: NumberType, changed: dict[str, Any]) -> Constants:
+    def _constants(self, n: NumberType, changed: dict[str, Any]) -> evaluation.Constants:
         scene, mechanism, values = self.scene, self.mechanism, {**self.scene.values, **changed}
         constants = constants_of(replace(scene, linkage=mechanism), values, n)
         if isinstance(mechanism.gravity, Base):
@@ -121,9 +119,9 @@ class JsModule:
         mechanism, known = self.mechanism, fields_of(self.mechanism)
         motion = {name: known[name].unit for name in mechanism.MOTION._fields if name in known}
         frames = {f'frame.{link.name}.{field}': unit for link in mechanism.LINKS
-                  for field, unit in zip(LinkMotion._fields, UNITS_OF_FRAME)}
+                  for field, unit in zip(curves.LinkMotion._fields, UNITS_OF_FRAME)}
         points = {f'{name}.{field}': UNITS_OF_POINTS[field] for name in self.scene.points
-                  for field in PointMotion._fields} | {
+                  for field in curves.PointMotion._fields} | {
             name: quantity.unit for name, quantity in self._of_points.items()}
         loads = {name: known[name].unit for name in mechanism.LOADS._fields if mechanism.bodies}
         return {**motion, **frames, **points, **loads}
@@ -138,9 +136,9 @@ class JsModule:
         mechanism = self.mechanism
         names = [*mechanism.MOTION._fields, *(
             f'frame.{link.name}.{field}' for link in mechanism.LINKS for field in
-            LinkMotion._fields),
+            curves.LinkMotion._fields),
                  *(f'{name}.{field}' for name in self.scene.points
-                   for field in PointMotion._fields),
+                   for field in curves.PointMotion._fields),
                  *self._of_points, *(mechanism.LOADS._fields if mechanism.bodies else ())]
         return dict(zip(names, flat(self.trace.results)))
 
@@ -239,7 +237,7 @@ class JsModule:
         return bounds
 
     def _table(self, i: int, force: Any) -> str:
-        if not isinstance(force, TableForce):
+        if not isinstance(force, elements.TableForce):
             raise NotGenerated(f'{self.name}: a force that is a Python function')
         table, middle = force.table, force.middle
         argument = 'place'

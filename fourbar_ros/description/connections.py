@@ -7,9 +7,8 @@ from functools import singledispatch
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.four_bars import FourBarLinks
+from fourbar_ros.mechanisms import four_bars, sliders
 from fourbar_ros.mechanisms.parts import GROUND, SLIDE
-from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank
 from fourbar_ros.numerics.number_types import direction
 
 X, Y = (1.0, 0.0), (0.0, 1.0)       # directions of slides
@@ -93,29 +92,29 @@ def _inner(dyad: Any) -> Connection:
 O1 = Connection(GROUND, 'crank')        # of every kind
 
 
-@connections_of.register(FourBarLinks)
-def _four_bar(mechanism: FourBarLinks) -> tuple[Connection, ...]:
+@connections_of.register(four_bars.FourBarLinks)
+def _four_bar(mechanism: four_bars.FourBarLinks) -> tuple[Connection, ...]:
     return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
             Connection('coupler', 'output', (mechanism.a2, 0.0), (mechanism.a3, 0.0), turn=pi),
             Connection(GROUND, 'output', (mechanism.a4, 0.0)))
 
 
-@connections_of.register(SliderCrank)
-def _slider_crank(mechanism: SliderCrank) -> tuple[Connection, ...]:
+@connections_of.register(sliders.SliderCrank)
+def _slider_crank(mechanism: sliders.SliderCrank) -> tuple[Connection, ...]:
     return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
             Connection('coupler', 'output', (mechanism.a2, 0.0)),
             Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))
 
 
-@connections_of.register(InvertedSlider)
-def _inverted_slider(mechanism: InvertedSlider) -> tuple[Connection, ...]:
+@connections_of.register(sliders.InvertedSlider)
+def _inverted_slider(mechanism: sliders.InvertedSlider) -> tuple[Connection, ...]:
     return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
             Connection('output', 'coupler', (0.0, mechanism.offset), axis=X),
             Connection(GROUND, 'output', (mechanism.a4, 0.0)))
 
 
-@connections_of.register(ScotchYoke)
-def _scotch_yoke(mechanism: ScotchYoke) -> tuple[Connection, ...]:
+@connections_of.register(sliders.ScotchYoke)
+def _scotch_yoke(mechanism: sliders.ScotchYoke) -> tuple[Connection, ...]:
     return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
             Connection('output', 'coupler', axis=Y, turn=0.5 * pi),      # the slot, along y
             Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))

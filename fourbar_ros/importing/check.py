@@ -14,9 +14,7 @@ from math import pi, tau
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fourbar_ros.importing.machine import Imported
-from fourbar_ros.importing.mjcf import equality_name, spec_of
-from fourbar_ros.importing.robots import FIXED, PIN, Robot, SLIDE
+from fourbar_ros.importing import machine, mjcf, robots
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -52,7 +50,7 @@ class Checked(NamedTuple):
                 f'{self.joint:.1e} ({self.which}), {loads}')
 
 
-def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) -> Checked:
+def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] = ()) -> Checked:
     """
     Return how far a loop's scene is from MuJoCo over its range, at a rate and an acceleration.
 
@@ -66,13 +64,13 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
                                | mujoco.mjtDisableBit.mjDSBL_LIMIT)
     data.eq_active[:] = [
         int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
-        and equality_name(model, index) not in cut for index in range(model.neq)]
-    mechanism, is_slide = scene.linkage, drive.joint.kind == SLIDE
+        and mjcf.equality_name(model, index) not in cut for index in range(model.neq)]
+    mechanism, is_slide = scene.linkage, drive.joint.kind == robots.SLIDE
     # (scale, name of its coordinate) of the passive joints that the file has
     joints = [(scale, joint.coordinate.position) for scale, joint in zip(
         loop.scales.values(), mechanism.JOINTS)
         if not scale.joint.closes and scale.joint is not drive.joint]
-    turns = np.array([scale.joint.kind != SLIDE for scale, _ in joints])
+    turns = np.array([scale.joint.kind != robots.SLIDE for scale, _ in joints])
     beside_answer = BESIDE * np.where(turns, 1.0, loop.loop.size())
     # where joints stand in qpos and among the degrees of freedom
     in_mujoco = [model.joint(scale.joint.name) for scale, _ in joints]
@@ -146,18 +144,18 @@ def check(model: Any, qpos: Array, loop: Imported, cut: Collection[str] = ()) ->
     return Checked(low, high, worst, which, drive_off, peak, drive.joint.name, peak_at, is_slide)
 
 
-def mujoco_of(path: Path, robot: Robot) -> tuple[Any, Array]:
+def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
     """
     Return MuJoCo's own model of a file and its joints in the robot's pose.
 
     MuJoCo reads URDF too, but for its loops: those get equality constraints.
     """
     import mujoco
-    spec = spec_of(path)[0]
+    spec = mjcf.spec_of(path)[0]
     for joint in robot.joints:
         if robot.format != 'URDF' or not joint.closes:
             continue
-        is_weld = joint.kind == FIXED
+        is_weld = joint.kind == robots.FIXED
         equality = spec.add_equality(
             name=joint.name, objtype=mujoco.mjtObj.mjOBJ_SITE,
             type=mujoco.mjtEq.mjEQ_WELD if is_weld else mujoco.mjtEq.mjEQ_CONNECT)
@@ -175,6 +173,6 @@ def mujoco_of(path: Path, robot: Robot) -> tuple[Any, Array]:
     pose = model.qpos0.copy()
     for joint in robot.joints:
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)
-        if index >= 0 and joint.kind in (PIN, SLIDE):
+        if index >= 0 and joint.kind in (robots.PIN, robots.SLIDE):
             pose[model.jnt_qposadr[index]] = joint.position
     return model, pose

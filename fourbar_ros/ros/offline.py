@@ -8,15 +8,13 @@ from math import isnan
 from pathlib import Path
 import time
 
-from fourbar_ros.bag.origin import full_name
-from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag import origin, recorder
 from fourbar_ros.dynamics import node_step
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanisms.parts import LARGEST_MODE
 from fourbar_ros.pipeline.stepper import OK, Stepper, Wanted
 from fourbar_ros.ros.messages import resolve, sec_nanosec, to_stamp
-from fourbar_ros.ros.node.recording import about_of
-from fourbar_ros.ros.node.stream import drive_layout, writer_of
+from fourbar_ros.ros.node import recording, stream
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.simulated import SimulatedScene
@@ -44,13 +42,13 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
                        f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
                        'until then, or without a bag')
     topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
-    names = {topic.name: full_name(topic, NODE) for topic in topics}
+    names = {topic.name: origin.full_name(topic, NODE) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
-    about = {**about_of(scene, names, NODE), node_step.KEY: how}
+    about = {**recording.about_of(scene, names, NODE), node_step.KEY: how}
     now = BEGIN                         # log times are those of the run
-    writer = BagWriter(str(path.parent), path.name,
-                       [channel(topic, names[topic.name]) for topic in topics], about,
-                       clock=lambda: now)
+    writer = recorder.BagWriter(
+        str(path.parent), path.name, [channel(topic, names[topic.name]) for topic in topics],
+        about, clock=lambda: now)
     channels = {topic.name: channel_id for channel_id, topic in enumerate(topics)}
     try:
         for done, (stamp, messages) in enumerate(_messages(simulated, topics), 1):
@@ -70,8 +68,8 @@ def _messages(simulated: SimulatedScene, topics: list[Topic]) -> Iterator[tuple[
     wanted, layout = Wanted.of(scene), scene.layout
     modes = [mode if mode <= LARGEST_MODE else stepper.mode
              for mode in simulated.run.modes.tolist()]
-    layouts = {DRIVE_STATE.name: drive_layout()}
-    makers = {topic.name: writer_of(topic, scene, layouts.get(topic.name, layout)).pack
+    layouts = {DRIVE_STATE.name: stream.drive_layout()}
+    makers = {topic.name: stream.writer_of(topic, scene, layouts.get(topic.name, layout)).pack
               for topic in topics if topic not in (SCENE, TORQUE)}
     first = [(SCENE.name, serialize_message(resolve(SCENE.type)(data=scene.as_json)))]
     is_silent = scene.drive.source == TORQUE.name and isnan(simulated.torque)

@@ -9,12 +9,10 @@ from pathlib import Path
 from struct import unpack_from
 import time
 
-from fourbar_ros.bag import metadata
-from fourbar_ros.bag.reader import Bag, Raw
+from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError
-from fourbar_ros.ros.messages import resolve, to_stamp
+from fourbar_ros.ros import messages, schemas
 from fourbar_ros.ros.node.start import caught_signals, Signals
-from fourbar_ros.ros.schemas import type_hash
 import rclpy
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -41,7 +39,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     time on /clock, 0: never; ``delay``: time for readers to find the topics [s];
     ``waits_for_node``: begin when all topics have a reader. Raises BagError.
     """
-    bag, count = Bag(path), 0
+    bag, count = reader.Bag(path), 0
     if missing := set(topics or ()) - bag.types.keys():
         raise BagError(f'{path}: no message on {", ".join(sorted(missing))}')
     rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
@@ -58,7 +56,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
         if clock and (tick_count := int(passed * clock_rate)) != ticked:
             ticked = tick_count
             now = first + round((start + passed * rate) * 1e9)
-            clock.publish(Clock(clock=to_stamp(now - ahead)))
+            clock.publish(Clock(clock=messages.to_stamp(now - ahead)))
 
     try:
         with caught_signals() as signals:
@@ -92,8 +90,8 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     return count, signals[0] if signals else 0
 
 
-def _messages(bag: Bag, publishers: Mapping[str, Publisher], for_a_node: bool
-              ) -> Iterator[tuple[Raw, int]]:
+def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: bool
+              ) -> Iterator[tuple[reader.Raw, int]]:
     """Yield each message, and how far log times are ahead of simulated time [ns]."""
     ahead = unknown = 0
     for raw in bag.raw(set(publishers)):
@@ -119,11 +117,11 @@ def _sleep_until(moment: float, signals: Signals,
         time.sleep(min(left, TICK))
 
 
-def _publisher(node: Node, bag: Bag, topic: str, name: str) -> Publisher | None:
+def _publisher(node: Node, bag: reader.Bag, topic: str, name: str) -> Publisher | None:
     """Return a publisher; None if its type differs here: it would read other numbers."""
     type_name, recorded = bag.types[topic], bag.channel_of(topic)
     try:
-        message_class, installed_hash = resolve(type_name), type_hash(type_name)
+        message_class, installed_hash = messages.resolve(type_name), schemas.type_hash(type_name)
     except (LookupError, ModuleNotFoundError, AttributeError, ValueError, OSError):
         node.get_logger().warning(f'{topic}: left out: {type_name} is not installed')
         return None

@@ -11,17 +11,11 @@ import time
 from typing import Any, TYPE_CHECKING, Union
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.ros.node.clock_input import ClockInput
-from fourbar_ros.ros.node.diagnostics import Diagnostics
-from fourbar_ros.ros.node.entities import check_qos_overrides, OVERRIDES, Troubles, Worker
-from fourbar_ros.ros.node.rclpy_guard import CHANGES, GuardedNode
+from fourbar_ros.ros.node import clock_input, diagnostics, entities, rclpy_guard, stream
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.ros.node.stream import RunningScene, Stream
-from fourbar_ros.scene.linkage import warnings_of
+from fourbar_ros.scene import linkage, settings, topics
 from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import from_values, naming_nan, Scene
-from fourbar_ros.scene.settings import Parameter, ParameterValues, SOURCES
-from fourbar_ros.scene.topics import SERVICES
 from rcl_interfaces import msg
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
@@ -35,7 +29,7 @@ LOOK = 0.1             # [s] between two looks whether the node stops
 PATIENCE = 0.5         # [s] for a search to see that it is abandoned: it looks every milliseconds
 
 
-class FourBarNode(GuardedNode):
+class FourBarNode(rclpy_guard.GuardedNode):
     """
     The node of a scene; see docs/node.md for its topics, services and parameters.
 
@@ -54,20 +48,20 @@ class FourBarNode(GuardedNode):
         scene = scene_of(self, arguments)
         # nothing is created before all is checked: a node that hears its own answers is refused
         self._check(scene)
-        check_qos_overrides(self, scene)
-        for warning in warnings_of(scene):
+        entities.check_qos_overrides(self, scene)
+        for warning in linkage.warnings_of(scene):
             self.get_logger().warning(warning)
         # long answers have threads of their own; changes of parameters always, of any node
         wanted = {worker for service in scene.node.services
-                  for worker in SERVICES[service].workers}
-        self.workers = {worker: Worker(worker, self.get_logger().error)
-                        for worker in {*wanted, CHANGES}}
-        self.troubles, recording = Troubles(self), Recording(self)
-        self.stream = Stream(self, RunningScene(scene), recording, self.troubles)
-        self.input: Union[ClockInput, TopicInput]
+                  for worker in topics.SERVICES[service].workers}
+        self.workers = {worker: entities.Worker(worker, self.get_logger().error)
+                        for worker in {*wanted, rclpy_guard.CHANGES}}
+        self.troubles, recording = entities.Troubles(self), Recording(self)
+        self.stream = stream.Stream(self, stream.RunningScene(scene), recording, self.troubles)
+        self.input: Union[clock_input.ClockInput, TopicInput]
         if scene.drive.source == 'timer':
-            self.input = ClockInput(self, self.stream, self.troubles)
-        elif scene.drive.source in SOURCES:      # torque or motor
+            self.input = clock_input.ClockInput(self, self.stream, self.troubles)
+        elif scene.drive.source in settings.SOURCES:      # torque or motor
             from fourbar_ros.ros.node.torque_input import TorqueInput
             self.input = TorqueInput(self, self.stream, self.troubles)
         else:
@@ -84,7 +78,7 @@ class FourBarNode(GuardedNode):
         if scene.node.services:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
-        Diagnostics(self, self.stream, self.input, recording, self.troubles)
+        diagnostics.Diagnostics(self, self.stream, self.input, recording, self.troubles)
         if scene.recording.start:
             recording.begin(scene, self.stream.start_recording)
         self.get_logger().info(f'{scene.linkage.classification}, mode {scene.linkage.mode}, '
@@ -111,7 +105,8 @@ class FourBarNode(GuardedNode):
         """
         self._check(scene)
         let_inputs_pass()
-        run = RunningScene(scene, self.stream.run, self.stream.run.stepper.acting, let_inputs_pass)
+        before = self.stream.run
+        run = stream.RunningScene(scene, before, before.stepper.acting, let_inputs_pass)
         let_inputs_pass()
 
         def swap() -> None:
@@ -122,8 +117,7 @@ class FourBarNode(GuardedNode):
                 done.set_result(None)
             except Exception as error:
                 done.set_exception(error)
-        before = warnings_of(self.stream.scene)
-        worker, done = self.workers[CHANGES], Future[None]()
+        worker, done = self.workers[rclpy_guard.CHANGES], Future[None]()
         if self.executor is None or not worker.is_this_thread:
             swap()
         else:
@@ -131,8 +125,8 @@ class FourBarNode(GuardedNode):
         while not wait([done], LOOK).done:
             worker.check()
         done.result()
-        for warning in warnings_of(scene):
-            if warning not in before:
+        for warning in linkage.warnings_of(scene):
+            if warning not in linkage.warnings_of(before.scene):
                 self.get_logger().warning(warning)
 
     def close(self, why: str = 'the node ended') -> None:
@@ -159,7 +153,7 @@ class FourBarNode(GuardedNode):
 
 # Parameters of rclpy.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
-BUILT_IN = (*SWITCHES, OVERRIDES)
+BUILT_IN = (*SWITCHES, entities.OVERRIDES)
 
 _ROS_TYPES = {kind: getattr(msg.ParameterType, f'PARAMETER_{name}') for kind, name in (
     ('double', 'DOUBLE'), ('integer', 'INTEGER'), ('string', 'STRING'), ('bool', 'BOOL'),
@@ -186,7 +180,7 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
         last = overrides(arguments, node.get_fully_qualified_name())
         parameters |= {name: last[name] for name in parameters if name in last}
     files = [file for option, file in zip(arguments, arguments[1:]) if option == '--params-file']
-    values: ParameterValues = parameters
+    values: settings.ParameterValues = parameters
     if any(name.startswith('forces.') for name in parameters):
         from fourbar_ros.scene.files import with_tables  # where a scene needs it
         values = with_tables(parameters, [Path(), *(Path(file).parent for file in files)])
@@ -240,7 +234,7 @@ def let_inputs_pass() -> None:
     time.sleep(PAUSE)
 
 
-def descriptor(parameter: Parameter) -> msg.ParameterDescriptor:
+def descriptor(parameter: settings.Parameter) -> msg.ParameterDescriptor:
     """
     Return the ROS descriptor of a parameter: type, text with unit, limits, whether fixed.
 

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 
 from fourbar_ros.description.model import model_of
 from fourbar_ros.ros.messages import Message, Stamp
-from fourbar_ros.scene.base import quaternion_of
+from fourbar_ros.scene import base, topics
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import FRAME
 from geometry_msgs.msg import TransformStamped
 from rclpy.serialization import serialize_message
 
@@ -28,8 +27,8 @@ def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:
     """Return {name: function} of moving pictures, {name: bytes} of latched; or FourBarError."""
     makers: dict[str, Make] = {}
     latched: dict[str, Message] = {}
-    if FRAME.name in scene.pictures:
-        latched[FRAME.name] = static_frame(scene)
+    if topics.FRAME.name in scene.pictures:
+        latched[topics.FRAME.name] = static_frame(scene)
     if 'tf' in scene.pictures:
         makers['tf'] = frames_maker(scene)
     if 'markers' in scene.pictures:
@@ -52,7 +51,7 @@ def static_frame(scene: Scene) -> TFMessage:
     transform = _add_frame(message, scene.frame.parent, scene.frame_id).transform
     translation, rotation = transform.translation, transform.rotation
     translation.x, translation.y, translation.z = scene.frame.xyz
-    rotation.x, rotation.y, rotation.z, rotation.w = quaternion_of(scene.frame.rpy)
+    rotation.x, rotation.y, rotation.z, rotation.w = base.quaternion_of(scene.frame.rpy)
     return message
 
 
@@ -86,7 +85,7 @@ def frames_maker(scene: Scene) -> Make:
 
 
 def frames_of(scene: Scene) -> set[str]:
-    frames = {scene.frame_id} if FRAME.name in scene.pictures else set[str]()
+    frames = {scene.frame_id} if topics.FRAME.name in scene.pictures else set[str]()
     if 'tf' in scene.pictures:
         model = model_of(scene)
         frames |= {*(link.frame for link in model.links), *model.points}

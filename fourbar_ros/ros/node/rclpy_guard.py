@@ -26,9 +26,8 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.ros.messages import Message
 from fourbar_ros.ros.node import entities
+from fourbar_ros.scene import settings, topics
 from fourbar_ros.scene.parameters import check_value, find_parameter
-from fourbar_ros.scene.settings import ParameterValues
-from fourbar_ros.scene.topics import Topic
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.event_handler import PublisherEventCallbacks, UnsupportedEventTypeError
@@ -135,7 +134,7 @@ def _without_answer(request: Message, response: Message, result: str, why: str) 
     return response
 
 
-def as_declared(parameter: RosParameter, values: ParameterValues) -> RosParameter:
+def as_declared(parameter: RosParameter, values: settings.ParameterValues) -> RosParameter:
     """
     Return a parameter in the type that the table declares, if its value can be converted.
 
@@ -173,7 +172,7 @@ class TopicPublisher:
     subscriber leaves, ends the process.
     """
 
-    def __init__(self, node: Node, topic: Topic, changed: Callable[[], None]) -> None:
+    def __init__(self, node: Node, topic: topics.Topic, changed: Callable[[], None]) -> None:
         self._changed, self.is_subscribed = changed, False
         try:
             self._publisher = entities.publisher(

@@ -9,12 +9,9 @@ from traceback import format_exc
 from typing import Any
 
 from fourbar_ros.errors import nearest
-from fourbar_ros.pipeline import joints
-from fourbar_ros.pipeline.rate_estimator import estimator_of, estimator_settings, gap_of
+from fourbar_ros.pipeline import joints, rate_estimator
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
-from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.clock_input import Reported
-from fourbar_ros.ros.node.sequence import subscribe
+from fourbar_ros.ros.node import clock_input, entities, sequence
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
 from fourbar_ros.scene.topics import INPUTS
@@ -50,8 +47,8 @@ class TopicInput:
         self._is_relay = scene.leaves_driven_out
         # first messages, while the driven joint never came
         self._without_driven: list[Message] = []
-        self._estimator = estimator_of(scene)
-        self._counter = joints.TurnCounter(gap_of(settings.timeout))
+        self._estimator = rate_estimator.estimator_of(scene)
+        self._counter = joints.TurnCounter(rate_estimator.gap_of(settings.timeout))
         takes_top_speed = not (scene.must_count_turns or scene.linkage.is_driven_by_slide)
         self._restarted = RESTARTED.format(WRAPS if takes_top_speed else '')
         # since the last diagnostics: lists of names with the driven joint, and passive joints of
@@ -63,7 +60,7 @@ class TopicInput:
         self._shown = scene.names_shown if self._is_relay else []
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
-        self._subscription, self._sequence = subscribe(
+        self._subscription, self._sequence = sequence.subscribe(
             node, self._topic, self._receive, troubles,
             deadline=self._deadline_missed if has_deadline else None)
         self._timer = node.create_timer(WATCH, self._watch, clock=clock)
@@ -79,7 +76,7 @@ class TopicInput:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
         return (self._time() - self._received) * 1e-9
 
-    def report(self) -> Reported:
+    def report(self) -> clock_input.Reported:
         """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
         estimator = self._estimator
         values: dict[str, Any] = {}
@@ -172,9 +169,10 @@ class TopicInput:
                    ) -> tuple[float, float]:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
         scene = self._stream.scene
-        if scene is not self._scene and estimator_settings(scene) != estimator_settings(
+        settings = rate_estimator.estimator_settings
+        if scene is not self._scene and settings(scene) != settings(
                 self._scene):                # else it keeps its rates
-            self._estimator = estimator_of(scene)
+            self._estimator = rate_estimator.estimator_of(scene)
         self._scene = scene
         estimator = self._estimator
         late, restarts = estimator.late, estimator.restarts

@@ -9,19 +9,16 @@ from math import inf, isfinite, isnan, nan
 from fourbar_ros.dynamics import node_step
 from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, STATUS_NAMES
 from fourbar_ros.ros.messages import Message, sec_nanosec
-from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.clock_input import ClockInput, Reported
+from fourbar_ros.ros.node import clock_input, entities
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.message_fields import nanoseconds
-from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import TORQUE
+from fourbar_ros.scene import message_fields, scene, topics
 from rclpy.node import Node
 
 _COUNTER = {node_step.OUT_OF_BUDGET: 'budgets_used_up', node_step.AT_LIMIT: 'stops_at_a_limit',
             node_step.NOT_FINITE: 'failures'}
 
 
-class TorqueInput(ClockInput):
+class TorqueInput(clock_input.ClockInput):
     """
     The state of the motion, which each sample moves on by one period.
 
@@ -31,15 +28,15 @@ class TorqueInput(ClockInput):
     """
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
-        self._scene: Scene | None = None             # of the last step
+        self._scene: scene.Scene | None = None             # of the last step
         self._mover: Mover                           # of that scene
         self._subscription = None
         super().__init__(node, stream, troubles)
         troubles.expect('torques', 'malformed', 'not_finite', 'limited', 'silences',
                         *_COUNTER.values())
-        if stream.scene.drive.source == TORQUE.name:
-            self._subscription = entities.subscription(node, TORQUE, entities.reader(
-                TORQUE, self._take, partial(troubles.count, 'malformed')), troubles)
+        if stream.scene.drive.source == topics.TORQUE.name:
+            self._subscription = entities.subscription(node, topics.TORQUE, entities.reader(
+                topics.TORQUE, self._take, partial(troubles.count, 'malformed')), troubles)
 
     def stop(self) -> None:
         super().stop()
@@ -50,7 +47,7 @@ class TorqueInput(ClockInput):
         """Return the time since the newest torque [s], NaN before the first."""
         return nan if self._received is None else (self._time() - self._received) * 1e-9
 
-    def report(self) -> Reported:
+    def report(self) -> clock_input.Reported:
         if self._values is None:
             return {}, []
         return ({'drive': STATUS_NAMES[self._status],
@@ -103,7 +100,7 @@ class TorqueInput(ClockInput):
         if self._received == 0:              # the torque came before simulated time began
             self._received = self._time()
         is_silent = self._received is None or (
-            0 < nanoseconds(settings.timeout) < self._time() - self._received)
+            0 < message_fields.nanoseconds(settings.timeout) < self._time() - self._received)
         if is_silent and not self._was_silent:
             self._note('silences', f'no torque for {settings.timeout:g} s: '
                                    f'{settings.when_silent}')
@@ -115,7 +112,7 @@ class TorqueInput(ClockInput):
         is_slide, wrench = self._stream.scene.linkage.is_driven_by_slide, message.wrench
         torque = wrench.force.x if is_slide else wrench.torque.z
         self._troubles.count('torques')
-        self._stream.record_input(TORQUE.name, message)
+        self._stream.record_input(topics.TORQUE.name, message)
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
             return
@@ -126,4 +123,4 @@ class TorqueInput(ClockInput):
         self._torque, self._received = min(max(torque, -limit), limit), self._time()
 
     def _note(self, cause: str, text: str) -> None:
-        self._troubles.count(cause, f'{TORQUE.topic}: {text}')
+        self._troubles.count(cause, f'{topics.TORQUE.topic}: {text}')

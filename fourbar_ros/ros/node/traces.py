@@ -13,8 +13,7 @@ from math import inf
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
-from fourbar_ros.mechanisms.picture import diagram_of
-from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.mechanisms import picture, points
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.node import markers as shapes
 from fourbar_ros.scene.scene import Scene
@@ -38,7 +37,7 @@ def paths(scene: Scene) -> Iterator[Marker]:
         for index, (low, high) in enumerate(mechanism.input_ranges):
             low, high = mechanism.range_around(0.5 * (low + high))
             motion = mechanism.motion(np.linspace(low, high, SAMPLES))
-            path = point_motion(mechanism, motion, *point).place
+            path = points.point_motion(mechanism, motion, *point).place
             yield shapes.marker(scene.frame_id, f'path of {name}', index, Marker.LINE_STRIP,
                                 shapes.POINT, (width, 0.0, 0.0),
                                 path[~np.isnan(path).any(axis=1)])
@@ -54,7 +53,7 @@ def limits(scene: Scene) -> Iterator[Marker]:
     width = 0.4 * shapes.WIDTH * shapes.size_of(mechanism)
     for index, (kind, position) in enumerate([*ends, *dead]):
         try:
-            diagram = diagram_of(mechanism, mechanism.motion(float(position)))
+            diagram = picture.diagram_of(mechanism, mechanism.motion(float(position)))
         except FourBarError:         # no pose there within rounding
             continue
         yield shapes.lines(scene.frame_id, f'{kind}s', index,
@@ -71,7 +70,7 @@ def extrema(scene: Scene) -> Iterator[Marker]:
     labels, right = [], -inf
     for extremum in every:
         try:
-            diagram = diagram_of(mechanism, mechanism.motion(extremum.input))
+            diagram = picture.diagram_of(mechanism, mechanism.motion(extremum.input))
         except FourBarError:
             continue
         joint = next(point for name, point in diagram.joints.items() if name not in diagram.ground)

@@ -14,8 +14,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
-from fourbar_ros.ros.node import entities
-from fourbar_ros.ros.node.sequence import subscribe
+from fourbar_ros.ros.node import entities, sequence
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
@@ -138,7 +137,7 @@ class Trajectories:
             if not self._worker.do(partial(read, data)):
                 self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
                              'others wait for an answer')
-        subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
+        sequence.subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
 
     def stop(self, patience: float) -> None:
         """Answer no more; wait up to ``patience`` [s] for the answer in work."""
