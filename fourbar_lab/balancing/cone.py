@@ -20,6 +20,7 @@ where s is the least derivative of sum u_k . load_k per kilogram at any place.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS
@@ -178,7 +179,7 @@ def _least(sites: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweig
     # blocks, shape (k, components, MOMENTS * links): the matrices B_k; mass: the most that may be
     # added [kg].
     # 1. the cones |B_k p| <= t, with loads and masses of about one and t as the last unknown
-    unbalanced = blocks @ sites.loads.given                     # (k, components)
+    unbalanced = blocks @ sites.loads.column(sites.loads.given)     # (k, components)
     largest = float(np.linalg.norm(unbalanced, axis=1).max())
     scale = largest if largest != 0.0 else 1.0
     share = mass if mass != 0.0 else 1.0        # [kg], the unit of the unknown masses
@@ -228,7 +229,8 @@ def front(sites: Places, names: Iterable[str], masses: Iterable[float]) -> list[
         weights, bound = _least(sites, root[None], finite('mass', mass, 'must be zero or more',
                                                           least=0.0))
         moments = sites.moments(weights)
-        balances.append(Balance(weights, float(np.linalg.norm(root @ moments)), bound, moments))
+        value = float(np.linalg.norm(root @ sites.loads.column(moments)))
+        balances.append(Balance(weights, value, bound, moments))
     return balances
 
 
@@ -242,7 +244,7 @@ def least_peak(sites: Places, name: str, mass: float) -> Balance:
     loads, mass = sites.loads, finite('mass', mass, 'must be zero or more', least=0.0)
     if loads.mechanism.flat_inputs:
         loads.root((name,))                 # a BalanceError if the load has no bound there
-    x, _ = nodes(loads.weightless, INPUTS)
+    x, _ = nodes(loads.acting, INPUTS)
     for _ in range(ROUNDS):
         blocks = np.stack([*loads.matrices(x, name)], axis=1)       # a block for each input
         weights, bound = _least(sites, blocks, mass)
@@ -255,10 +257,10 @@ def least_peak(sites: Places, name: str, mass: float) -> Balance:
 
 
 def peak(loads: Loads, name: str, moments: Array) -> tuple[float, Array]:
-    """Return the largest magnitude of a load of inertia [N or N m], and where it is extreme."""
-    weightless = loads.balanced(moments).weightless
+    """Return the largest magnitude of a load [N or N m], and where it is extreme."""
+    acting = replace(loads.acting, bodies=loads.balanced(moments).bodies)
     field, = {component.removesuffix('_x').removesuffix('_y') for component in loads.group(name)}
-    extrema = find_extrema(weightless, (field,), loads.rate, conditions=False)
+    extrema = find_extrema(acting, (field,), loads.rate, conditions=False)
     return (max((abs(extremum.value) for extremum in extrema), default=0.0),
             np.array([extremum.input for extremum in extrema]))
 
@@ -272,6 +274,9 @@ def full_force_balance(sites: Places) -> Balance:
     ``bound`` of the result are the added mass and its proven lower bound [kg]. BalanceError if no
     counterweights on these links do it; the message says how much force remains.
     """
+    if sites.loads.mechanism.elements:      # whose forces no masses take away
+        loads = Loads(sites.loads.mechanism.with_elements(), sites.loads.rate)
+        return full_force_balance(Places(loads, sites.radii))
     loads = sites.loads
     # |root p| is the shaking force's root mean square
     root = loads.root(('force',), must_settle=False)

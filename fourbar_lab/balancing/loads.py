@@ -13,7 +13,8 @@ a convex cone, spanned by points at distances r <= R in directions f:
 
     (G2)  m (1, r cos f, r sin f, r^2),   that is   (m x)^2 + (m y)^2 <= m J,   J <= R^2 m.
 
-Only inertia is balanced: weight, springs and forces stay as they are, and are left out here.
+Springs and forces over a position add to a load what no mass changes: one more column of A, and 1
+as the last entry of p. Weight and constant forces stay as they are, and are left out here.
 """
 from __future__ import annotations
 
@@ -79,7 +80,12 @@ class Loads:
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body
         self.given = np.concatenate([moments_of(body or Body(0.0)) for body in mechanism.bodies])
-        self.weightless = mechanism.weightless
+        self.acting = mechanism.weightless.with_elements(*mechanism.elements)
+        self.title = 'loads of inertia' + (', springs and forces' if mechanism.elements else '')
+
+    def column(self, moments: Array) -> Array:
+        """Return p of (G1) with these moments of all links."""
+        return np.append(moments, 1.0) if self.mechanism.elements else moments
 
     @cached_property
     def groups(self) -> dict[str, tuple[str, ...]]:
@@ -106,35 +112,37 @@ class Loads:
 
     def matrices(self, x: Array, name: str) -> Array:
         """
-        Return A of (G1) for a load by name at inputs x: shape (components, inputs, 4 links).
+        Return A of (G1) for a load by name at inputs x: shape (components, inputs, entries of p).
 
         A column is the load of a mechanism whose links have no mass but one, a probe: 1 kg at its
         first joint, 1 kg at a distance u along or across, 1 kg m^2. The second probe has the
         moments (1, u, 0, u^2), so A_x = (load - A_m - u^2 A_J) / u.
         """
         fields, columns = self.group(name), list[Array]()
+        weightless, none = self.mechanism.weightless, [Body(0.0)] * len(self.links)
+
+        def loads_of(mechanism: Mechanism, bodies: list[Body]) -> Array:
+            """Return the loads of such bodies, shape (components, inputs)."""
+            mechanism = replace(mechanism, bodies=self.mechanism.BODIES(*bodies))
+            return np.array([np.broadcast_to(load, x.shape)
+                             for load in mechanism.step(x, self.rate, fields=fields)])
         unit = power_of_two(*self.mechanism.lengths)        # u
         probes = (Body(1.0), Body(1.0, cg_along=unit), Body(1.0, cg_across=unit),
                   Body(0.0, inertia=1.0))
         for link in range(len(self.links)):
-            of_probes = []                              # loads, shape (components, inputs)
-            for probe in probes:
-                bodies = [Body(0.0)] * len(self.links)
-                bodies[link] = probe
-                mechanism = replace(self.weightless, bodies=self.mechanism.BODIES(*bodies))
-                of_probes.append(np.array([
-                    np.broadcast_to(load, x.shape)
-                    for load in mechanism.step(x, self.rate, fields=fields)]))
-            mass, along, across, inertia = of_probes
+            mass, along, across, inertia = [
+                loads_of(weightless, [*none[:link], probe, *none[link + 1:]]) for probe in probes]
             rest = mass / unit + unit * inertia         # (A_m + u^2 A_J) / u
             columns += [mass, along / unit - rest, across / unit - rest, inertia]
+        if self.mechanism.elements:
+            columns.append(loads_of(self.acting, none))
         return np.stack(columns, axis=-1)
 
     def root(self, names: Iterable[str], must_settle: bool = True) -> Array:
         """
         Return R such that |R p| is the root mean square over the input of the loads by name.
 
-        R is square, shape (4 links, 4 links): a norm of p makes it a problem of least distance. If
+        R is square, as wide as p: a norm of p makes it a problem of least distance. If
         there are several loads, each counts relative to its unbalanced value, and |R p|^2 is the
         sum of their squares. Inputs are doubled until the size of R settles; BalanceError if it
         does not, and ``must_settle``.
@@ -146,11 +154,11 @@ class Loads:
             raise InvalidParameter('minimize', names, 'must name a load at least'
                                    f'{nearest("", self.groups)}')
         while True:
-            x, weights = nodes(self.weightless, points)
+            x, weights = nodes(self.acting, points)
             blocks = []             # B with |B p| the root mean square of a load
             for name in names:
                 block = np.concatenate(np.sqrt(weights)[:, None] * self.matrices(x, name))
-                size = float(np.linalg.norm(block @ self.given))
+                size = float(np.linalg.norm(block @ self.column(self.given)))
                 is_relative = len(names) > 1 and size > self._rounding(name, self.given)
                 blocks.append(block / size if is_relative else block)
             # B = Q R with |Q v| = |v|: R has the norms of B in few rows
@@ -171,11 +179,11 @@ class Loads:
     def rms(self, name: str, moments: Array) -> float:
         """Return the root mean square [N or N m] of a load; NaN if it does not settle."""
         def squares(x: Array) -> Array:
-            load = self.matrices(x, name) @ moments
+            load = self.matrices(x, name) @ self.column(moments)
             return np.asarray((load * load).sum(axis=0))[None]
 
         rounding = self._rounding(name, moments)
-        mean, = mean_over_input(self.weightless, squares, least_size=rounding * rounding / AGREE)
+        mean, = mean_over_input(self.acting, squares, least_size=rounding * rounding / AGREE)
         return float(np.sqrt(mean))
 
     def balanced(self, moments: Array) -> Mechanism:

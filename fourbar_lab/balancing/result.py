@@ -78,7 +78,7 @@ def scene_text(scene: Scene, balance: Balance, how: str) -> str:
 def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
     """Draw force, moment and torque of inertia over the input, before and after."""
     is_angle = loads.mechanism.input_coordinate.unit == 'rad'
-    x = np.sort(nodes(loads.weightless, SAMPLES)[0])
+    x = np.sort(nodes(loads.acting, SAMPLES)[0])
     panels = {}
     for name in DRAWN:
         matrices = loads.matrices(x, name)
@@ -86,9 +86,10 @@ def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
         panels[f'{title} [{unit_of(loads, name)}]'] = [
             (label, np.degrees(x) if is_angle else x,
              load[0] if len(load) == 1 else np.linalg.norm(load, axis=0))
-            for label, load in (('before', matrices @ loads.given), ('after', matrices @ moments))]
+            for label, load in zip(('before', 'after'), [
+                matrices @ loads.column(of_links) for of_links in (loads.given, moments)])]
     save(make_panels(panels, 'input [deg]' if is_angle else 'input [m]',
-                     'loads of inertia, moment about O1'), path)
+                     f'{loads.title}, moment about O1'), path)
 
 
 def draw_front(names: Sequence[str], balances: Sequence[Balance], path: str | Path) -> None:

@@ -16,7 +16,8 @@ if TYPE_CHECKING:      # verbs import when they run
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
-inertia away, at the constant speed of the scene's drive. Without --minimize: full force balance
+inertia away, at the constant speed of the scene's drive. With --minimize what springs and forces
+over a position add is among these loads; weight is not. Without --minimize: full force balance
 with the least added mass. With it: the least root mean square, or the least peak, that an added
 mass can give; the printed bound proves how close to the best it is.
 """
@@ -93,14 +94,14 @@ def _run(arguments: argparse.Namespace) -> None:
                 for change in changes(loads, balance.numbers)]
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
-    if scene.linkage.elements:
-        console.print('springs and forces over a position act as before, and are left out here')
+    if scene.linkage.elements and not arguments.minimize:
+        console.print('of inertia: no masses take away what springs and forces over a position do')
     console.print()
     console.print(make_table('counterweights, from the first joint of their link',
                              ('link', 'mass [kg]>', 'along [m]>', 'across [m]>'), weights))
     console.print()
-    console.print(make_table('loads of inertia', ('', 'unit', 'RMS before>', 'after>',
-                                                  'peak before>', 'after>'), of_loads))
+    console.print(make_table(loads.title, ('', 'unit', 'RMS before>', 'after>', 'peak before>',
+                                           'after>'), of_loads))
     if arguments.out:
         arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:

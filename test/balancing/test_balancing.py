@@ -20,6 +20,7 @@ from fourbar_lab.balancing.result import scene_values
 from fourbar_ros import Bodies, FourBar
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.extrema import OverInput
 from fourbar_ros.mechanics.bodies import Body, NOT_APPLIED
 from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.scene.scene import from_values, load
@@ -313,25 +314,61 @@ def test_what_is_no_mechanism_load_or_mass_is_refused_by_name(make, name):
     assert caught.value.name == name
 
 
-def test_springs_and_forces_stay_as_they_are(tmp_path, capsys):
-    """Counterweights are those without them; the scene that is written has them, and says so."""
+ACTING = {'springs.back.first.along': 1.5, 'springs.back.second.link': 'output',
+          'springs.back.second.along': 0.5, 'springs.back.stiffness': 900.0,
+          'springs.back.damping': 20.0, **PUSH}
+
+
+def sprung(tmp_path):
     plain = {name: value for name, value in load('paper').values.items() if value == value}
-    acting = {'springs.back.first.along': 1.5, 'springs.back.second.link': 'output',
-              'springs.back.stiffness': 900.0, **PUSH}
-    files = [file_of(values, tmp_path, name) for name, values in (
-        ('without', plain), ('with', {**plain, **acting}))]
-    scenes, texts = [], []
-    for file in files:
-        out = tmp_path / f'balanced_{file.name}'
-        assert main(['balance', str(file), '--minimize', 'torque', '--mass', '2', '--out',
-                     str(out)]) == 0
-        scenes.append(load(out))
-        texts.append(capsys.readouterr().out)
-    without, loaded = [scene.linkage for scene in scenes]
-    assert without.bodies == loaded.bodies and len(loaded.elements) == 2
-    note = 'springs and forces over a position act as before, and are left out here\n'
-    assert texts[1].replace(note, '') == texts[0] and note in texts[1]
-    x, before = np.linspace(0.0, 6.0, 50), load(files[1]).linkage
-    by_elements = [each.loads(x, 5.0).driving_torque - each.with_elements().loads(
-        x, 5.0).driving_torque for each in (before, loaded)]
-    np.testing.assert_allclose(*by_elements, 0.0, 1e-9 * np.abs(by_elements[0]).max())
+    return load(file_of({**plain, 'drive.speed': 5.0, **ACTING}, tmp_path, 'with'))
+
+
+def test_loads_with_springs_and_forces_are_those_of_the_mechanism(tmp_path):
+    scene = sprung(tmp_path)
+    loads = Loads(scene.linkage, 5.0)
+    x, _ = nodes(loads.acting, 64)
+    expected = still(scene.linkage).loads(x, 5.0)
+    for name, fields in loads.groups.items():
+        for field, matrix in zip(fields, loads.matrices(x, name)):
+            terms = np.abs(matrix) @ loads.column(loads.given)
+            error = np.abs(matrix @ loads.column(loads.given) - getattr(expected, field))
+            assert (error <= 1e-12 * np.abs(terms).max()).all(), field
+
+
+@pytest.mark.parametrize('is_peak', [False, True])
+def test_the_torque_of_a_mechanism_with_springs_is_the_least_that_masses_leave(tmp_path, is_peak):
+    """Counterweights that are best without springs leave more torque with them."""
+    linkage = sprung(tmp_path).linkage
+    figure = 'peak' if is_peak else 'rms'
+
+    def balanced(mechanism):
+        loads = Loads(mechanism, 5.0)
+        sites = places_of(loads)
+        found = (least_peak(sites, 'torque', 2.0) if is_peak
+                 else least_rms(sites, ['torque'], 2.0))
+        still_with = replace(still(linkage), bodies=loads.balanced(found.numbers).bodies)
+        return found, getattr(OverInput(still_with, 'driving_torque', 5.0), figure)
+
+    (found, left), (_, beside) = balanced(linkage), balanced(linkage.with_elements())
+    assert left == pytest.approx(found.value, rel=1e-9)
+    assert found.bound * (1.0 - 1e-9) <= left < 0.999 * beside
+    rng = np.random.default_rng(2)
+    sites = places_of(Loads(linkage, 5.0))
+    for _ in range(20):
+        mass = rng.uniform(0.0, 2.0)
+        weights = [Counterweight(link, share * mass, *(0.4 * rng.uniform(-0.7, 0.7, 2)))
+                   for link, share in (('coupler', 0.5), ('output', 0.5))]
+        other = replace(still(linkage), bodies=sites.loads.balanced(sites.moments(weights)).bodies)
+        assert getattr(OverInput(other, 'driving_torque', 5.0), figure) >= found.bound
+
+
+def test_full_force_balance_is_that_without_springs_and_says_so(tmp_path, capsys):
+    scene = sprung(tmp_path)
+    with_springs, without = (full_force_balance(places_of(Loads(linkage, 5.0)))
+                             for linkage in (scene.linkage, scene.linkage.with_elements()))
+    assert with_springs.counterweights == without.counterweights
+    assert main(['balance', str(tmp_path / 'with.yaml')]) == 0
+    said = capsys.readouterr().out
+    assert 'no masses take away what springs and forces over a position do' in said
+    assert 'loads of inertia, springs and forces' in said
