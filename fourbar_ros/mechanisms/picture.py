@@ -192,7 +192,8 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         turned = locate(Point(link, *direction)) - locate(Point(link))
         blocks.append(Block(joints[joint], turned, is_guided))
     return Diagram(joints, outline.ground, tuple([
-        Bar(locate(start), locate(end), width) for start, end, width in (*outline.bars, *sides)]),
+        Bar(locate(start), locate(end), width)
+        for start, end, width in dict.fromkeys((*outline.bars, *sides))]),
         tuple(blocks), outline.forces, outline.angles, outline.names)
 
 
@@ -259,8 +260,8 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
             if stage.kind == 'RRR':
                 corner(second, inner[1], lengths[1])
         joints[names['inner']] = tuple(inner)
-        bars += [(joints[names[joint]][0], inner[0], 1.0) for joint, i in RODS[stage.kind].items()
-                 if stage.links[i] != GROUND]
+        bars += [(joints[names[joint]][0], inner[i % len(inner)], 1.0)
+                 for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
         blocks += [Slide(names[joint], stage.links[i],
                          is_guided=joint != 'first' and ground in stage.ends(joint))
                    for joint, i in slides.items()]
