@@ -341,7 +341,8 @@ class Enclosing:
         self._table: Table = {**taylor_pairs(), 'call': self._calls}
         with_loads = linkage.has_loads and any(
             quantity.is_load or not is_published(quantity) for quantity in quantities)
-        self._formula, data = formula_of(linkage, with_loads)
+        self._formula = formula_of(linkage, with_loads)
+        data = self._formula.data
         self._trace = trace = Trace(self._make, 1, (rates, data))
         indices = flat(trace.results)
         operations = [trace.steps[index].operation for index in indices]

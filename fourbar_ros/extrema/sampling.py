@@ -223,7 +223,7 @@ class Sampler:
         recorded = (self.linkage.record_with_loads if self._has_loads
                     else self.linkage.record_of_motion)
         names = self.linkage.MOTION._fields + self.linkage.LOADS._fields
-        data = numbers_of(formula_of(self.linkage, self._has_loads)[1])
+        data = numbers_of(formula_of(self.linkage, self._has_loads).data)
         values, results = np.full(x.size, np.nan), flat(recorded.trace.results)
         with localcontext(MANY_DIGITS):
             for i in set(row.tolist()):

@@ -114,7 +114,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     wanted = range_of(trace) if wanted is None else tuple(wanted)
     if data is not None:
         columns = numbers_of(data if with_loads else data.of_motion)
-        trace = trace_of(formula_of(mechanism, with_loads)[0])
+        trace = trace_of(formula_of(mechanism, with_loads))
         known = trace.numbers(columns)
         with np.errstate(all='ignore'):
             run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)

@@ -47,6 +47,7 @@ class Formula:
     structure: tuple[object, ...]       # all in which formulas differ besides their data
     with_loads: bool
     mechanism: Mechanism = field(compare=False, repr=False)      # any of the structure
+    data: Constants = field(compare=False, repr=False)      # of that mechanism
 
     def make(self, n: NumberType, data: Constants) -> Function:
         motion_of = self.mechanism.motion_formula(n, data)
@@ -60,7 +61,7 @@ class Formula:
         return step
 
 
-def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constants]:
+def formula_of(mechanism: Mechanism, with_loads: bool) -> Formula:
     structure, data = mechanism.structure, mechanism.constants
     if not with_loads:
         data = data.of_motion
@@ -69,12 +70,12 @@ def formula_of(mechanism: Mechanism, with_loads: bool) -> tuple[Formula, Constan
         structure += (structure_of(mechanism.elements),)
     if with_loads:
         structure += tuple([(name, friction.structure) for name, friction in mechanism.friction])
-    return Formula((*structure, type(mechanism.gravity)), with_loads, mechanism), data
+    return Formula((*structure, type(mechanism.gravity)), with_loads, mechanism, data)
 
 
 @lru_cache(maxsize=MOST_STRUCTURES)
 def trace_of(formula: Formula) -> Trace:
-    return Trace(formula.make, 3, formula_of(formula.mechanism, formula.with_loads)[1])
+    return Trace(formula.make, 3, formula.data)
 
 
 class Recorded(NamedTuple):
@@ -94,8 +95,8 @@ def trace_for(mechanism: Mechanism, with_loads: bool) -> tuple[Trace, list[float
     # only. Other mechanisms take the trace without: it is shorter, and refuses no pose for a step
     # that only the other formula needs. Kinds know the sums of lengths that are 0 at change points
     # (margins, with MARGIN_SIGNS); of a machine the switches themselves are computed.
-    formula, data = formula_of(mechanism, with_loads)
-    trace, values = trace_of(formula), numbers_of(data)
+    formula = formula_of(mechanism, with_loads)
+    trace, values = trace_of(formula), numbers_of(formula.data)
     is_change_point = (0.0 in mechanism.margins if mechanism.MARGIN_SIGNS
                        else trace.is_switched(values))
     return trace if is_change_point else trace.unswitched, values

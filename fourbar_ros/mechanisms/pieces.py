@@ -67,7 +67,7 @@ class Curves:
 
     def __init__(self, mechanism: Mechanism, data: Constants, count: int = 1,
                  rates: tuple[Any, Any] | None = None) -> None:
-        formula = formula_of(mechanism, True)[0]
+        formula = formula_of(mechanism, True)
         self._trace, self._count = _trace_of_curves(formula, rates is not None), count
         self._known = self._trace.numbers(numbers_of(data))
         wanted = range_of(self._trace)

@@ -19,13 +19,13 @@ def rounding_errors(mechanism: Mechanism, positions: Sequence[float], rate: floa
     """Return {field of motion or loads: its largest rounding error at some inputs}."""
     # Each over the largest size of the fields of its sort (all forces, all rates). Data and inputs
     # count as exact. Angles are left out: they are arc tangents of fields that are not.
-    formula, data = formula_of(mechanism, with_loads)
+    formula = formula_of(mechanism, with_loads)
     trace = trace_of(formula)
     indices = flat(trace.results)
     names = mechanism.MOTION._fields + (mechanism.LOADS._fields if with_loads else ())
     errors, largest = dict[str, float](), dict[str, float]()
     with localcontext(MANY_DIGITS):
-        exact = in_decimals(trace, numbers_of(data), indices)
+        exact = in_decimals(trace, numbers_of(formula.data), indices)
         for position in positions:
             inputs = position, rate, acceleration
             loads = mechanism.loads(*inputs) if with_loads else ()

@@ -229,11 +229,12 @@ class Poses:
         if frame:
             curves = (composed(self.curves[frame], moved.first),
                       composed(self.curves[frame], moved.second))
-        self.curves.update(zip((2 * index + 2, 2 * index + 3), curves))
         self.dyads[index] = moved
         self._relations.update(moved.relations)
         for k, (link, (carrier, _, _)) in enumerate(slides):
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
+        # last, as another thread takes a dyad with curves for one that has been added
+        self.curves.update(zip((2 * index + 2, 2 * index + 3), curves))
         return curves
 
     def seen_from(self, ground: int, joints: Joints) -> list[LinkMotion]:
