@@ -8,7 +8,7 @@ from pathlib import Path
 import re
 from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_ros.errors import nearest
+from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.importing.loops import loops_of
 from fourbar_ros.importing.machine import Imported, imported
 from fourbar_ros.importing.robots import Refused, Robot, Wishes, word
@@ -94,7 +94,7 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
         report.append(f' loop {index}: {", ".join(joint.name for joint in loop.joints)}')
         try:
             results.append(imported(loop, wishes))
-        except Refused as error:
+        except FourBarError as error:       # of the scene too
             report.append(f'  refused: {error}')
             is_good = False
             continue

@@ -196,8 +196,16 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     driving = next(scale for scale in scales.values() if scale.joint is drive)
     start = (drive.position - driving.offset) / driving.ratio
     if drive.limits:
-        plane.values['linkage.range'] = sorted(
+        low, high = plane.values['linkage.range'] = sorted(
             (limit - driving.offset) / driving.ratio for limit in drive.limits)
+        if not low <= start <= high:
+            closed, start = scene.linkage.range_around(start), 0.5 * (low + high)
+            report.append(f"note: the file's pose has {drive.name} outside its limits: "
+                          'drive.start is in their middle')
+            if not (scene.linkage.turns_fully or closed[0] <= start <= closed[1]):
+                raise Refused(f"the loop opens between the file's pose and the limits of "
+                              f'{drive.name}, so the mode there is not known: give a pose by --at '
+                              'or --key')
     motor = gear or Coupling(drive.name, drive.name, 0.0, 1.0)
     if gear:
         report.append(f'{drive.name} is geared to {gear.motor}, which drives the scene')

@@ -179,6 +179,17 @@ def test_limits_of_the_drive_are_its_range(tmp_path):
     assert (low, high) == pytest.approx((0.5 * np.pi - 0.3, 0.5 * np.pi + 0.5))
 
 
+@pytest.mark.parametrize('limits', ('0.2 0.5', '-0.5 -0.2'))
+def test_a_pose_outside_the_limits_says_the_mode_and_the_limits_the_range(limits, tmp_path):
+    text = robot().replace('"shoulder" axis', f'"shoulder" range="{limits}" limited="true" axis')
+    loop, report = good(tmp_path, text)
+    low, high = loop.values['linkage.range']
+    assert loop.scene.drive.start == 0.5 * (low + high)
+    assert "note: the file's pose has shoulder outside its limits: drive.start is in" in report
+    inside, _ = good(tmp_path, robot())
+    assert loop.values['dyads.d1.mode'] == inside.values['dyads.d1.mode']
+
+
 def test_a_tendon_drives_its_joints(tmp_path):
     text = robot(motor='<motor tendon="cord"/>').replace(
         '<actuator>', '<tendon><fixed name="cord"><joint joint="pivot" coef="1"/></fixed>'
@@ -255,6 +266,8 @@ REFUSED = [
      'as of shoulder, pivot'),
     ({'motor': MOTOR + '<motor joint="pivot"/>'}, {},
      '2 joints of this loop are driven, shoulder, pivot: hold all but one by --lock'),
+    ({'motor': '<motor joint="pivot"/>', 'axis': '0 0 1" range="2.5 2.7" limited="true'}, {},
+     "the loop opens between the file's pose and the limits of pivot"),
     ({}, {'at': {'shoulder': '-40'}}, 'the loop is open .* too far to read the mode; give a pose '
      'by --at or --key, or the mode by --mode d1=1 or d1=2'),
     ({'equality': FLAT}, {}, "link, lever: flat in the file's pose, the modes are .* degrees "
