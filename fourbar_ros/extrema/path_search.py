@@ -213,7 +213,7 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, of_jumps)
 
 
-class Roots(NamedTuple):
+class TurningPoints(NamedTuple):
     """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
     quantity: Array     # its index
@@ -226,7 +226,8 @@ class Roots(NamedTuple):
     noise: Array        # a bound of that
 
 
-def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None) -> Roots:
+def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None
+           ) -> TurningPoints:
     x, is_closed, before_gaps = samples.path.x, samples.path.is_closed, samples.path.before_gaps
     # at a toggle derivatives have poles of a power of sin(mu): without them sign changes show
     # between samples, and a positive factor moves no root
@@ -276,7 +277,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
         value[value.size - beside_kinks.size:] = beside_kinks
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
                        for errors in (samples.rounding, samples.noise))
-    return Roots(row, i, sense, root, spacing, value, rounding, noise)
+    return TurningPoints(row, i, sense, root, spacing, value, rounding, noise)
 
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool,
@@ -298,7 +299,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
             np.abs(roots.value[is_small]) <= roots.rounding[is_small])
         roots.value[is_small[_is_kink(sampler, roots, is_small) | is_end]] = 0.0
     kept = _beyond_noise(sampler, samples, roots, at_gaps.jumps if at_gaps else ())
-    roots = Roots(*(v[kept] for v in roots))
+    roots = TurningPoints(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
     condition, value_condition = np.full((2, roots.quantity.size), nan)
@@ -314,7 +315,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
             for fields in zip(*(column.tolist() for column in columns.values()))]
 
 
-def _is_kink(sampler: Sampler, roots: Roots, which: Array) -> Array:
+def _is_kink(sampler: Sampler, roots: TurningPoints, which: Array) -> Array:
     """Return which magnitudes |F| are least because F changes its sign: they are kinks."""
     # |F| is zero there: the rounding of the input explains its value, or the parabola through
     # three values of F^2 from many digits comes down to zero; of functions, which have none, the
@@ -355,7 +356,7 @@ class _Turn(NamedTuple):
     root: int           # its index among the roots
 
 
-def _beyond_noise(sampler: Sampler, samples: Samples, roots: Roots,
+def _beyond_noise(sampler: Sampler, samples: Samples, roots: TurningPoints,
                   jumps: Sequence[_Jump]) -> Array:
     """Return the indices of the roots that rounding errors cannot have made."""
     # Maxima and minima take turns along a path. Two neighbours between which no fall is larger

@@ -97,8 +97,9 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, c
     previous[first] = np.append(first[1:], row.size) - 1
     size = np.maximum.reduceat(np.abs(samples).max(axis=1), first, axis=1)
     is_doubtful = ~np.isfinite(size)
-    samples = np.where(is_doubtful[:, None, row], 0.0, samples)
-    size[is_doubtful] = 0.0
+    if is_doubtful.any():
+        samples = np.where(is_doubtful[:, None, row], 0.0, samples)
+        size[is_doubtful] = 0.0
     f, is_positive, span = _smooth(samples, row, first)
     sizes = np.maximum.reduceat(np.abs(f).max(axis=1), first, axis=1)
     is_constant = span <= full_turns.CONSTANT * sizes
@@ -249,8 +250,10 @@ def _resolved(evaluate: full_turns.ColumnFunction, rule: _Rule, of: _Intervals, 
                                           axis=1) / (2.0 * np.add.reduceat(of.half, first))
             limits = is_positive, RESOLVED * span, 0.5 * SETTLED * np.sqrt(mean_square)
         is_positive, of_last, of_error = (limit[:, of.row] for limit in limits)
-        last, _ = rule.tails(np.where(is_positive[:, None], 0.5 * samples, 1.0) * samples)
-        is_coarse: Array = np.any((last > of_last) | (rule.tails(samples)[1] > of_error), axis=0)
+        last, error = rule.tails(samples)
+        if is_positive.any():
+            last, _ = rule.tails(np.where(is_positive[:, None], 0.5 * samples, 1.0) * samples)
+        is_coarse: Array = np.any((last > of_last) | (error > of_error), axis=0)
         is_coarse &= left > 0
         kept.append((of.pick(~is_coarse), samples[..., ~is_coarse]))
         of = of.pick(is_coarse)
@@ -270,7 +273,9 @@ def _smooth(samples: Array, row: Array, first: Array) -> tuple[Array, Array, Arr
     # And which loads are positive, (q, n): of them it is half the square, since a magnitude
     # changes suddenly near a zero of the force and its square does not.
     is_positive = np.minimum.reduceat(samples.min(axis=1), first, axis=1) > 0.0
-    f = np.where(is_positive[:, None, row], 0.5 * samples, 1.0) * samples
+    f = samples
+    if is_positive.any():
+        f = np.where(is_positive[:, None, row], 0.5 * samples, 1.0) * samples
     return f, is_positive, (np.maximum.reduceat(f.max(axis=1), first, axis=1)
                             - np.minimum.reduceat(f.min(axis=1), first, axis=1))
 
