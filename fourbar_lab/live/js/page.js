@@ -288,7 +288,8 @@ export async function start(data, source) {
     if (isRun) find("time").value = moment;
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
-    Object.assign(slider, { min: low, max: high, step: (high - low) / 720, value: here * factorOf() });
+    for (const [name, value] of Object.entries({ min: low, max: high, step: (high - low) / 720 })) if (slider[name] !== String(value)) slider[name] = value;
+    slider.value = here * factorOf();
     slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${structure.input.unit === "rad" ? "degrees" : "m"}`);
     inputField.set(Number((here * factorOf()).toPrecision(6)));
     tell(find("atName"), `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`);

@@ -220,7 +220,7 @@ export class Picture {
       const width = 8.4 * plain(one.words).length + 4, box = room.take(one.anchor, one.away, width, 18);
       const [x, y] = one.anchor, [u, v] = [Math.min(Math.max(x, box[0]), box[2]), Math.min(Math.max(y, box[1]), box[3])];
       if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
-      label(main, { class: one.kind, x: box[0] + 2, y: box[3] - 4, "data-box": box.map(Math.round).join(" ") }, one.words);
+      label(main, { class: one.kind, x: box[0] + 2, y: box[3] - 4 }, one.words);
     }
     main.end();
     this.grip(joints, sketch);
