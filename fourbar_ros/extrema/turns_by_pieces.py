@@ -239,10 +239,12 @@ def _resolved(evaluate: full_turns.ColumnFunction, rule: _Rule, of: _Intervals, 
     """Return intervals, halved where they do not resolve loads, and samples, (q, points, m)."""
     kept, limits = list[tuple[_Intervals, Array]](), None
     for left in range(HALVINGS, -1, -1):
-        x = (of.low + of.half)[:, None] + of.half[:, None] * rule.roots
-        row, column, grid = as_grid(x.ravel(), np.repeat(of.row, rule.points), mechanisms)
-        samples = evaluate(grid, np.arange(mechanisms))[:, row, column].reshape(
-            -1, of.row.size, rule.points).transpose(0, 2, 1)
+        rank = rank_of(of.row)
+        x = np.ones((mechanisms, rank.max() + 1, rule.points))      # 1 where a mechanism has less
+        x[of.row, rank] = (of.low + of.half)[:, None] + of.half[:, None] * rule.roots
+        samples = evaluate(x.reshape(mechanisms, -1), np.arange(mechanisms))
+        samples = np.ascontiguousarray(samples.reshape(-1, *x.shape)[:, of.row, rank].transpose(
+            0, 2, 1))
         if limits is None:      # of last coefficients, and of errors over the width
             first = _firsts(of.row)
             _, is_positive, span = _smooth(samples, of.row, first)
