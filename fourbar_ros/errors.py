@@ -132,7 +132,7 @@ class MissingBodies(FourBarError, ValueError):
 
     def __init__(self) -> None:
         super().__init__('loads need masses: of a scene bodies.* or bodies.rods, in Python '
-                         'bodies=...')
+                         'bodies=...; without them ask for the motion alone')
 
 
 class UnknownBaseMotion(FourBarError, ValueError):

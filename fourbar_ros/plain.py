@@ -3,16 +3,16 @@
 """
 The four-bar linkage in two hundred lines: read this file first.
 
-It is the paper of Hayes, Hninn and Irani in numpy, one equation after the other, in its letters:
-angles, rates, accelerations, joint forces, shaking force and moment, extrema. The rest of the
-library computes the same for planar linkages built of dyads, by formulas that keep their digits;
-these lose some beside toggles and change points (docs/bench/accuracy.md says how many).
+It is the paper of Hayes, Hninn and Irani, "Angular Velocity and Acceleration Extrema", in numpy
+and in its letters: angles, rates, accelerations, joint forces, shaking force and moment, extrema.
+The rest of the library computes the same for planar linkages built of dyads, by formulas that keep
+their digits where these lose them, most beside change points (docs/bench/accuracy.md has figures).
 
 Links: 1 crank O1-A, 2 coupler A-B, 3 output link O4-B, 4 ground O1-O4; a1 to a4 are their lengths
 [m]. theta1 and theta4 are the angles of links 1 and 3 to the x axis, which runs from O1 to O4.
 theta2 turns from link 1 to link 2, theta3 from link 2 to link 3 taken from B to O4. beta is the
-angle of link 2 to the x axis: theta1 + theta2. Joints 1 to 4 are O1, A, B and O4. Every angle,
-rate and acceleration may be a numpy array, one entry a sample; so are the results then.
+angle of link 2 to the x axis: theta1 + theta2, in any turn. Joints 1 to 4 are O1, A, B and O4. An
+angle, rate or acceleration is a number or a numpy array, one entry a sample; so are the results.
 
 >>> from fourbar_ros import round_rod
 >>> lengths = 0.4, 1.2, 0.8, 1.0
@@ -43,7 +43,7 @@ STEP = 1e-30        # of derivatives by a complex step [rad]
 
 
 class IOEquation(NamedTuple):
-    """both vi^2 vj^2 + first vi^2 + second vj^2 + mixed vi vj + constant = 0, v = tan(theta/2)."""
+    """both vi^2 vj^2 + first vi^2 + second vj^2 + mixed vi vj + constant = 0, v = tan(angle/2)."""
 
     both: float
     first: float
@@ -57,7 +57,7 @@ def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
     Return the coefficients [m^2] of the equation between vi and vj, ``i`` < ``j`` from 1 to 4.
 
     In the paper's Eqs. (1)-(6) all four angles turn from one link to the next, so that they add up
-    to zero: the angle at joint 1 is theta1 + pi, that at joint 4 is -theta4.
+    to whole turns: the angle at joint 1 is theta1 + pi, that at joint 4 is -theta4.
     """
     a1, a2, a3, a4 = lengths
     A1, A2 = a1 - a2 + a3 - a4, a1 + a2 + a3 - a4
@@ -76,7 +76,7 @@ def io_equation(lengths: Sequence[float], i: int, j: int) -> IOEquation:
 def solved(equation: IOEquation, sign: float, theta1: Any, omega: Any,
            alpha: Any) -> tuple[Any, ...]:
     """
-    Return the angle y at joint j, its rate and acceleration, for the angle x at joint 1.
+    Return the angle y at joint j, its rate and acceleration, for the angle x = theta1 + pi.
 
     These are both algorithms of the paper up to the acceleration. The paper's Eqs. (7) and (8) are
     derivatives of the equation in v; here they are those of the equation in angles,
@@ -111,11 +111,10 @@ def motion(lengths: Sequence[float], theta1: Any, omega1: Any = 0.0, alpha1: Any
     """
     Return angles [rad], rates [rad/s] and accelerations [rad/s^2] at theta1, omega1, alpha1.
 
-    ``mode``: 2 (open) where sin(theta4 - beta) > 0, 1 (crossed) elsewhere. Results are NaN where
-    the links do not close, 0/0 at the flat position of a change point: there the library goes on
-    in a branch, with the sign of mode times k (M13). Towards a toggle rates lose their digits.
+    ``mode``: 2 (open) where sin(theta4 - beta) > 0, 1 (crossed) elsewhere. NaN where the links do
+    not close, or lie flat at a change point; there the library's branch goes on, (M13) of loop.py.
     """
-    sign, crank = (1.0 if mode == 2 else -1.0), (theta1, omega1, alpha1)
+    sign, crank = {2: 1.0, 1: -1.0}[mode], (theta1, omega1, alpha1)
     with np.errstate(divide='ignore', invalid='ignore'):
         theta2, omega2, alpha2 = solved(io_equation(lengths, 1, 2), sign, *crank)
         third = solved(io_equation(lengths, 1, 3), -sign, *crank)      # it turns the other way
@@ -127,14 +126,13 @@ def motion(lengths: Sequence[float], theta1: Any, omega1: Any = 0.0, alpha1: Any
 def loads(lengths: Sequence[float], bodies: Sequence[Any], m: Motion,
           gravity: tuple[float, float] = (0.0, 0.0)) -> Loads:
     """
-    Return joint forces [N], torque, shaking force and moment about O1 [N m], weight included.
+    Return joint forces [N], torque, size of the shaking force, moment about O1 [N m]; with weight.
 
     ``bodies``: three of :class:`fourbar_ros.Body`; ``gravity``: x and y [m/s^2]. F_ij is the force
     of link i on link j, T41 the drive's torque on the crank. Vectors are complex, x + i y.
     """
     def turning(angle: Any, omega: Any, alpha: Any) -> tuple[Any, Any]:
-        """Return the direction of a link, and its second derivative by time."""
-        direction = np.exp(1j * angle)
+        direction = np.exp(1j * angle)          # of a link; and its second derivative by time
         return direction, (1j * alpha - omega**2) * direction
 
     links = [turning(m.theta1, m.omega1, m.alpha1), turning(m.beta, m.omega_beta, m.alpha_beta),
@@ -157,7 +155,7 @@ def joint_forces(arms: Sequence[Any], forces: Sequence[Any], moments: Sequence[A
     Return the nine unknowns x of the paper's Eq. (9), A x = b, by Eq. (10), shape (9, ...).
 
     ``arms``: for each link r from its centre of gravity to its first and its second joint, O1 and
-    A, A and B, O4 and B [m]; ``forces``, ``moments``: m a_CG [N], I_CG alpha [N m] of each link.
+    A, A and B, O4 and B [m]; ``forces``, ``moments``: m (a_CG - g) [N], I_CG alpha [N m] of each.
     """
     A = np.zeros((*np.shape(forces[1]), 9, 9))
     b = np.zeros((*np.shape(forces[1]), 9))
@@ -190,6 +188,8 @@ def extrema(lengths: Sequence[float], name: str, omega1: float, mode: int = 2,
 
     low = 2.0 * np.pi / samples * (np.arange(samples) + 0.5)
     slope = function(low).imag
+    if np.isnan(slope).any():
+        raise ValueError(f'the crank of {tuple(lengths)} does not turn fully')
     changes = np.flatnonzero(slope * np.roll(slope, -1) < 0.0)
     low, slope = low[changes], slope[changes]
     high = low + 2.0 * np.pi / samples

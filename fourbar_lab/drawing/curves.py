@@ -64,13 +64,17 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     two inputs, just below and above, wherever loads may jump. UnknownQuantity, with the nearest
     name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
+    if not isinstance(samples, int) or samples < 1:
+        raise InvalidParameter('samples', samples, 'must be a positive integer')
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_drive = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}
-    wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
-    for name in wanted:
-        if name not in units:
+    for name in names:
+        if not isinstance(name, str):
+            raise InvalidParameter('names', name, "must be texts, one after another: 'f41', 'f32'")
+        if name not in units and name != coordinate.position:
             raise quantities.UnknownQuantity(name, units)
+    wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
     wanted = wanted or [name for name in units if name not in of_drive
                         and (name not in of_loads or linkage.has_loads)]
     loads_wanted = [name for name in wanted

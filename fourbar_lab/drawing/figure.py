@@ -18,7 +18,7 @@ from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
 from fourbar_lab.drawing.polygons import Arrow, polygons_of, sides_of
 from fourbar_lab.drawing.sheet import Sheet, USUAL
 from fourbar_ros import Mechanism
-from fourbar_ros.errors import FourBarError
+from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, ORIGIN, Points
 from fourbar_ros.numerics.arrays import Array
@@ -38,6 +38,7 @@ STYLE = {'font.family': 'STIXGeneral', 'mathtext.fontset': 'stix', 'font.size': 
          'pdf.fonttype': 42}            # journals refuse fonts of type 3
 SMALLEST = 8.0         # [points] text of figures that are narrower than usual
 BESIDE, COLUMN = 9.0, 5.0      # [inch] least widths of three panels beside each other, of two
+NARROWEST, WIDEST = 0.02, 2.0    # [m] of a picture on paper
 LEAST = 0.004          # arrows shorter than this share of the longest are left out
 PART, SUM = '#a02c2c', '#1f4e8c'      # dark enough for print in grey
 
@@ -55,6 +56,13 @@ class Paper(NamedTuple):
 
     width: float = 0.0
     title: str | None = None
+
+
+def paper_of(width: float | None, title: str | None) -> Paper:
+    """Return paper of a width [m], None: the usual one; InvalidParameter."""
+    if width is not None and not NARROWEST <= width <= WIDEST:
+        raise InvalidParameter('width', width, "must be 20 mm to 2 m, as '88mm'; a number is in m")
+    return Paper(width or 0.0, title)
 
 
 class CannotDraw(FourBarError, ValueError):

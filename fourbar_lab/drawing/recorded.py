@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.figure import make_panels, Paper, save
+from fourbar_lab.drawing.figure import make_panels, Paper, paper_of, save
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of, unit_of, units_in
 from fourbar_ros.errors import BagError, nearest
@@ -63,9 +63,9 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
 
 
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,
-         x: str | None = None, width: float = 0.0, title: str | None = None) -> None:
+         x: str | None = None, width: float | None = None, title: str | None = None) -> None:
     """Draw fields into a file (.png, .svg, .pdf), as :func:`make_figure`; ``width`` in [m]."""
-    save(make_figure(path, names, progress, x, Paper(width, title)), out)
+    save(make_figure(path, names, progress, x, paper_of(width, title)), out)
 
 
 RecordedCurve = tuple[Array, Array, str]        # stamps [ns], values, unit

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing import axis, curves, cycles, figure, mechanism_panel, poses, tables
@@ -18,6 +19,7 @@ from fourbar_ros.mechanisms import quantities
 from fourbar_ros.notebook import html_table
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.units import of, require, wanted_units
+import numpy as np
 
 if TYPE_CHECKING:      # figures and frames alone need them
     from fourbar_lab.drawing.paper import PaperFigure
@@ -25,7 +27,9 @@ if TYPE_CHECKING:      # figures and frames alone need them
     from pandas import DataFrame
 
 Option = float | str | None      # a number, or a text with a unit
+Units = str | Sequence[str] | dict[str, str]      # 'mm,kN', a list, or by SI unit
 PICTURE = 4.0, 3.0              # [inch] of a mechanism in a notebook
+POINTS = 721                    # of a run's curve, besides its steps
 
 
 def value_of(name: str, option: Option, *si_units: str) -> float | None:
@@ -52,7 +56,7 @@ def driven_linkage(scene: Scene, speed: Option, acceleration: Option, mode: int 
 
 
 def paper_of(width: Option, title: str | None) -> figure.Paper:
-    return figure.Paper(value_of('width', width, 'm') or 0.0, title)
+    return figure.paper_of(value_of('width', width, 'm'), title)
 
 
 def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
@@ -88,7 +92,7 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
 
 
 def plot(scene: Scene, *names: str, speed: Option = None, acceleration: Option = 0.0,
-         mode: int | None = None, samples: int = 361, units: str | dict[str, str] = '',
+         mode: int | None = None, samples: int = 361, units: Units = '',
          title: str | None = None, width: Option = None, name: str = '') -> PaperFigure:
     """
     Return the figure of quantities over the input, with their extrema, as :func:`draw`.
@@ -109,7 +113,7 @@ def plot(scene: Scene, *names: str, speed: Option = None, acceleration: Option =
 
 
 def table(scene: Scene, *names: str, speed: Option = None, acceleration: Option = 0.0,
-          mode: int | None = None, samples: int = 361, units: str | dict[str, str] = '',
+          mode: int | None = None, samples: int = 361, units: Units = '',
           speeds: Sequence[Option] = ()) -> DataFrame:
     """Return :func:`columns` as a frame of pandas: a column for each quantity, with its unit."""
     import pandas
@@ -119,7 +123,7 @@ def table(scene: Scene, *names: str, speed: Option = None, acceleration: Option 
 
 
 def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, float],
-            samples: int, units: str | dict[str, str], speeds: Sequence[Option]) -> curves.Curves:
+            samples: int, units: Units, speeds: Sequence[Option]) -> curves.Curves:
     """Return quantities over the input, or of the drive over ``speeds`` (low, high)."""
     linkage, rate, change = driven
     shown = shown_units(units)
@@ -134,11 +138,11 @@ def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, 
     return curves.envelope_of(scene, linkage, (low, high), change, shown)
 
 
-def shown_units(wanted: str | dict[str, str]) -> dict[str, str]:
-    """Return {SI unit: unit shown} of a text as 'mm,kN', angles in degrees if it has no other."""
+def shown_units(wanted: Units) -> dict[str, str]:
+    """Return {SI unit: unit shown} of 'mm,kN' or a list, angles in degrees if it has no other."""
     try:
-        return curves.UNITS | (wanted_units(wanted) if wanted and isinstance(wanted, str)
-                               else dict(wanted or {}))
+        return curves.UNITS | (wanted if isinstance(wanted, dict) else wanted_units(
+            wanted if isinstance(wanted, str) else ','.join(wanted)) if wanted else {})
     except ArgumentTypeError as error:
         raise InvalidParameter('units', wanted, str(error)) from None
 
@@ -146,6 +150,8 @@ def shown_units(wanted: str | dict[str, str]) -> dict[str, str]:
 def plot_run(run: Run) -> PaperFigure:
     """Return a figure of position, rate, acceleration and drive of a run over time."""
     unit = run.system.mechanism.input_coordinate.unit
+    # the steps of the integrator lie too far apart for a smooth line
+    run = replace(run, asked=np.union1d(run.time, np.linspace(0.0, run.time[-1], POINTS)))
     rows = {f'position [{unit}]': run.position, f'rate [{unit}/s]': run.rate,
             f'acceleration [{unit}/s²]': run.acceleration}
     if run.system.drive:

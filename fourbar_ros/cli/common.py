@@ -179,7 +179,7 @@ def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', *
 def add_picture(parser: argparse.ArgumentParser) -> None:
     add_output(parser, '-o', '--out', metavar='FILE', required=True, suffix='.png',
                help=PICTURE_HELP)
-    parser.add_argument('--width', type=of('m', above=0.0), default=0.0, metavar='WIDTH',
+    parser.add_argument('--width', type=of('m', above=0.0), metavar='WIDTH',
                         help='width of the picture [m], as 88mm for a column of a journal')
     parser.add_argument('--title', metavar='TEXT',
                         help="instead of the usual title; '': none")

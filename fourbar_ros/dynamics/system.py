@@ -57,6 +57,9 @@ class System:
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
+        if not isinstance(mechanism, Mechanism):
+            raise InvalidParameter('mechanism', mechanism, 'must be one, as FourBar, or the '
+                                                           'linkage of a scene')
         mechanism = mechanism.with_slip_speed(
             finite('slip_speed', slip_speed, 'must be a positive number', above=0.0))
         self.drive, self._with_stroke = drive, mechanism

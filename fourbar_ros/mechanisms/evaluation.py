@@ -1,10 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism evaluated for one input, by a straight line of floats.
+A mechanism evaluated for one input, by generated Python code: floats, without a call or loop.
 
-It is written from the trace of its formulas (:mod:`fourbar_ros.numerics.trace`), which all
-mechanisms of a structure share.
+The code is written from the trace of the formulas (:mod:`fourbar_ros.numerics.trace`), which all
+mechanisms of a structure share. A debugger stops in formulas while they are traced only; to step
+through them in floats, call them by another arithmetic:
+``linkage.motion_formula(REAL, linkage.constants)(theta1, omega1, alpha1)``, with REAL of
+:mod:`fourbar_ros.numerics.number_types`.
 """
 from __future__ import annotations
 
@@ -112,21 +115,21 @@ def recorded(mechanism: Mechanism, with_loads: bool) -> Recorded:
 _lines = lru_cache(maxsize=MOST_STRUCTURES)(lines_of)
 
 
-def line_of(mechanism: Mechanism, with_loads: bool) -> Function:
+def generated(mechanism: Mechanism, with_loads: bool) -> Function:
     """Return (position, rate, acceleration) -> motion, or (motion, loads), tuples of floats."""
     # The operations of the formulas in their order, so with their bits, compiled once for a
-    # structure. Out of reach the line raises ValueError; no other checks.
+    # structure. Out of reach it raises ValueError; no other checks.
     trace, values = trace_for(mechanism, with_loads)
     zeros = frozenset[int]() if not mechanism.LEAVES_OUT_ZEROS else (
         recorded(mechanism, with_loads).zeros
         | {trace.count + i for i, value in enumerate(values) if value == 0.0})
     name = f'{mechanism.TITLE}: motion' + with_loads * ' and loads'
-    line, reaches = _lines(trace, zeros, name)(values), mechanism.reaches
+    compute, reaches = _lines(trace, zeros, name)(values), mechanism.reaches
     if reaches is None:
-        return line
+        return compute
 
     def within(position: float, rate: float, acceleration: float) -> Any:
         if not reaches(position):
             raise ValueError
-        return line(position, rate, acceleration)
+        return compute(position, rate, acceleration)
     return within

@@ -3,12 +3,19 @@
 """
 The four-bar, driven at its crank, or at A or B between two moving links.
 
-How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`. How
-``step`` gets theta4, in four functions: :meth:`.Mechanism.step` runs the generated line of
-:meth:`.Kind.motion_in`, which asks ``pose_of`` (machine/solve/frames.py) for the pose of crank and
-dyad; there :func:`.rrr_pair` places coupler and output link by :func:`.loop.loop`, whose (M1) to
-(M3) are the quadratic of plain.py without its differences. (D1) to (D3) of
-machine/solve/dyads.py are for dyads whose links are not joined to each other.
+How it moves and what its joints bear follows from the machine that it is, see :mod:`.kind`.
+
+How ``step`` gets theta4: :meth:`.Mechanism.step` calls Python code that was written from one
+symbolic run of the formulas (:mod:`.evaluation`). They begin in :meth:`.Kind.motion_in`, which
+takes the pose of crank and dyad from ``pose_of`` (machine/solve/frames.py); its ``Poses.add``
+calls :func:`.rrr_pair`, as ``one_dyad`` of kind.py chose, and this :func:`.loop.loop`, whose (M1)
+to (M3) are the quadratic of plain.py without its differences. theta4 is the atan2 at the end of
+``motion_in``. (D1) to (D3) of machine/solve/dyads.py are for dyads that hang on two links which no
+joint connects.
+
+How it gets the loads: :meth:`.Kind.joint_loads` takes what each link needs to move so, (N1) and
+(N2), from ``needs_of`` (mechanics/newton_euler.py), and torque and joint forces, (L1) and (F1),
+from ``solve_loads`` (machine/solve/loads.py); ``FORWARD`` of kind.py names them f41 to f43.
 
 The condition of theta4 (theta1 or theta2 of a drive at A or B), relative errors of the lengths ->
 its error [rad], is exact, with p and q the driven link and the frame, r1 and r2 the rods of the
@@ -137,7 +144,7 @@ class FourBar(FourBarLinks):
         Assembly mode: 2 (open) has sin(theta4 - beta) > 0, 1 (crossed) < 0. It is part of the
         linkage, never guessed from an earlier pose.
     bodies : Bodies, optional
-        Masses; without them there are no loads.
+        Masses; without them there are no loads: use ``motion``, as ``step`` raises MissingBodies.
     gravity : tuple of 2 floats, or Base
         Field of gravity (x, y) [m/s^2], or the motion of the base.
     external : External

@@ -8,14 +8,15 @@ output a3, b of its coupler a2, all from its ground line a4; mu = y - b, q = |A 
 derivatives with respect to x. Loop: a1 e^{ix} + a2 e^{ib} = a4 + a3 e^{iy}.
 
 Positions. Every angle z of y, y - x and b - x comes from its own homogeneous half-angle quadratic
-(slides, Eqs. (16), (17) and their rotations)
+(lecture set 7, Eqs. (16), (17) and their rotations)
 
     (M1)  p t^2 - 2 m t + r = 0,   t = tan(z/2) = r / (m + root) = (m - root) / p
 
 with, of y, p = A sin^2(x/2) + C cos^2(x/2), r = B sin^2(x/2) + D cos^2(x/2), m = 4 a1 a3 sin(x/2)
-cos(x/2), and A = A1 A2, ..., D = D1 D2 of :func:`bilinear_factors`. Negative or exchanged lengths
-turn it into the equations of the other angles, and their sums into the same but for signs: -a4,
-a3, -a2, -a1 give b - x, and -a4, a2, a3, -a1 give y - x, with A and B of y exchanged. t is kept as
+cos(x/2), and A = A1 A2, ..., D = D1 D2 of :func:`bilinear_factors`; in (1) of plain.py, whose x is
+theta1 + pi, these are second, constant, both and first. Negative or exchanged lengths turn it into
+the equations of the other angles, and their sums into the same but for signs: -a4, a3, -a2, -a1
+give b - x, and -a4, a2, a3, -a1 give y - x, with A and B of y exchanged. t is kept as
 a pair g, h, so that no angle is special (t = tan(pi/2) is just h = 0), and of its two forms the
 one without cancellation is taken: "side" is +1 for t = g/h, g = r, h = m + root, and -1 for t =
 h/g, g = p, h = m - root. Then
@@ -80,12 +81,12 @@ from typing import NamedTuple
 from fourbar_ros.mechanisms.curves import Direction
 from fourbar_ros.numerics.number_types import exact_sum, Function, is_zero, NumberType, Scalar
 
-# Every coefficient of Eqs. (16)-(21) of the slides is a product of two sums +-a1 +-a2 +-a3 +-a4.
+# Each coefficient of Eqs. (16)-(21) of lecture set 7 is a product of two sums +-a1 +-a2 +-a3 +-a4.
 # Near a change point one of them cancels; as exact sums they keep all digits, and so do products.
 
 
 class Factors(NamedTuple):
-    """The eight sums by the slides' letters [m]; the paper gives these letters to other sums."""
+    """The eight sums by the lectures' letters [m]; the paper gives these letters to other sums."""
 
     A1: Scalar
     A2: Scalar

@@ -19,7 +19,7 @@ from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 from fourbar_ros import errors
 from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
-from fourbar_ros.mechanisms.evaluation import Constants, line_of, Recorded, recorded
+from fourbar_ros.mechanisms.evaluation import Constants, generated, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.parts import DRIVE, NamedFields, OPEN, Ranges
@@ -57,8 +57,8 @@ class Mechanism(MechanismGeometry):
             if (value := getattr(self, field.name)) != field.default})
 
     @cached_by_lengths
-    def _motion_line(self) -> tuple[Function, Function]:
-        return line_of(self, with_loads=False), self.MOTION._make
+    def _compute_motion(self) -> tuple[Function, Function]:
+        return generated(self, with_loads=False), self.MOTION._make
 
     def link_motion(self, motion: NamedFields, link: str) -> LinkMotion:
         """Return the motion of one of its ``LINKS`` by name, from one of its motions."""
@@ -132,9 +132,9 @@ class Mechanism(MechanismGeometry):
         return sorted(name for name in shown if hasattr(type(self), name) or name in self.__dict__)
 
     @cached_property
-    def _step_line(self) -> tuple[Function, Function, Function]:
+    def _compute_step(self) -> tuple[Function, Function, Function]:
         self.require_loads()
-        return line_of(self, with_loads=True), self.MOTION._make, self.LOADS._make
+        return generated(self, with_loads=True), self.MOTION._make, self.LOADS._make
 
     @property
     def has_loads(self) -> bool:
@@ -158,7 +158,7 @@ class Mechanism(MechanismGeometry):
     def prepare(self) -> Function:
         """Return the function of one sample; tracing and compiling a new structure takes 10 ms."""
         # ArithmeticError or ValueError where numbers overflow.
-        return (self._step_line if self.has_loads else self._motion_line)[0]
+        return (self._compute_step if self.has_loads else self._compute_motion)[0]
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
         """Return the same links with another input, one for each mode; () if none is known."""
@@ -213,8 +213,8 @@ class Mechanism(MechanismGeometry):
         if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
-            line, as_motion = self._motion_line
-            return as_motion(line(position, rate, acceleration))
+            compute, as_motion = self._compute_motion
+            return as_motion(compute(position, rate, acceleration))
         except (ValueError, ZeroDivisionError):
             raise self._why_no_motion(position) from None
 
@@ -351,7 +351,7 @@ class Mechanism(MechanismGeometry):
         """
         if fields is not None:
             return self._only(fields, (position, rate, acceleration), True)
-        line, as_motion, as_loads = self._step_line
+        compute, as_motion, as_loads = self._compute_step
         if not (type(position) is float and type(rate) is float and type(acceleration) is float):
             if _are_numbers(position, rate, acceleration):
                 position, rate, acceleration = map(finite, self.input_coordinate,
@@ -364,7 +364,7 @@ class Mechanism(MechanismGeometry):
         if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
-            motion, loads = line(position, rate, acceleration)
+            motion, loads = compute(position, rate, acceleration)
         except errors.UnknownForce:        # of a user's function
             raise
         except (ValueError, ZeroDivisionError):

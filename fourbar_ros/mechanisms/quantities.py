@@ -22,8 +22,9 @@ class UnknownQuantity(FourBarError, KeyError):
     """No such quantity of a mechanism; the message names the nearest, or lists all."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
-        self.name = name
-        super().__init__(f'unknown quantity {name!r}{nearest(name, known)}')
+        self.name, known = name, list(known)
+        hint = nearest(name, known) or f'; known: {", ".join(known)}'
+        super().__init__(f'unknown quantity {name!r}{hint}')
 
     def __str__(self) -> str:
         return str(self.args[0])

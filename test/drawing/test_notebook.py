@@ -12,6 +12,7 @@ from fourbar_lab.drawing.figure import COLOURS, CURVES, save
 from fourbar_ros import find_extrema, FourBar, InvalidParameter, load_scene, Loads
 from fourbar_ros.bag.overview import info
 from fourbar_ros.cli.main import main
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.notebook import LONGEST
@@ -211,3 +212,29 @@ def test_the_notebook_of_the_tutorial_runs(tmp_path):
                      'text/html']
     assert '<svg' in outputs[0]['text/html'] and 'crank-rocker' in outputs[0]['text/html']
     assert size_of(tmp_path / 'column.pdf')[0] == pytest.approx(88.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(('names', 'options', 'message'), [
+    (['f41'], {'width': 88}, "width = 88: must be 20 mm to 2 m, as '88mm'"),
+    (['f41'], {'width': '5mm'}, 'width = 0.005: must be 20 mm'),
+    ([['f41', 'f32']], {}, 'must be texts, one after another'),
+    (['F_C'], {}, "unknown quantity 'F_C'; known: theta4, "),
+    (['f41'], {'samples': '37'}, "samples = '37': must be a positive integer"),
+    (['f41'], {'samples': 0}, 'samples = 0: must be a positive integer')])
+def test_a_wrong_argument_is_one_line(names, options, message):
+    with pytest.raises(FourBarError) as refused:
+        PAPER_SCENE.plot(*names, **options)
+    assert message in str(refused.value)
+
+
+def test_units_are_a_text_or_a_list():
+    frames = [PAPER_SCENE.table('f41', samples=5, units=units)
+              for units in ('kN,rad', ['kN', 'rad'], {'N': 'kN', 'rad': 'rad'})]
+    assert list(frames[0]) == ['theta1 [rad]', 'f41 [kN]']
+    assert all(frame.equals(frames[0]) for frame in frames)
+
+
+def test_a_plot_of_a_run_is_smooth_between_steps(run):
+    line = run.plot().axes[0].lines[0]
+    assert len(line.get_xdata()) > 700
+    np.testing.assert_array_equal(line.get_ydata(), run.at(line.get_xdata()).position)
