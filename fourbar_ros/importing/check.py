@@ -168,7 +168,7 @@ def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
                                           for body in (joint.parent, joint.child))
         if is_weld:
             equality.data[:11] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
-    model = spec.compile()
+    model = mjcf.compiled(spec, path)
     model.opt.gravity[:] = robot.gravity
     pose = model.qpos0.copy()
     for joint in robot.joints:

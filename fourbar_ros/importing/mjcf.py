@@ -12,6 +12,7 @@ from fourbar_ros.importing.robots import pose_of, Refused
 import numpy as np
 
 WITHOUT = 'extension', 'plugin', 'visual', 'collision', 'gazebo', 'transmission', 'ros2_control'
+LEAST = 2e-15       # [kg, kg m^2] of frames without mass: MuJoCo moves no body below 1e-15
 
 
 def spec_of(path: Path) -> tuple[Any, list[str]]:
@@ -50,9 +51,18 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
             spec.delete(item)
     for item in (*spec.geoms, *spec.sites):
         item.material = ''
-    # it moves no body without
-    spec.compiler.boundmass, spec.compiler.boundinertia = 1e-9, 1e-12
+    for body in spec.bodies:        # it would take the least for what is below
+        if body.explicitinertial and min(body.mass, *body.inertia) < 0.0:
+            raise Refused(f'{body.name} has a negative mass or moment of inertia')
+    spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
     return spec, sorted(lost)
+
+
+def compiled(spec: Any, path: Path) -> Any:
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise Refused(f'{path}: MuJoCo cannot read it: {" ".join(str(error).split())}') from None
 
 
 def equality_name(model: Any, index: int) -> str:
@@ -69,10 +79,7 @@ def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     """Return the robot of an MJCF in its zero pose or that of a key; raises Refused."""
     import mujoco
     spec, lost = spec_of(path)
-    try:
-        model = spec.compile()
-    except ValueError as error:
-        raise Refused(f'{path}: MuJoCo cannot read it: {" ".join(str(error).split())}') from None
+    model = compiled(spec, path)
 
     def names_of(kind: str, count: int) -> list[str]:
         return [getattr(model, kind)(index).name or f'{kind}_{index}' for index in range(count)]

@@ -141,6 +141,12 @@ class Robot:
     def add_inertial(self, body: str, mass: float, pose: Array, inertia: Array) -> None:
         """Add mass and inertia, about the origin of a pose; not those that only stand for none."""
         axes = pose[:3, :3]
+        least, *_, most = np.linalg.eigvalsh(inertia)
+        if mass < 0.0:
+            raise Refused(f'{body} has a negative mass, {mass:.4g} kg')
+        if least < -1e-9 * abs(most):           # more than digits of its file
+            raise Refused(f'{body} has a negative moment of inertia, {least:.4g} kg m^2 about a '
+                          'principal axis')
         if mass > LEAST_MASS or np.max(np.abs(inertia)) > LEAST_INERTIA:
             self.inertials[body] = Inertial(mass, pose[:3, 3], axes @ inertia @ axes.T)
 

@@ -8,11 +8,12 @@ They are ``<constraint>`` (proposed for urdfdom, and written by ``fourbar descri
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from fourbar_ros.errors import nearest
 from fourbar_ros.importing import robots
 from fourbar_ros.importing.robots import pose_of, Refused
 from fourbar_ros.numerics.arrays import Array
@@ -32,15 +33,25 @@ def _word(element: Element, tag: str, attribute: str, default: str = '') -> str:
     return default if below is None else below.get(attribute, default)
 
 
-def _floats(text: str) -> list[float]:
+def _floats(text: str, count: int = 3, where: str = 'in the URDF') -> list[float]:
     try:
-        return [float(word) for word in text.split()]
+        values = [float(word) for word in text.split()]
     except ValueError:
-        raise Refused(f'{text!r} in the URDF are no numbers') from None
+        values = []
+    if len(values) != count or not np.all(np.isfinite(values)):
+        raise Refused(f'{text!r} {where}: must be {count} number{"s" * (count > 1)}')
+    return values
 
 
 def _float(element: Element, tag: str, attribute: str, default: str = '0') -> float:
-    return _floats(_word(element, tag, attribute, default))[0]
+    return _floats(_word(element, tag, attribute, default), 1)[0]
+
+
+def _check_links(joint: str, ends: Sequence[str], links: Collection[str]) -> None:
+    for side, link in zip(('parent', 'child'), ends):
+        if link not in links:
+            raise Refused((f'{joint}: its {side} {link} is no link of the file' if link else
+                           f'{joint} has no {side}') + nearest(link, links))
 
 
 def _pose(xyz: Sequence[float], rpy_or_quaternion: Sequence[float]) -> Array:
@@ -84,9 +95,10 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     joints = {}
     for element in root.findall('joint'):
         axis = np.array(_floats(_word(element, 'axis', 'xyz', '1 0 0')))
+        ends = _word(element, 'parent', 'link'), _word(element, 'child', 'link')
+        _check_links(f'joint {element.get("name")}', ends, links)
         joints[element.get('name', '')] = _TreeJoint(
-            element, KINDS.get(element.get('type', ''), robots.BALL),
-            _word(element, 'parent', 'link'), _word(element, 'child', 'link'),
+            element, KINDS.get(element.get('type', ''), robots.BALL), *ends,
             axis / (np.linalg.norm(axis) or 1.0))
     roots = links.keys() - {joint.child for joint in joints.values()}
     if len(roots) != 1:
@@ -96,8 +108,10 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     states = {state.get('name', ''): state for state in root.findall('group_state')}
     positions = dict.fromkeys(joints, 0.0)
     if key := wishes.pose_of(states, 'group_state'):
-        positions |= {element.get('name', ''): _floats(element.get('value', '0'))[0]
-                      for element in states[key].findall('joint')}
+        for element in states[key].findall('joint'):
+            name = element.get('name', '')
+            robots.check_name(f'group_state {key}: joint', name, joints, 'joint')
+            positions[name] = _floats(element.get('value', '0'), 1)[0]
     positions |= wishes.positions({name: joint.kind for name, joint in joints.items()})
     poses, zero = ({root: np.eye(4) for root in roots} for _ in range(2))
     while len(poses) < len(links):
@@ -130,9 +144,13 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
             robot.couplings.append(robots.Coupling(
                 name, _word(element, 'mimic', 'joint'), _float(element, 'mimic', 'offset'),
                 _float(element, 'mimic', 'multiplier', '1')))
-    robot.drives = [joint.get('name', '') for path_of_joint in (
-        './/transmission/joint', './/ros2_control/joint[command_interface]')
-        for joint in root.findall(path_of_joint)]
+    for motor in ('transmission/joint', 'ros2_control/joint[command_interface]'):
+        for name in (element.get('name', '') for element in root.findall(f'.//{motor}')):
+            if name in joints:
+                robot.drives.append(name)
+            else:
+                robot.notes.append(f'{motor.partition("/")[0]} of {name}: the file has no such '
+                                   f'joint{nearest(name, joints)}')
     _add_closing(robot, root, zero)
     for folder in (path.parent, path.parent.parent / 'config'):
         if (folder / 'loop_closures.yaml').is_file():
@@ -140,6 +158,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
             robot.drives += tree.get('independent', [])
             for closure in tree['closures']:        # point and axis in the zero pose of the root
                 ends = closure['link_a'], closure['link_b']
+                _check_links('loop_closures.yaml', ends, links)
                 pose = pose_of(np.eye(3), closure['point'])
                 here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose for link in ends)
                 robot.add_closing('~'.join(ends), robots.PIN, ends, (here, there),
@@ -152,7 +171,8 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
         if name not in known:
             robot.add_closing(name, how or robots.POINT, bodies, [
                 poses[link] @ pose_of(np.eye(3), _floats(
-                    frame.partition('@')[2].replace('/', ' ') or '0 0 0'))
+                    frame.partition('@')[2].replace('/', ' ') or '0 0 0',
+                    where=f'of --close {frame}'))
                 for frame, link in zip(frames, bodies)])
     robot.add_fixed_bodies()
     return robot
@@ -162,6 +182,7 @@ def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
     poses = robot.poses
     for element in root.findall('constraint'):
         links = _word(element, 'parent', 'link'), _word(element, 'child', 'link')
+        _check_links(f'constraint {element.get("name")}', links, poses)
         here, there = (poses[link] @ _pose_in(element, f'{side}_origin')
                        for link, side in zip(links, ('parent', 'child')))
         axis = _word(element, 'parent_axis', 'xyz')
@@ -169,7 +190,8 @@ def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
                           links, (here, there), here[:3, :3] @ _floats(axis) if axis else None)
     for element in root.iterfind('gazebo/joint'):       # in the frame of the child
         links = (element.findtext('parent', '').strip(), element.findtext('child', '').strip())
-        local = _floats(element.findtext('pose', '0 0 0 0 0 0'))
+        _check_links(f'joint {element.get("name")} in gazebo', links, poses)
+        local = _floats(element.findtext('pose', '0 0 0 0 0 0'), 6)
         pose = zero[links[1]] @ _pose(local[:3], local[3:])
         here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose for link in links)
         along = np.array(_floats(element.findtext('axis/xyz', '0 0 1')))

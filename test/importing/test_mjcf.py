@@ -270,6 +270,8 @@ REFUSED = [
      "the loop opens between the file's pose and the limits of pivot"),
     ({}, {'at': {'shoulder': '-40'}}, 'the loop is open .* too far to read the mode; give a pose '
      'by --at or --key, or the mode by --mode d1=1 or d1=2'),
+    ({'on_link': '<body name="nut"><inertial pos="0 0 0" mass="-1" diaginertia="1 1 1"/></body>'},
+     {}, 'nut has a negative mass or moment of inertia$'),
     ({'equality': FLAT}, {}, "link, lever: flat in the file's pose, the modes are .* degrees "
      'apart, too near to read which; give a pose by --at or --key, or the mode by --mode d1=1 or '
      'd1=2'),

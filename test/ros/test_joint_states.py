@@ -143,9 +143,30 @@ def test_a_joint_that_is_left_out_is_in_no_answer(run_node, client, tmp_path):
     recomputed(tmp_path / 'run')
 
 
+def test_a_joint_geared_to_the_input_is_published_on_its_topic(run_node, client):
+    """The driven joint is the node's own where a motor elsewhere is geared to it."""
+    names = ['right', 'a', 'b', 'c']
+    node = run_node({**PAPER, **RELAY, 'joint_names': names, 'drive.joint': 'left',
+                     'drive.joint_ratio': -1.0, 'joint_states.only_passive': False,
+                     'outputs': ['joint_states']}, remaps=SAME_TOPIC)
+    robot, linkage = Robot(client), scene.from_values(PAPER).linkage
+    client.until(lambda: robot.has_listeners(2), 'the node')
+    for k in range(5):
+        answer, motion = robot.move('left', -0.3 - 0.1 * k, -2.0), linkage.motion(
+            0.3 + 0.1 * k, 2.0)
+        assert answer.name == names
+        assert [answer.position[index] for index in (0, 1, 3)] == [
+            0.3 + 0.1 * k, motion.theta2, motion.theta4]
+    robot.say('right', 1.0, 0.0, 99)            # as another publisher of its joint
+    answer = robot.move('left', -0.2, 0.0)
+    assert answer.position[0] == 0.2
+    assert node.stop() == 0 and 'without' not in node.said
+
+
 # --- what comes back -----------------------------------------------------------------------------
 
-HEARS_ITSELF = [({'drive.source': 'joint_state', 'drive.joint': 'O1', 'outputs': ['joint_states']},
+HEARS_ITSELF = [({'drive.source': 'joint_state', 'drive.joint': 'crank',
+                  'outputs': ['joint_states']},
                  '~/input_joint_states:=joint_states', '/joint_states',
                  'joint_states.only_passive leaves the driven joint to its publisher'),
                 ({'drive.source': 'motion', 'outputs': ['output']}, '~/input:=/fourbar/output',

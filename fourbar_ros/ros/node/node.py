@@ -88,13 +88,16 @@ class FourBarNode(rclpy_guard.GuardedNode):
         received = {self.resolve_topic_name(topic.topic): topic for topic in scene.received}
         for topic in scene.published:
             name = self.resolve_topic_name(topic.topic)
-            if name in received and not (topic.name == 'joint_states'
-                                         and scene.leaves_driven_out):
-                raise FourBarError(
-                    f'{topic.topic} and {received[name].topic} are one topic, {name}: the node '
-                    'would take its own answers for inputs' + (
-                        '; joint_states.only_passive leaves the driven joint to its publisher'
-                        if topic.name == 'joint_states' else ''))
+            if name not in received:
+                continue
+            is_joints = topic.name == 'joint_states' and received[name].name == 'joint_state'
+            if is_joints and scene.drive.joint not in scene.names_shown:
+                continue                # a joint that is another publisher's: no answer has it
+            raise FourBarError(
+                f'{topic.topic} and {received[name].topic} are one topic, {name}: the node would '
+                'take its own answers for inputs' + (
+                    f', which have {scene.drive.joint}; joint_states.only_passive leaves the '
+                    'driven joint to its publisher' if is_joints else ''))
 
     def apply(self, scene: Scene) -> None:
         """

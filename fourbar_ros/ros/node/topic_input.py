@@ -44,7 +44,6 @@ class TopicInput:
         self._waiting = False                # for a next input, whose silence is a timeout
         self._horizon = 0                    # [ns] stamps up to here are known to be plausible
         self._estimated = False              # whether rates of the last input were
-        self._is_relay = scene.leaves_driven_out
         # first messages, while the driven joint never came
         self._without_driven: list[Message] = []
         self._estimator = rate_estimator.estimator_of(scene)
@@ -57,13 +56,19 @@ class TopicInput:
         self._taken_joints: set[str] = set()
         self._others_are_heard = False
         self._names: Sequence[str] = ()      # of the last message with the driven joint
-        self._shown = scene.names_shown if self._is_relay else []
+        self._shown = scene.names_shown
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
         self._subscription, self._sequence = sequence.subscribe(
             node, self._topic, self._receive, troubles,
             deadline=self._deadline_missed if has_deadline else None)
         self._timer = node.create_timer(WATCH, self._watch, clock=clock)
+
+    @property
+    def _is_relay(self) -> bool:
+        """Return whether messages without the driven joint are no errors."""
+        return (self._stream.scene.leaves_driven_out
+                or self._subscription.topic_name in self._stream.topics())
 
     def _deadline_missed(self, info: Any) -> None:
         self._counts['deadlines_missed'] += info.total_count_change
