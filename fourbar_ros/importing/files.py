@@ -81,10 +81,13 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
               *(f' note: {note}' for note in robot.notes)]
     words = [{joint.name for joint in loop.joints} | {*map(loop.name_of, loop.links)}
              for loop in loops]
-    for option, name in (('--loop', wishes.loop), *(('--drive', each) for each in wishes.drive)):
-        if name and not any(name in of_loop for of_loop in words):
-            known = [word for of_loop in words for word in of_loop]
-            raise Refused(f'{option} {name}: no loop has it{nearest(name, known)}')
+    joints = [joint.name for loop in loops for joint in loop.joints]
+    for option, name, known in (('--loop', wishes.loop, {*joints}.union(*words)),
+                                *(('--drive', each, joints) for each in wishes.drive)):
+        if name and name not in known:
+            why = ('is a link, not a joint' if option == '--drive' and name in robot.poses else
+                   'no loop has it')
+            raise Refused(f'{option} {name}: {why}{nearest(name, known)}')
     wanted = [(index, loop) for index, (loop, of_loop) in enumerate(zip(loops, words), 1)
               if not wishes.loop or wishes.loop in of_loop]
     if wishes.mode and len(wanted) > 1:

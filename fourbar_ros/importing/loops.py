@@ -114,9 +114,13 @@ def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] =
         touching = [each for each in circles if each & circle]
         circles = [each for each in circles if not each & circle]
         circles.append(circle.union(*touching))
+    idle = [f'{joint.name} closes no loop: {joint.parent} and {joint.child} are one link'
+            for joint in joints if joint.closes and joint.kind != robots.FIXED
+            and link_of[joint.parent] == link_of[joint.child]]
+    robot.notes.extend(idle)
     if not circles:
         coupled = [coupling.joint for coupling in robot.couplings]
-        raise Refused('no closed loop in the file' + (
+        raise Refused('no closed loop in the file' + ''.join(f'; {note}' for note in idle) + (
             f'; it has {len(coupled)} mimic or gear joints ({", ".join(coupled[:4])}), which are '
             'none' if coupled else '') + ''.join(
             f'; {note}' for note in robot.notes if note.startswith('actuator ')) + (
@@ -174,9 +178,10 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
             raise Refused(f'{joint.name} is a free joint inside the loop')
         if joint.axis is None:
             off = abs(float(normal @ (joint.on_parent - joint.on_child)))
-            if off > OUT_OF_PLANE * loop.size():
+            if off > (limit := OUT_OF_PLANE * loop.size()):
                 raise Refused(f'not planar: the points of {joint.name} are {off:.3g} m apart '
-                              'square to the plane')
+                              f'square to the plane, above {limit:.3g} m, {OUT_OF_PLANE:g} of the '
+                              "loop's size")
             continue
         along = abs(float(normal @ joint.axis))
         off = degrees(asin(min(1.0, along if joint.kind == robots.SLIDE else float(

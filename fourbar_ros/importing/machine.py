@@ -172,8 +172,7 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
             report.append(f'closed at {joint.name}: gap {abs(plane.flat(away)):.3g} m in the '
                           f'plane, {abs(normal @ away):.3g} m square to it')
     if turn > 1e-3:
-        report.append(f"note: open in the file's pose: links turn by up to {turn:.3g} degrees to "
-                      'close')
+        report.append(f'note: open in the pose: links turn by up to {turn:.3g} degrees to close')
     if any(joint.limits and joint is not drive for joint in loop.joints):
         report.append('note: limits of passive joints are left out')
     report += plane.report
@@ -193,6 +192,10 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
             position = ratio * getattr(motion, shown.coordinate.position) + offset
             offset += tau * round((robot_joint.position - position) / tau)
         scales[name] = Scale(robot_joint, ratio, offset)
+    for name in plane.modes:
+        report.append(f'loads of {name}: ' + ', '.join(
+            f'{key} is at {scale.joint.name}' for key, scale in scales.items()
+            if key.startswith(f'{name}_')))
     driving = next(scale for scale in scales.values() if scale.joint is drive)
     start = (drive.position - driving.offset) / driving.ratio
     if drive.limits:
@@ -249,7 +252,7 @@ def _direction(axis: Array) -> str:
     index = int(np.argmax(np.abs(axis)))
     if abs(axis[index]) > 1.0 - 1e-9:
         return ('+' if axis[index] > 0.0 else '-') + 'xyz'[index]
-    return f'({", ".join(f"{share:.3g}" for share in axis)})'
+    return f'({", ".join(f"{round(share, 12) + 0.0:.3g}" for share in axis)})'
 
 
 def _add_points(plane: Plane, base: str, report: list[str]) -> bool:

@@ -23,6 +23,7 @@ from fourbar_ros.scene.scene import from_values
 import numpy as np
 
 OPEN = 20.0             # [deg] by which links may turn to close a loop, for its mode to be read
+ROUNDING = 1e-9         # [deg], so that the limit itself may be
 FLAT = 0.02             # [rad] from a dyad's flat position in which its mode is not read
 BESIDE = 1e-6           # share of the size by which a cylinder may push beside its pins
 TAKEN = 'ground', 'crank', 'slider', 'rods'     # names of links that mean something in a scene
@@ -224,24 +225,29 @@ class Plane:
             turns, key=turns.__getitem__, default=2)
         turn = turns.get(mode, 0.0)
         if name in wishes.mode:
-            if turn <= OPEN:
+            if turn <= OPEN + ROUNDING:
                 return turn
             instead = f'by {turns[3 - mode]:.3g}' if 3 - mode in turns else 'does not close'
             self.report.append(f'warning: --mode {name}={mode} turns links by {turn:.3g} '
                                f"degrees from the file's pose, mode {3 - mode} {instead}")
             return 0.0
-        ask = 'give a pose by --at or --key' + (
+        names = [joint.name for joint in self.loop.joints if not joint.closes]
+        missing = [each for each in names if each not in wishes.at]
+        is_asked = len(missing) < len(names)
+        pose = 'the pose of --at' if is_asked else "the file's pose"
+        ask = 'give a pose by --at' + (
+            f', of {", ".join(missing)}{" too" * is_asked},' if missing else '') + ' or --key' + (
             '' if has_one else f', or the mode by --mode {name}=1 or {name}=2')
         whose = ', '.join(link.name for link in links)
         if mode not in turns:
             raise Refused(f'{whose}: the loop does not close with the drive where the file has it '
                           f'({why}); {ask}')
-        if turn > OPEN:
-            raise Refused(f"{whose}: the loop is open in the file's pose, links would turn by "
-                          f'{turn:.3g} degrees to close it, too far to read the mode; {ask}')
+        if turn > OPEN + ROUNDING:
+            raise Refused(f'{whose}: the loop is open in {pose}, links would turn by {turn:.3g} '
+                          f'degrees to close it, above {OPEN:g}, too far to read the mode; {ask}')
         if len(turns) == 2 and not has_one:
             apart = float(np.max(np.abs((away[1] - away[2] + pi) % tau - pi)))
             if apart < 2.0 * FLAT or turns[3 - mode] < 2.0 * turn:
-                raise Refused(f"{whose}: flat in the file's pose, the modes are "
+                raise Refused(f'{whose}: flat in {pose}, the modes are '
                               f'{degrees(apart):.3g} degrees apart, too near to read which; {ask}')
         return turn

@@ -268,13 +268,15 @@ REFUSED = [
      '2 joints of this loop are driven, shoulder, pivot: hold all but one by --lock'),
     ({'motor': '<motor joint="pivot"/>', 'axis': '0 0 1" range="2.5 2.7" limited="true'}, {},
      "the loop opens between the file's pose and the limits of pivot"),
-    ({}, {'at': {'shoulder': '-40'}}, 'the loop is open .* too far to read the mode; give a pose '
-     'by --at or --key, or the mode by --mode d1=1 or d1=2'),
+    ({}, {'at': {'shoulder': '-40'}}, 'the loop is open in the pose of --at, links .* degrees to '
+     'close it, above 20, too far to read the mode; give a pose by --at, of elbow, pivot too, or '
+     '--key, or the mode by --mode d1=1 or d1=2$'),
     ({'on_link': '<body name="nut"><inertial pos="0 0 0" mass="-1" diaginertia="1 1 1"/></body>'},
      {}, 'nut has a negative mass or moment of inertia$'),
     ({'equality': FLAT}, {}, "link, lever: flat in the file's pose, the modes are .* degrees "
-     'apart, too near to read which; give a pose by --at or --key, or the mode by --mode d1=1 or '
-     'd1=2'),
+     'apart, too near to read which; give a pose by --at, of shoulder, elbow, pivot, or --key, or '
+     'the mode by --mode d1=1 or d1=2$'),
+    ({}, {'drive': ['lever']}, '--drive lever: is a link, not a joint; known: .*shoulder'),
     ({}, {'drive': ['elbw']}, '--drive elbw: no loop has it; did you mean elbow?'),
     ({}, {'base': 'lever2'}, '--base lever2: the file has no such link; did you mean lever?'),
     ({}, {'loop': 'tips'}, '--loop tips: no loop has it; did you mean tip?'),
@@ -298,6 +300,18 @@ def test_a_refusal_is_a_line_that_says_what_would_help(changes, wishes, words, t
         line = str(error)
     assert re.search(words, line), line
     assert '\n' not in line
+
+
+def test_links_may_turn_by_twenty_degrees_to_close_a_loop(tmp_path):
+    result = read(tmp_path, robot(), at={'elbow': '20'})
+    assert result.is_good
+    assert '  note: open in the pose: links turn by up to 20 degrees to close' in result.report
+    assert not read(tmp_path, robot(), at={'elbow': '20.001'}).is_good
+
+
+def test_the_report_says_at_which_joints_the_loads_of_a_dyad_are(tmp_path):
+    assert ('  loads of d1: d1_first is at elbow, d1_inner is at tip, d1_second is at pivot'
+            in read(tmp_path, robot()).report)
 
 
 def test_the_table_of_a_folder_has_each_file_or_says_that_it_is_not_there(

@@ -114,6 +114,9 @@ def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
     assert loop.scene.joint_states.ratios == [1.0, 1.0, 1.0, -1.0]
 
 
+TIP = (LINK.format(name='tip-1', cg='0 0 0', mass=0.25) + JOINT.format(
+    name='mount', kind='fixed', parent='link', child='tip-1', xyz='0.5 0.1 0.6', rpy='0 0 0',
+    axis='0 0 0'))
 MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', xyz='0 0 0',
                      rpy='0 0 0', axis='0 1 0').replace('</joint>',
                                                         '<mimic joint="pivot"/></joint>')
@@ -131,7 +134,9 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
     (robot(''), {'close': ['rod,ball']}, '--close rod: the file has no such link'),
     (robot(''), {'close': ['link:fixed']}, 'must be FRAME,FRAME or FRAME,FRAME:fixed'),
     (robot(''), {'close': ['link@0.9/0.1/0.3,lever@-0.1/0/0.7']}, 'not planar: the points of .* '
-     'are 0.1 m apart square to the plane'),
+     "are 0.1 m apart square to the plane, above 0.001 m, 0.001 of the loop's size$"),
+    (robot('', more=TIP), {'close': ['link@0/0/0.1,tip-1']}, 'no closed loop in the file; '
+     'link@0/0/0.1 closes no loop: link and tip-1 are one link; name the frames'),
     (robot(GAZEBO.format(axis='1 0 0', frame='')), {}, 'not planar: tip is .* degrees off'),
     (robot('', more=LINK.format(name='end', cg='0 0 0', mass=0.1) + JOINT.format(
         name='wrist', kind='continuous', parent='link', child='end', xyz='0.9 0 0.3', rpy='0 0 0',
@@ -192,11 +197,6 @@ def test_a_light_robot_is_as_good_beside_mujoco(tmp_path):
     assert checked.is_good and checked.peak < 1e-4
     # the weight of both frames at the arm of the lever [N m], and differences of fourth order
     assert checked.drive * checked.peak < 2 * 2e-15 * 9.80665 * 1.0 + 1e-9 * checked.peak
-
-
-TIP = (LINK.format(name='tip-1', cg='0 0 0', mass=0.25) + JOINT.format(
-    name='mount', kind='fixed', parent='link', child='tip-1', xyz='0.5 0.1 0.6', rpy='0 0 0',
-    axis='0 0 0'))
 
 
 @pytest.mark.parametrize('turn', (0.0, 0.1))
