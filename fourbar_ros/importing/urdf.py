@@ -140,22 +140,23 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
             pose[:3, :3] @ joint.axis if joint.kind in (robots.PIN, robots.SLIDE) else None,
             positions[name],
             (low, high) if low < high and element.get('type') != 'continuous' else None))
-        if element.find('mimic') is not None:
+        motor = _word(element, 'mimic', 'joint')
+        if motor and motor not in joints:
+            robot.notes.append(f'mimic of {name}: the file has no joint {motor}'
+                               f'{nearest(motor, joints)}: left out')
+        elif motor:
             robot.couplings.append(robots.Coupling(
-                name, _word(element, 'mimic', 'joint'), _float(element, 'mimic', 'offset'),
+                name, motor, _float(element, 'mimic', 'offset'),
                 _float(element, 'mimic', 'multiplier', '1')))
-    for motor in ('transmission/joint', 'ros2_control/joint[command_interface]'):
-        for name in (element.get('name', '') for element in root.findall(f'.//{motor}')):
-            if name in joints:
-                robot.drives.append(name)
-            else:
-                robot.notes.append(f'{motor.partition("/")[0]} of {name}: the file has no such '
-                                   f'joint{nearest(name, joints)}')
+    # (what says it, joint) of the motors
+    motors = [(motor, element.get('name', '')) for motor, joint in (
+        ('transmission', 'joint'), ('ros2_control', 'joint[command_interface]'))
+        for element in root.findall(f'.//{motor}/{joint}')]
     _add_closing(robot, root, zero)
     for folder in (path.parent, path.parent.parent / 'config'):
         if (folder / 'loop_closures.yaml').is_file():
             tree = yaml.safe_load((folder / 'loop_closures.yaml').read_text(encoding='utf-8'))
-            robot.drives += tree.get('independent', [])
+            motors += [('loop_closures.yaml', name) for name in tree.get('independent', [])]
             for closure in tree['closures']:        # point and axis in the zero pose of the root
                 ends = closure['link_a'], closure['link_b']
                 _check_links('loop_closures.yaml', ends, links)
@@ -164,6 +165,9 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
                 robot.add_closing('~'.join(ends), robots.PIN, ends, (here, there),
                                   here[:3, :3] @ np.array(closure['axis'], float))
     known = {joint.name for joint in robot.joints}
+    robot.drives = [name for _, name in motors if name in known]
+    robot.notes += [f'{motor} of {name}: the file has no such joint{nearest(name, joints)}'
+                    for motor, name in motors if name not in known]
     for name, how, frames in _frames(wishes.close, poses):
         bodies = [frame.partition('@')[0] for frame in frames]
         for link in bodies:

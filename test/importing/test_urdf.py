@@ -178,9 +178,12 @@ def test_a_refusal_is_a_line_that_says_what_would_help(text, wishes, words, tmp_
     assert '\n' not in line
 
 
-def test_a_motor_of_a_joint_that_is_not_there_is_a_note(tmp_path):
-    result = read(tmp_path, robot(motor=MOTOR.replace('shoulder', 'shoulde')))
+def test_motors_and_mimics_of_joints_that_are_not_there_are_notes(tmp_path):
+    result = read(tmp_path, robot(motor=MOTOR.replace('shoulder', 'shoulde')).replace(
+        'name="pivot" type="continuous">', 'name="pivot" type="continuous"><mimic joint="elbo"/>'))
     assert (' note: transmission of shoulde: the file has no such joint; did you mean shoulder?'
+            in result.report)
+    assert (' note: mimic of pivot: the file has no joint elbo; did you mean elbow?: left out'
             in result.report)
 
 
