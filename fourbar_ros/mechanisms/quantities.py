@@ -19,11 +19,11 @@ from numpy.typing import ArrayLike
 
 
 class UnknownQuantity(FourBarError, KeyError):
-    """No such quantity of a mechanism; the message names the nearest, or lists all."""
+    """No such quantity of a mechanism; the message names the nearest, or the first ten."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name, known = name, list(known)
-        hint = nearest(name, known) or f'; known: {", ".join(known)}'
+        hint = nearest(name, known) or f'; known: {", ".join(known[:10])}, {len(known) - 10} more'
         super().__init__(f'unknown quantity {name!r}{hint}')
 
     def __str__(self) -> str:

@@ -218,7 +218,7 @@ def test_the_notebook_of_the_tutorial_runs(tmp_path):
     (['f41'], {'width': 88}, "width = 88: must be 20 mm to 2 m, as '88mm'"),
     (['f41'], {'width': '5mm'}, 'width = 0.005: must be 20 mm'),
     ([['f41', 'f32']], {}, 'must be texts, one after another'),
-    (['F_C'], {}, "unknown quantity 'F_C'; known: theta4, "),
+    (['F_C'], {}, "unknown quantity 'F_C'; known: theta4, transmission_angle, omega4, "),
     (['f41'], {'samples': '37'}, "samples = '37': must be a positive integer"),
     (['f41'], {'samples': 0}, 'samples = 0: must be a positive integer')])
 def test_a_wrong_argument_is_one_line(names, options, message):
