@@ -44,6 +44,7 @@ def value_of(name: str, option: Option, *si_units: str) -> float | None:
 
 def driven_linkage(scene: Scene, speed: Option, acceleration: Option, mode: int | None,
                    at: Option = None) -> tuple[Mechanism, float, float]:
+    """Return the linkage in a mode, rate and acceleration of its input; units are checked."""
     linkage, units = scene.in_mode(mode), scene.linkage.input_coordinate.units
     _, rate, change = values = [
         value_of(name, option, *si_units) for name, option, si_units in (

@@ -14,6 +14,7 @@ from fourbar_lab.export.drive import DriveCode, tables
 from fourbar_lab.export.model import GeneratedModel, struct_of
 from fourbar_lab.export.statements import C, filled, lines_of, literal, snippet, Statements, Texts
 from fourbar_ros import __version__
+from fourbar_ros.mechanisms.geometry import BESIDE_FLAT_LIMITS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 
 FLAGS = '-std=c99 -O2'
@@ -152,7 +153,7 @@ class Code:
             turned = [f'  const double away = {period} * rint((x - {middle}) / {period});',
                       '  const double slack = 2.0 * DBL_EPSILON * fabs(away);']
             reach = [f'x - away >= {literal(low)} - slack && x - away <= {literal(high)} + slack']
-        near = 2.0**-17 * mechanism.input_unit
+        near = BESIDE_FLAT_LIMITS * mechanism.input_unit         # as Mechanism.reaches
         # of x from a limit: of angles the short way round
         distance = ('fabs(x - {})' if mechanism.is_driven_by_slide
                     else 'fabs(remainder(x - {}, 6.283185307179586))')

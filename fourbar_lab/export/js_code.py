@@ -259,7 +259,11 @@ class JsModule:
             (low + (i + 0.618) / CHECKED * (high - low), rate, 0.5) for i in range(CHECKED))]
 
     def sample(self, x: float, rate: float, acceleration: float) -> tuple[int, list[float | None]]:
-        """Return the status of ``step`` and Python's fields of motion and loads, else None."""
+        """
+        Return what ``step`` in JavaScript must give: its status, fields of motion and loads.
+
+        Status 0: all, 1: no motion, 2: no loads. None: missing or not finite, as JSON has no NaN.
+        """
         mechanism, status, results = self.mechanism, 1, dict[str, float]()
         try:
             motion = mechanism.motion(x, rate, acceleration)

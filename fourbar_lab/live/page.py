@@ -11,6 +11,7 @@ from typing import Any
 from fourbar_lab.export.statements import filled
 from fourbar_lab.live.answers import Answer, INTEGERS, run_answer, structure_of
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.scene.files import nested
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.units import UNITS
 
@@ -54,18 +55,6 @@ def _run(scene: Scene) -> Answer | None:
 def as_json(answer: Any) -> str:
     """Return an answer as JSON."""
     return json.dumps(answer, allow_nan=False, separators=(',', ':'))
-
-
-def nested(values: dict[str, Any]) -> dict[str, Any]:
-    """Return {'a': {'b': 1}} of {'a.b': 1}."""
-    tree: dict[str, Any] = {}
-    for name, value in values.items():
-        *path, last = name.split('.')
-        below = tree
-        for group in path:
-            below = below.setdefault(group, {})
-        below[last] = list(value) if isinstance(value, tuple) else value
-    return tree
 
 
 def _is_given(name: str, value: Any) -> bool:

@@ -292,7 +292,11 @@ class StepFormulas:
 
     def _with_resistance(self, n: NumberType, terms: FullTerms, resists: Function, p: Scalar,
                          u: Scalar, torque: Scalar, felt: Any) -> FullTerms:
-        """Return terms with the J and D of which du/dt has its slopes by torque and rate."""
+        """
+        Return terms for the Jacobian, in which R is not: with a J and D that account for it.
+
+        They give du/dt without R the slopes by torque and rate that it has with R, by differences.
+        """
         def change(rate: Scalar, more: Scalar) -> tuple[Scalar, Scalar]:
             push = (terms.force + terms.ratio * torque + more
                     - (terms.damping + terms.half_slope * rate) * rate)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from math import nan
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
@@ -85,21 +85,28 @@ def _inputs(names: Sequence[str], values: Sequence[ArrayLike]
                                'must have shapes that broadcast') from None
 
 
+class Order(NamedTuple):
+    """Indices of the operations that some results of a trace need, in order."""
+
+    results: list[int]
+    of_data: list[int]                  # operations on data alone
+    of_inputs: list[int]
+    freed: dict[int, list[int]]         # those whose last use is an operation, by its index
+
+
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
-def order_of(trace: Trace, wanted: tuple[int, ...]
-             ) -> tuple[list[int], list[int], list[int], dict[int, list[int]]]:
-    """Return (indices of results, operations on data alone, on inputs, last uses by index)."""
+def order_of(trace: Trace, wanted: tuple[int, ...]) -> Order:
     results = flat(trace.results)
     indices = [results[i] for i in wanted]
     steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
-    once, varying = [[i for i in steps if (i in trace.varies) is varies]
-                     for varies in (False, True)]
-    last = {i: index for index in varying for i in trace.steps[index].arguments
+    of_data, of_inputs = [[i for i in steps if (i in trace.varies) is varies]
+                          for varies in (False, True)]
+    last = {i: index for index in of_inputs for i in trace.steps[index].arguments
             if i in trace.varies}
-    done: dict[int, list[int]] = {}
+    freed: dict[int, list[int]] = {}
     for i in last.keys() - indices:
-        done.setdefault(last[i], []).append(i)
-    return indices, once, varying, done
+        freed.setdefault(last[i], []).append(i)
+    return Order(indices, of_data, of_inputs, freed)
 
 
 def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | None = None,
@@ -118,17 +125,19 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
         known = trace.numbers(columns)
         with np.errstate(all='ignore'):
             run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)
+            # no change point among them: leave out what only change points need
             if not any(np.any(np.asarray(known[i])) for i in trace.switches):
                 trace = trace.unswitched
-            for index, value in trace.literals().items():
+            for index, value in trace.literals().items():       # also new ones, of unswitched
                 known[index] = value
-            run(trace, [i for i in order_of(trace, wanted)[1] if known[i] is None], ARRAYS, known)
-    indices, _, steps, done = order_of(trace, wanted)
+            run(trace, [i for i in order_of(trace, wanted).of_data if known[i] is None], ARRAYS,
+                known)                                          # written into known
+    order = order_of(trace, wanted)
 
     def step(*inputs: Values) -> list[Values]:
-        values = run(trace, steps, ARRAYS, [*inputs, *known[trace.count:]], done)
+        values = run(trace, order.of_inputs, ARRAYS, [*inputs, *known[trace.count:]], order.freed)
         fields: list[Values] = [nan] * count
-        for i, index in zip(wanted, indices):
+        for i, index in zip(wanted, order.results):
             fields[i] = values[index]
         return fields
     return step

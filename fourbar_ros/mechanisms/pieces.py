@@ -72,14 +72,14 @@ class Curves:
         self._known = self._trace.numbers(numbers_of(data))
         wanted = range_of(self._trace)
         with np.errstate(all='ignore'):
-            run(self._trace, order_of(self._trace, wanted)[1], ARRAYS, self._known)
+            run(self._trace, order_of(self._trace, wanted).of_data, ARRAYS, self._known)
         self._rates = [np.asarray(rate, complex) for rate in rates or (1.0, 0.0)]
         coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
         self.coordinates = coordinates + [EDGE] * (len(wanted) - len(coordinates))
         # edges that loads have part in jump themselves at the ends of pieces before them
         first = self._trace.count + len(numbers_of((data.lengths, data.sign)))
         of_loads = set(range(first, self._trace.count + self._trace.size))
-        needed = [order_of(self._trace, (k,))[2] for k in wanted]
+        needed = [order_of(self._trace, (k,)).of_inputs for k in wanted]
         self.follows = [each is EDGE and not of_loads.isdisjoint(
             i for step in steps for i in self._trace.needed([step]))
             for each, steps in zip(self.coordinates, needed)]
@@ -87,16 +87,16 @@ class Curves:
 
     def sample(self, which: tuple[int, ...], x: Array) -> tuple[Array, Array]:
         """Return coordinates and slopes, (which, count, any), at inputs (1 or count, any)."""
-        indices, _, steps, done = order_of(self._trace, which)
+        order = order_of(self._trace, which)
         samples = np.empty((len(which), self._count, x.shape[1]), complex)
         width = max(1, TOGETHER // self._count)
         with np.errstate(all='ignore'):
             for begin in range(0, x.shape[1], width):
                 columns = slice(begin, begin + width)
-                values = run(self._trace, steps, ARRAYS, [
+                values = run(self._trace, order.of_inputs, ARRAYS, [
                     x[:, columns] + 1j * STEP, *self._rates, *self._known[self._trace.count:]],
-                    done)
-                for row, index in zip(samples, indices):
+                    order.freed)
+                for row, index in zip(samples, order.results):
                     row[:, columns] = values[index]
         return samples.real, samples.imag / STEP
 

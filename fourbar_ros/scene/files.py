@@ -3,7 +3,7 @@
 """Find and read scene files, ROS 2 parameter files, without ROS."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
 from math import isfinite
 from pathlib import Path
@@ -306,17 +306,21 @@ def flatten(tree: dict[Any, Any], path: str | Path = '', prefix: str = '') -> Ya
     return flat
 
 
-def as_text(values: ParameterValues) -> str:
-    """Return a flat dict as the text of a ROS 2 parameter file for any node, without NaN."""
+def nested(flat: Mapping[str, Any]) -> YamlTree:
+    """Return {'a': {'b': 1}} of {'a.b': 1}."""
     tree: YamlTree = {}
-    for name, value in values.items():
-        if value != value:
-            continue
+    for name, value in flat.items():
         *path, last = name.split('.')
         below = tree
         for group in path:
             below = below.setdefault(group, {})
         below[last] = list(value) if isinstance(value, tuple) else value
+    return tree
+
+
+def as_text(values: ParameterValues) -> str:
+    """Return a flat dict as the text of a ROS 2 parameter file for any node, without NaN."""
+    tree = nested({name: value for name, value in values.items() if value == value})
     return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
 
 

@@ -13,7 +13,7 @@ from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene import from_values
-from fourbar_ros.scene.files import shipped
+from fourbar_ros.scene.files import nested, shipped
 import numpy as np
 import pytest
 from support.javascript import needs_node, node
@@ -136,7 +136,7 @@ def test_extrema_and_their_proof_are_those_of_show():
 
 
 def test_what_cannot_be_is_said_and_named():
-    scene = pages.nested(load_scene('paper').values)
+    scene = nested(load_scene('paper').values)
     scene['linkage']['a2'] = 9
     answer = answered('structure', {'scene': json.loads(json.dumps(scene, default=str))})
     assert 'cannot close' in answer['problem'] or 'a2' in answer['problem']

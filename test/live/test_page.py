@@ -434,7 +434,8 @@ def test_every_scene_is_written_as_it_was_read(name, driver, file, tmp_path):
     tab = Tab(driver, file(name))
     (tmp_path / 'again.yaml').write_text(tab.script("""
 const text = document.getElementById('data').textContent, seen = [];
-const made = URL.createObjectURL; URL.createObjectURL = blob => { seen.push(blob); return 'data:,'; };
+const made = URL.createObjectURL;
+URL.createObjectURL = blob => { seen.push(blob); return 'data:,'; };
 page.files['scene (YAML)'](); URL.createObjectURL = made;
 return seen[0].text()"""))
     assert load_scene(tmp_path / 'again.yaml').values == load_scene(name).values

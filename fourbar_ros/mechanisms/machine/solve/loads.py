@@ -76,15 +76,17 @@ def loads_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
              bodies: Iterable[Body], gravity: Gravity, external: NamedTuple,
              motion: NamedFields, friction: MachineFriction | None = None) -> tuple[Scalar, ...]:
     """Return the fields of :func:`.structure.load_fields` for a motion of a machine."""
-    curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
-                                 for name in structure.COEFFICIENTS]) for link in layout.moving}
+    unit_curves = {link: LinkMotion(*[getattr(motion, f'{name}_{link}')
+                                      for name in structure.COEFFICIENTS])
+                   for link in layout.moving}
     needs = {link: needs_of(body, 1.0, gravity, getattr(external, link, NOT_APPLIED),
                             curve.at(motion.rate, motion.acceleration))
-             for (link, curve), body in zip(curves.items(), bodies)}
+             for (link, curve), body in zip(unit_curves.items(), bodies)}
     slides = [[getattr(motion, structure.travel(link).position) for link in stage.slides()]
               for stage in layout.stages]
     sines = [getattr(motion, f'sine_{stage.name}') for stage in layout.stages]
-    return solve_loads(n, layout, dyad_lengths, curves, needs, slides, sines, friction=friction)
+    return solve_loads(n, layout, dyad_lengths, unit_curves, needs, slides, sines,
+                       friction=friction)
 
 
 def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
