@@ -110,6 +110,12 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, c
     middle, around = np.abs(slopes[:, 0]), np.abs(slopes[:, 1:]).sum(axis=1)
     rises, is_plain = slopes[:, 0] >= 0.0, middle > (1.0 + CAUTION) * around
     begin, end = rule.at_begin[:-1] @ slopes, slopes.sum(axis=1)    # at both ends of intervals
+    # Where none of them is the end of a piece, neighbours agree: slopes of two signs there, be it
+    # by rounding, would make three extrema of one.
+    within = np.flatnonzero(~of.is_end)
+    left = previous[within]
+    at_bound = 0.5 * (end[:, left] / half[left] + begin[:, within] / half[within])
+    end[:, left], begin[:, within] = at_bound * half[left], at_bound * half[within]
     is_noise = middle + around <= FLAT * sizes[:, row]
     is_doubtful |= np.logical_or.reduceat(is_noise, first, axis=1) & ~is_constant
 
@@ -165,11 +171,7 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, c
     with np.errstate(all='ignore'):
         guess = first_guesses(np.zeros(i.size), np.ones(i.size), fa, fb, fa / rise[i, column],
                               fb / rise[i + 1, column])
-    # at a bound that is no end: where it begins
-    crosses = ((end[:, previous] >= 0.0) != (begin >= 0.0)) & ~of.is_end & is_known[:, row]
-    t = np.concatenate((_T[i] + step * guess, np.full(np.count_nonzero(crosses), -1.0)))
-    quantity, interval = (np.concatenate((of_columns[column], of_crossing)) for of_columns,
-                          of_crossing in zip((quantity, interval), np.nonzero(crosses)))
+    t, quantity, interval = _T[i] + step * guess, quantity[column], interval[column]
     coefficients = slopes[quantity, :, interval].T
     curvature = legendre.legder(coefficients)
     for _ in range(NEWTON_STEPS):
