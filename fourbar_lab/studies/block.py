@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.elements import refuses_turns, turns_of
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN
-from fourbar_ros.mechanisms.pieces import Curves, Ends, ends_of_turns
+from fourbar_ros.mechanisms.pieces import CutCurves, ends_of_turns, PieceEnds
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
 from fourbar_ros.numerics.arrays import Array
@@ -100,15 +100,15 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     def some(rows: Array) -> Designs:
         return Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
     # where the pieces of loads end
-    cuts = Ends(np.empty((is_done.size, 0)), np.empty((is_done.size, 0), bool))
+    cuts = PieceEnds(np.empty((is_done.size, 0)), np.empty((is_done.size, 0), bool))
     if any(measures.quantities[name].is_load for name in needed):
         indices = np.nonzero(wanted)[0]
         for start in range(0, indices.size, CUT_TOGETHER):
             rows = indices[start:start + CUT_TOGETHER]
             ends = some(rows).ends(study.acceleration)
             wider = max(0, ends.inputs.shape[1] - cuts.inputs.shape[1])
-            cuts = Ends(*[np.pad(table, ((0, 0), (0, wider)), constant_values=filler)
-                          for table, filler in zip(cuts, (np.nan, False))])
+            cuts = PieceEnds(*[np.pad(table, ((0, 0), (0, wider)), constant_values=filler)
+                               for table, filler in zip(cuts, (np.nan, False))])
             for table, of_rows in zip(cuts, ends):
                 table[rows, :of_rows.shape[1]] = of_rows
 
@@ -117,7 +117,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         known = measures.quantities | parametric.point_quantities_of(scene, group.values,
                                                                      group.many)
         most = np.isfinite(cuts.inputs[rows]).sum(axis=1).max()
-        cut = Ends(*[table[rows, :most] for table in cuts]) if most else None
+        cut = PieceEnds(*[table[rows, :most] for table in cuts]) if most else None
         is_right, searched = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
         for ends in (None,) if cut is None else (None, cut):
             names = [name for name in needed
@@ -181,7 +181,7 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
 
 
 def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
-           ends: Ends | None = None) -> Turns:
+           ends: PieceEnds | None = None) -> Turns:
     """Return the extrema of quantities of all designs; ``ends``: as of :meth:`Designs.ends`."""
     with_loads = any(quantity.is_load for quantity in quantities)
     names = (tuple([quantity.name for quantity in quantities])
@@ -231,12 +231,13 @@ class Designs:
         """Return after how much of the input all repeats, forces over the input too [rad]."""
         return tau * turns_of(self.scene.linkage.elements)
 
-    def ends(self, acceleration: float) -> Ends:
+    def ends(self, acceleration: float) -> PieceEnds:
         """Return where the pieces of loads end, as :func:`.ends_of_turns`."""
         linkage, rates = self.scene.linkage, (self.values['drive.speed'], acceleration)
         if not (linkage.elements or linkage.friction):
-            return Ends(np.empty((self.size, 0)), np.empty((self.size, 0), bool))
-        curves = Curves(linkage, self._constants, self.size, rates if linkage.friction else None)
+            return PieceEnds(np.empty((self.size, 0)), np.empty((self.size, 0), bool))
+        curves = CutCurves(linkage, self._constants, self.size,
+                           rates if linkage.friction else None)
         return ends_of_turns(curves, self.size, turns_of(linkage.elements))
 
     def are_allowed(self) -> Array:

@@ -39,7 +39,7 @@ DEEPEST, SHORTER = 50.0, 0.3         # lack of room after a step; else it become
 REFUSALS = FourBarError, ValueError, ArithmeticError
 
 
-class Refused(FourBarError):
+class CannotGoOn(FourBarError):
     """The mechanism cannot reach a state, or its equation of motion has no finite terms there."""
 
 
@@ -197,7 +197,7 @@ class Mover:
             linear = self._linearized(state)
             acceleration, torque = linear.acceleration, linear.torque
             motor_torque = linear.motor_torque
-        except Refused:                # the rounded input of a run through a toggle is beyond it
+        except CannotGoOn:             # the rounded input of a run through a toggle is beyond it
             acceleration = torque = motor_torque = nan
         return DriveValues(
             step, command if self._takes_commands else nan, position, rate, acceleration,
@@ -235,7 +235,7 @@ class Mover:
             return True
         try:
             return state.coordinate.is_input and self._linearized(state).room >= 0.0
-        except Refused:                 # no motion goes on from this state
+        except CannotGoOn:              # no motion goes on from this state
             return False
 
     def in_input(self, state: FullState) -> StateVector:
@@ -258,7 +258,7 @@ class Mover:
                 *fields, change, coefficients = self.formulas[state.coordinate].linearize(
                     *state.vector, self._torque, *self._outside)
             except REFUSALS:
-                raise Refused from None
+                raise CannotGoOn from None
             self._linear = state, Linearization._make(
                 (*fields, StateVector(*change), Coefficients(*coefficients)))
         return self._linear[1]
@@ -301,10 +301,10 @@ class Mover:
         state, left, is_good = self._moved_in_one(state, left)
         while left > 0.0:
             if not self.passes:
-                raise Refused
+                raise CannotGoOn
             state, left, is_stretch_good = self._moved_in_one(self._handed_over(state), left)
             if left > 0.0 and not (is_good or is_stretch_good):
-                raise Refused                   # neither coordinate can finish
+                raise CannotGoOn                # neither coordinate can finish
             is_good = is_good and is_stretch_good
         if state.coordinate.is_input or not all(map(isfinite, state.vector)):
             return state, is_good
@@ -398,7 +398,7 @@ class Mover:
         new = FullState(state.coordinate, StateVector(*vector), state.mode)
         try:
             return new if self._linearized(new).room >= -DEEPEST else None
-        except Refused:
+        except CannotGoOn:
             return None
 
 

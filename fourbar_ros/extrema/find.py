@@ -94,7 +94,7 @@ class Extremum(NamedTuple):
         return self.theta1 if isnan(self.slide) else self.slide
 
 
-class Extrema(list[Extremum]):
+class ExtremaList(list[Extremum]):
     """A list of extrema that a prompt and a notebook show as a table."""
 
     def __repr__(self) -> str:
@@ -121,7 +121,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                  acceleration: float = 0.0, certify: bool = False, conditions: bool = True,
                  check: Callable[[], None] = lambda: None, seconds: float = 5.0,
                  progress: Callable[[float], None] = lambda share: None,
-                 within: tuple[float, float] | None = None) -> Extrema:
+                 within: tuple[float, float] | None = None) -> ExtremaList:
     """
     Return all extrema over the input, in the mode of the linkage, by quantity, then by input.
 
@@ -168,7 +168,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         every += [extremum for quantity in named if isinstance(quantity, OfDrive)
                   for extremum in _of_drive(quantity, linkage, rate, find)]
         names = [quantity.name for quantity in named]
-        return Extrema(sorted(every, key=lambda extremum: names.index(extremum.quantity)))
+        return ExtremaList(sorted(every, key=lambda extremum: names.index(extremum.quantity)))
     check()
     part = None if within is None else _checked_part(linkage, within)
     search = Search(linkage, others, (rate, acceleration), part)
@@ -181,7 +181,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
             check()
             progress(share)
         extrema, proofs, refuted = search.proved(extrema, conditions, tell, seconds)
-    return Extrema(
+    return ExtremaList(
         extremum for row, quantity in enumerate(others) if extrema[row]
         for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
                                  search.unresolved, partial(search.exact, row)))

@@ -16,7 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fourbar_ros.extrema import full_turns
-from fourbar_ros.mechanisms.pieces import Ends
+from fourbar_ros.mechanisms.pieces import PieceEnds
 from fourbar_ros.numerics.arrays import Array, as_grid, EPS, rank_of
 from fourbar_ros.numerics.roots import CAUTION, changes_and_doubts, first_guesses
 import numpy as np
@@ -84,7 +84,7 @@ class _Intervals(NamedTuple):
         return _Intervals(*[values[which] for values in self])
 
 
-def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, cycle: float
+def search_pieces(evaluate: full_turns.ColumnFunction, ends: PieceEnds, count: int, cycle: float
                   ) -> full_turns.Turns:
     """Return the extrema of q loads of n mechanisms whose cranks turn fully."""
     # count: of samples of a cycle at least; cycle: after which all repeats [rad].
@@ -216,7 +216,7 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: Ends, count: int, c
         np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 
 
-def _intervals(ends: Ends, widest: float, cycle: float) -> _Intervals:
+def _intervals(ends: PieceEnds, widest: float, cycle: float) -> _Intervals:
     """Return the pieces, cut in equal intervals that are no wider; without an end, from zero."""
     row, column = np.nonzero(np.isfinite(ends.inputs))
     without = np.setdiff1d(np.arange(len(ends.inputs)), row)

@@ -8,7 +8,7 @@ from math import atan2, hypot, tau
 from typing import NamedTuple
 
 from fourbar_ros.importing.loops import base_of, check_freedom, CLOSED, Loop, normal_of
-from fourbar_ros.importing.plane import CYLINDER, Plane, Scale
+from fourbar_ros.importing.plane import CYLINDER, Plane, RobotScale
 from fourbar_ros.importing.robots import Coupling, Refused, RobotJoint, SLIDE, Wishes, word
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values, Scene
@@ -22,8 +22,8 @@ class Imported(NamedTuple):
     loop: Loop
     values: ParameterValues
     scene: Scene
-    scales: Mapping[str, Scale]
-    drive: Scale
+    scales: Mapping[str, RobotScale]
+    drive: RobotScale
     report: list[str]
 
 
@@ -56,7 +56,7 @@ def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Couplin
     return names[driven[0]], gear
 
 
-class Way(NamedTuple):
+class LoopInput(NamedTuple):
     """
     How a drive moves a loop: ``input`` as ``linkage.input`` of the scene has it.
 
@@ -70,29 +70,29 @@ class Way(NamedTuple):
     cylinder: Sequence[tuple[str, RobotJoint]] = ()
 
 
-def _way_of(loop: Loop, drive: RobotJoint, base: str) -> Way:
+def _input_of(loop: Loop, drive: RobotJoint, base: str) -> LoopInput:
     ends = loop.ends(drive)
     if base in ends:
-        return Way('slide' if drive.kind == SLIDE else 'crank', base, drive)
+        return LoopInput('slide' if drive.kind == SLIDE else 'crank', base, drive)
     if drive.kind != SLIDE:
-        return Way('crank', ends[0], drive)
+        return LoopInput('crank', ends[0], drive)
     # a cylinder: the link to which the tube is pinned carries the hinge of the link to which the
     # rod is pinned; which of both links is the tube decides the carrier, the base if it may be
-    ways = []
+    inputs = []
     for tube, rod in (ends, ends[::-1]):
         outer = [[joint for joint in loop.joints_of(body) if joint is not drive]
                  for body in (tube, rod)]
         if all(len(joints) == 1 and joints[0].kind != SLIDE for joints in outer):
             at_tube, at_rod = outer[0][0], outer[1][0]
             carrier, turned = loop.far(at_tube, tube), loop.far(at_rod, rod)
-            ways += [Way(CYLINDER, carrier, hinge, ((rod, at_rod), (tube, at_tube)))
-                     for hinge in loop.joints_of(turned)
-                     if carrier in loop.ends(hinge) and hinge.kind != SLIDE]
-    if not ways:
+            inputs += [LoopInput(CYLINDER, carrier, hinge, ((rod, at_rod), (tube, at_tube)))
+                       for hinge in loop.joints_of(turned)
+                       if carrier in loop.ends(hinge) and hinge.kind != SLIDE]
+    if not inputs:
         raise Refused(f'{drive.name} slides between the moving links '
                       f'{" and ".join(map(loop.name_of, ends))}, and is no cylinder that turns a '
                       'link against another to which that is pinned')
-    return min(ways, key=lambda way: way.carrier != base)
+    return min(inputs, key=lambda each: each.carrier != base)
 
 
 def imported(loop: Loop, wishes: Wishes) -> Imported:
@@ -106,14 +106,14 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     base = base_of(loop, wishes)
     check_freedom(loop)
     drive, gear = drive_of(loop, base, wishes)
-    way = _way_of(loop, drive, base)
-    carrier, driven = way.carrier, loop.far(way.hinge, way.carrier)
+    loop_input = _input_of(loop, drive, base)
+    carrier, driven = loop_input.carrier, loop.far(loop_input.hinge, loop_input.carrier)
 
     # axes: the driven joint turns to the left; x along the driven slide, or y up
-    origin = loop.point(way.hinge, carrier)
-    sense = 1.0 if loop.link_of[way.hinge.child] == driven else -1.0
-    up, axis = -loop.robot.gravity, way.hinge.axis
-    if way.input == 'slide':
+    origin = loop.point(loop_input.hinge, carrier)
+    sense = 1.0 if loop.link_of[loop_input.hinge.child] == driven else -1.0
+    up, axis = -loop.robot.gravity, loop_input.hinge.axis
+    if loop_input.input == 'slide':
         assert axis is not None                             # a slide has one
         x = sense * axis
         origin = loop.point(drive, driven) - drive.position * x     # so x is the joint's position
@@ -128,41 +128,41 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     plane = Plane(loop, base, carrier, np.array([x, np.cross(normal, x), normal]), origin)
 
     # the driven link, the cylinder, dyad after dyad; the pose of each says its mode
-    start = plane.pivot(way.hinge, driven)
-    if way.input == 'slide':
+    start = plane.pivot(loop_input.hinge, driven)
+    if loop_input.input == 'slide':
         plane.add_link(driven, start, 1.0, 'slider')
     else:
         arms = [plane.pivot(joint, driven) - start for joint in loop.joints_of(driven)
-                if joint is not way.hinge and joint.kind != SLIDE]
+                if joint is not loop_input.hinge and joint.kind != SLIDE]
         plane.add_link(driven, start, next((arm for arm in arms if abs(arm) > 1e-9), 1.0), 'crank')
-    plane.add_joint('base', way.hinge, driven, carrier, travel=drive.position)
-    plane.values['linkage.input'] = way.input
+    plane.add_joint('base', loop_input.hinge, driven, carrier, travel=drive.position)
+    plane.values['linkage.input'] = loop_input.input
     turn = 0.0
-    if way.cylinder:
-        plane.add_dyad(CYLINDER, way.cylinder, drive)
-        turn = plane.set_mode(CYLINDER, drive, (driven, way.cylinder[1][0]), wishes)
+    if loop_input.cylinder:
+        plane.add_dyad(CYLINDER, loop_input.cylinder, drive)
+        turn = plane.set_mode(CYLINDER, drive, (driven, loop_input.cylinder[1][0]), wishes)
     while left := [body for body in loop.links if body not in plane.links]:
-        ways, inner = _next_dyad(loop, plane)
+        ends, inner = _next_dyad(loop, plane)
         if inner is None:
             might = [joint.name for joint in loop.joints_of(carrier)
-                     if joint is not way.hinge and not joint.closes]
+                     if joint is not loop_input.hinge and not joint.closes]
             raise Refused(f'{", ".join(map(loop.name_of, left))} form no dyads with {drive.name} '
                           'driven: a group of a higher class' + (
                               f'; perhaps with {" or ".join(might)} (--drive)' if might else ''))
         name = f'd{len(plane.values["linkage.dyads"]) + 1}'
-        plane.add_dyad(name, ways, inner)
-        turn = max(turn, plane.set_mode(name, drive, [body for body, _ in ways], wishes))
+        plane.add_dyad(name, ends, inner)
+        turn = max(turn, plane.set_mode(name, drive, [body for body, _ in ends], wishes))
     for name in wishes.mode:
         if name not in plane.modes:
             raise Refused(f'--mode {name}: no dyad, which are {", ".join(plane.modes)}')
     plane.set_ground()
-    pivot = loop.joints_of(base)[0] if base != carrier else way.hinge
+    pivot = loop.joints_of(base)[0] if base != carrier else loop_input.hinge
     frame = pivot.parent if loop.link_of[pivot.parent] == base else pivot.child
 
     kinds = [value for key, value in plane.values.items() if key.startswith('dyads.')
              and key.endswith('.kind')]
     report = [f'base {frame}, driven {drive.name}'
-              + (' (cylinder)' if way.cylinder else '')
+              + (' (cylinder)' if loop_input.cylinder else '')
               + (f' against {loop.name_of(carrier)}' if carrier != base else '')
               + (f', dyads {" + ".join(kinds)}' if kinds else ''),
               f'axes parallel within {off:.2g} degrees']
@@ -191,7 +191,7 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
         elif robot_joint.kind != SLIDE:
             position = ratio * getattr(motion, shown.coordinate.position) + offset
             offset += tau * round((robot_joint.position - position) / tau)
-        scales[name] = Scale(robot_joint, ratio, offset)
+        scales[name] = RobotScale(robot_joint, ratio, offset)
     for name in plane.modes:
         report.append(f'loads of {name}: ' + ', '.join(
             f'{key} is at {scale.joint.name}' for key, scale in scales.items()
@@ -322,12 +322,12 @@ def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
 def _next_dyad(loop: Loop, plane: Plane) -> tuple[list[tuple[str, RobotJoint]], RobotJoint | None]:
     """Return ((link, joint on a solved link) twice, joint between them) of a dyad, or no joint."""
     for inner in loop.joints:
-        ways = []
+        ends = list[tuple[str, RobotJoint]]()
         for body in loop.ends(inner):
             on_solved = [joint for joint in loop.joints_of(body)
                          if loop.far(joint, body) in plane.links and joint is not inner]
             if body not in plane.links and len(on_solved) == 1:
-                ways.append((body, on_solved[0]))
-        if len(ways) == 2:
-            return ways, inner
+                ends.append((body, on_solved[0]))
+        if len(ends) == 2:
+            return ends, inner
     return [], None

@@ -44,7 +44,7 @@ class PlaneLink(NamedTuple):
         return local.real, local.imag
 
 
-class Scale(NamedTuple):
+class RobotScale(NamedTuple):
     """A joint of the robot as a coordinate of the scene: position = ratio * it + offset."""
 
     joint: RobotJoint
@@ -59,7 +59,7 @@ class Plane:
         self.loop, self.base, self.axes = loop, base, axes
         self.links = {carrier: PlaneLink(GROUND, self.flat(origin), 1.0)}
         self.height = float(axes[2] @ origin)           # of the plane along its normal [m]
-        self.scales: dict[str, Scale] = {}
+        self.scales: dict[str, RobotScale] = {}
         self.modes: dict[str, str] = {}                 # {dyad: its parameter}
         self.report: list[str] = []
         self.values: dict[str, Any] = {'linkage.kind': 'machine', 'linkage.dyads': []}
@@ -96,14 +96,14 @@ class Plane:
         """Add a joint: how far a link has slid ``along``, or its angle from its carrier's."""
         if joint.kind == SLIDE:
             ratio = 1.0 if (self.slide(joint, body) * along.conjugate()).real > 0.0 else -1.0
-            self.scales[name] = Scale(joint, ratio, joint.position - ratio * travel)
+            self.scales[name] = RobotScale(joint, ratio, joint.position - ratio * travel)
             return
         ratio = self.sense(joint, body) * (
             1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0)
         angle = phase(self.links[body].direction / self.links[carrier].direction)
         # from the ground counts what hangs on it, whichever of both is the dyad's link
-        self.scales[name] = Scale(joint, -ratio if body == self.base else ratio,
-                                  joint.position - ratio * angle)
+        self.scales[name] = RobotScale(joint, -ratio if body == self.base else ratio,
+                                       joint.position - ratio * angle)
 
     def set_point(self, name: str, body: str, point: complex) -> None:
         link = self.links[body]

@@ -49,12 +49,12 @@ class Block(NamedTuple):
     is_guided: bool = False
 
 
-class Length(float):
+class SceneLength(float):
     """A length [m] that knows the parameter of a scene which it is: a page follows it."""
 
     name: str
 
-    def __new__(cls, name: str, value: float) -> Length:
+    def __new__(cls, name: str, value: float) -> SceneLength:
         """Return the value of a parameter."""
         length = super().__new__(cls, value)
         length.name = name
@@ -232,14 +232,14 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         group, ends = f'dyads.{dyad.name}', {'first': 'first', 'second': 'second'}
         if dyad not in machine.dyads:
             group, ends = 'cylinder', {'first': 'pin', 'second': 'base'}
-        lengths = [Length(f'{group}.length_{i}', length or 0.0)
+        lengths = [SceneLength(f'{group}.length_{i}', length or 0.0)
                    for i, length in enumerate((dyad.length_1, dyad.length_2), 1)]
         pivots += [names[joint] for joint in ('first', 'second', 'inner')
                    if joint not in slides and ground in stage.ends(joint)]
         for joint, link in zip(('first', 'second'), stage.links):
             carrier = getattr(dyad, joint)
             held = Point(carrier.link, *(
-                Length(f'{group}.{ends[joint]}.{field}', getattr(carrier, field))
+                SceneLength(f'{group}.{ends[joint]}.{field}', getattr(carrier, field))
                 for field in ('along', 'across')))
             if joint in slides:
                 joints[names[joint]] = (Point(link),)
@@ -285,12 +285,12 @@ CRANK, OUTPUT = Point('crank'), Point('output')
 
 def _crank(mechanism: Any) -> dict[str, tuple[Point, ...]]:
     return {'O_1': (Point(GROUND), CRANK),
-            'A': (Point('crank', Length('linkage.a1', mechanism.a1)), Point('coupler'))}
+            'A': (Point('crank', SceneLength('linkage.a1', mechanism.a1)), Point('coupler'))}
 
 
 @outline_of.register(FourBarLinks)
 def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
-    a2, a3, a4 = (Length(f'linkage.{name}', getattr(mechanism, name))
+    a2, a3, a4 = (SceneLength(f'linkage.{name}', getattr(mechanism, name))
                   for name in ('a2', 'a3', 'a4'))
     joints = _crank(mechanism) | {
         'B': (Point('output', a3), Point('coupler', a2)),
@@ -325,7 +325,7 @@ def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
 def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
     """Return the outline of a bar with its block at A, or of a cylinder with its rod."""
     joints = _crank(mechanism) | {
-        'O_4': (Point(GROUND, Length('linkage.a4', mechanism.a4)), OUTPUT)}
+        'O_4': (Point(GROUND, SceneLength('linkage.a4', mechanism.a4)), OUTPUT)}
     a, foot = joints['A'][0], Point('output', 0.0, mechanism.offset)
     bars, blocks = [(CRANK, a, 1.0), (OUTPUT, foot, 1.0)], []
     if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A

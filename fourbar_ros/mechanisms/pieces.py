@@ -37,7 +37,7 @@ TOGETHER = 2**13        # inputs that are evaluated at once: they stay in the ca
 FARTHEST = 1.0          # [rad] distance from the real inputs at which branch points still matter
 
 
-class Coordinate(NamedTuple):
+class CutValue(NamedTuple):
     """A number over the input, at some values of which something is not smooth."""
 
     # number type, motions of links, input -> it
@@ -49,7 +49,7 @@ class Coordinate(NamedTuple):
     jumps: bool = True      # loads may jump there, not their slopes alone
 
 
-EDGE = Coordinate(lambda n, moving, x: x, np.zeros(1), inf)    # of friction: at its zeros
+EDGE = CutValue(lambda n, moving, x: x, np.zeros(1), inf)    # of friction: at its zeros
 
 
 class Pieces(NamedTuple):
@@ -59,7 +59,7 @@ class Pieces(NamedTuple):
     branch_points: tuple[complex, ...]  # of springs, beside the real inputs
 
 
-class Curves:
+class CutCurves:
     """The coordinates of a mechanism, or of many like it, as functions of the input."""
 
     # data: its constants, or columns of them, shape (count, 1); rates: rate and acceleration of
@@ -128,7 +128,7 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
 
 def pieces_of(mechanism: Mechanism) -> Pieces:
     ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
-    curves = Curves(mechanism, mechanism.constants)
+    curves = CutCurves(mechanism, mechanism.constants)
     for low, high in _ranges(mechanism) if curves.order else ():
         x = _samples(mechanism, low, high)
         rows = np.zeros(x.size, int)
@@ -177,7 +177,7 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     ends, branch_points = mechanism.pieces or Pieces((), ())
     if not rates[0]:
         return Pieces(ends, branch_points)
-    curves, every = Curves(mechanism, mechanism.constants, 1, rates), list(ends)
+    curves, every = CutCurves(mechanism, mechanism.constants, 1, rates), list(ends)
     for low, high in _ranges(mechanism):
         for k in curves.order:
             if curves.coordinates[k] is not EDGE:
@@ -228,17 +228,17 @@ def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
     return mechanism.input_ranges
 
 
-def _coordinates(element: elements.Element) -> Iterator[Coordinate]:
+def _coordinates(element: elements.Element) -> Iterator[CutValue]:
     if isinstance(element, elements.Spring):
         if element.has_length:
-            yield Coordinate(lambda n, moving, _: element.tension(n, moving)[2], np.empty(0), inf,
-                             True)
+            yield CutValue(lambda n, moving, _: element.tension(n, moving)[2], np.empty(0), inf,
+                           True)
     elif isinstance(element, elements.TorsionSpring):
-        yield Coordinate(lambda n, moving, _: element.deflection(n, moving), np.array([pi]), tau)
+        yield CutValue(lambda n, moving, _: element.deflection(n, moving), np.array([pi]), tau)
     elif isinstance(element, elements.PositionForce):
         second = element.apart_from
         if second is not None:
-            yield Coordinate(lambda n, moving, _: elements.Distance(element.point, second).of(
+            yield CutValue(lambda n, moving, _: elements.Distance(element.point, second).of(
                 n, moving)**2, np.empty(0), inf, True)
         points: Array = np.empty(0)
         period, turns_back = inf, element.when != elements.BOTH and element.over != elements.INPUT
@@ -252,17 +252,17 @@ def _coordinates(element: elements.Element) -> Iterator[Coordinate]:
         elif isinstance(element.over, elements.LinkAngle):
             points, period, jumps = np.array([pi]), tau, True
         if points.size or turns_back:
-            yield Coordinate(element.position, points, period, False, turns_back, jumps)
+            yield CutValue(element.position, points, period, False, turns_back, jumps)
 
 
-class Ends(NamedTuple):
+class PieceEnds(NamedTuple):
     """Ends of pieces of many mechanisms, (mechanisms, most), in order from 0 to their cycle."""
 
     inputs: Array       # NaN beyond the last
     are_jumps: Array    # at which loads may jump, not their slopes alone
 
 
-def ends_of_turns(curves: Curves, count: int, turns: int) -> Ends:
+def ends_of_turns(curves: CutCurves, count: int, turns: int) -> PieceEnds:
     """Return the ends of pieces of ``count`` mechanisms whose cranks make so many turns."""
     cycle, by_curve = tau * turns, list[tuple[Array, Array, Array]]()
     x = 0.3 + np.linspace(0.0, cycle, SAMPLES * turns)
@@ -285,7 +285,7 @@ def ends_of_turns(curves: Curves, count: int, turns: int) -> Ends:
         ends, row = _ends(curves, k, x_there, row_there, s, slope)
         by_curve.append((np.mod(ends, cycle), row, np.full(row.size, curves.coordinates[k].jumps)))
     if not by_curve:
-        return Ends(np.empty((count, 0)), np.empty((count, 0), bool))
+        return PieceEnds(np.empty((count, 0)), np.empty((count, 0), bool))
     ends, row, are_jumps = map(np.concatenate, zip(*by_curve))
     inorder = np.lexsort((ends, row))
     ends, row, are_jumps = ends[inorder], row[inorder], are_jumps[inorder]
@@ -300,7 +300,7 @@ def ends_of_turns(curves: Curves, count: int, turns: int) -> Ends:
     inputs = np.full((count, int(column.max(initial=-1)) + 1), np.nan)
     flags = np.zeros(inputs.shape, bool)
     inputs[row, column], flags[row, column] = ends, are_jumps
-    return Ends(inputs, flags)
+    return PieceEnds(inputs, flags)
 
 
 def _turning_points(values: Function, x: Array, slope: Array, before: Array) -> Array:
@@ -325,7 +325,7 @@ def _turns_back(slope: Array, row: Array) -> Array:
     return np.flatnonzero(((slope[1:] >= 0.0) != (slope[:-1] >= 0.0)) & (row[1:] == row[:-1]))
 
 
-def _ends(curves: Curves, k: int, x: Array, row: Array, s: Array, slope: Array
+def _ends(curves: CutCurves, k: int, x: Array, row: Array, s: Array, slope: Array
           ) -> tuple[Array, Array]:
     """Return where pieces end that a coordinate brings, and the rows, from their rising inputs."""
     coordinate = curves.coordinates[k]
