@@ -13,12 +13,13 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """
     Return a hint that ends a message about an unknown name, as '; did you mean omega4?'.
 
-    It gives the known name that is at most two edits away, fewer than half of its letters; if
-    there is none, all known names if they fill no more than a line, or up to three that have the
-    name in them or are in it.
+    It gives the known name that differs by small and capital letters alone or is at most two edits
+    away, fewer than half of its letters; if there is none, all known names if they fill no more
+    than a line, or up to three that have the name in them or are in it.
     """
     known = list(known)
-    distance, close = min(((edits(name, each), each) for each in known), default=(0, ''))
+    distance, close = min(((0 if each.lower() == name.lower() else edits(name, each), each)
+                           for each in known), default=(0, ''))
     if close and 2 * distance < len(close) and distance <= 2:
         return f'; did you mean {close}?'
     if len(', '.join(known)) <= LINE:

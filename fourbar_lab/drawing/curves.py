@@ -19,6 +19,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms import parts, quantities
 from fourbar_ros.mechanisms.pieces import BESIDE, with_friction
+from fourbar_ros.numerics.arguments import NumberField
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import in_unit, units_of
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
@@ -64,8 +65,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     two inputs, just below and above, wherever loads may jump. UnknownQuantity, with the nearest
     name; InvalidParameter for a load without masses, or if a quantity overflows.
     """
-    if not isinstance(samples, int) or samples < 1:
-        raise InvalidParameter('samples', samples, 'must be a positive integer')
+    samples = NumberField(above=0.0, is_whole=True).check('samples', samples)
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_drive = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
     of_points = {quantity.name: quantity for quantity in scene.point_quantities}

@@ -27,7 +27,7 @@ if TYPE_CHECKING:      # figures and frames alone need them
     from pandas import DataFrame
 
 Option = float | str | None      # a number, or a text with a unit
-Units = str | Sequence[str] | dict[str, str]      # 'mm,kN', a list, or by SI unit
+Units = str | Sequence[str] | dict[str, str]      # 'mm,kN', a list, or what --units gives
 PICTURE = 4.0, 3.0              # [inch] of a mechanism in a notebook
 POINTS = 721                    # of a run's curve, besides its steps
 
@@ -133,6 +133,8 @@ def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, 
     if names:
         raise InvalidParameter('--speeds', None, 'cannot be combined with QUANTITY '
                                f'({", ".join(names)}): it tabulates the drive')
+    if len(speeds) != 2:
+        raise InvalidParameter('--speeds', [*speeds], 'must be the lowest and the highest')
     low, high = [value_of('speeds', speed, 'rad/s', 'm/s') or 0.0 for speed in speeds]
     for end in (low, high):
         require('--speeds', end, f'{linkage.input_coordinate.unit}/s')
@@ -141,9 +143,10 @@ def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, 
 
 def shown_units(wanted: Units) -> dict[str, str]:
     """Return {SI unit: unit shown} of 'mm,kN' or a list, angles in degrees if it has no other."""
+    words = wanted.values() if isinstance(wanted, dict) else wanted
+    text = words if isinstance(words, str) else ','.join(words)
     try:
-        return curves.UNITS | (wanted if isinstance(wanted, dict) else wanted_units(
-            wanted if isinstance(wanted, str) else ','.join(wanted)) if wanted else {})
+        return curves.UNITS | (wanted_units(text) if text else {})
     except ArgumentTypeError as error:
         raise InvalidParameter('units', wanted, str(error)) from None
 

@@ -162,7 +162,7 @@ def wanted_units(text: str) -> dict[str, str]:
 
 def in_unit(values: Value, si: str, unit: str) -> Value:
     """Return values in SI in another unit that measures the same; decimal ones round once."""
-    size = UNITS.get(si, {}).get(unit, '1')
+    size = '1' if unit == si else UNITS[si][unit]
     if isinstance(size, float):
         return values * (1.0 / size)
     share = Fraction(size)

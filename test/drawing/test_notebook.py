@@ -219,16 +219,26 @@ def test_the_notebook_of_the_tutorial_runs(tmp_path):
     (['f41'], {'width': '5mm'}, 'width = 0.005: must be 20 mm'),
     ([['f41', 'f32']], {}, 'must be texts, one after another'),
     (['F_C'], {}, "unknown quantity 'F_C'; known: theta4, transmission_angle, omega4, "),
-    (['f41'], {'samples': '37'}, "samples = '37': must be a positive integer"),
-    (['f41'], {'samples': 0}, 'samples = 0: must be a positive integer')])
+    (['f41'], {'samples': '37'}, "samples = '37': must be a positive number"),
+    (['f41'], {'samples': 0}, 'samples = 0: must be a positive number'),
+    (['f41'], {'samples': 1.5}, 'samples = 1.5: must be a whole number'),
+    (['f41'], {'units': 'kn'}, "'kn' is no unit; did you mean kN?"),
+    (['f41'], {'units': {'N': 'foo'}}, "'foo' is no unit"),     # it was a head above newtons
+    (['F41'], {}, "unknown quantity 'F41'; did you mean f41?")])
 def test_a_wrong_argument_is_one_line(names, options, message):
     with pytest.raises(FourBarError) as refused:
         PAPER_SCENE.plot(*names, **options)
     assert message in str(refused.value)
 
 
+@pytest.mark.parametrize('speeds', [('10rpm',), (1.0, 2.0, 3.0)])
+def test_speeds_are_two(speeds):
+    with pytest.raises(InvalidParameter, match='must be the lowest and the highest'):
+        PAPER_SCENE.table(speeds=speeds)
+
+
 def test_units_are_a_text_or_a_list():
-    frames = [PAPER_SCENE.table('f41', samples=5, units=units)
+    frames = [PAPER_SCENE.table('f41', samples=np.int64(5), units=units)
               for units in ('kN,rad', ['kN', 'rad'], {'N': 'kN', 'rad': 'rad'})]
     assert list(frames[0]) == ['theta1 [rad]', 'f41 [kN]']
     assert all(frame.equals(frames[0]) for frame in frames)
