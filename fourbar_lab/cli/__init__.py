@@ -16,6 +16,6 @@ def asked(arguments: Namespace) -> tuple[Scene, Mechanism, float]:
     from fourbar_lab.drawing.views import driven_linkage
     from fourbar_ros.scene.scene import load
     scene = load(arguments.scene)
-    linkage, speed, _ = driven_linkage(scene, arguments.speed, arguments.acceleration,
-                                       arguments.mode, getattr(arguments, 'at', None))
-    return scene, linkage, speed
+    driven = driven_linkage(scene, arguments.speed, arguments.acceleration, arguments.mode,
+                            getattr(arguments, 'at', None))
+    return scene, driven.linkage, driven.rate

@@ -14,6 +14,7 @@ examples:
   fourbar draw paper --at 60 -o pose.pdf
   fourbar draw slides_7_6 --at 60 --speed 10 --acceleration 100 -o example_7_6.svg
   fourbar draw paper --animate -o paper.gif          the linkage moving through a cycle
+  fourbar draw paper --at 60 --over linkage -o linkage.svg     without forces and polygons
   fourbar draw paper --over paths -o paths.pdf       coupler curves of the points
   fourbar draw paper --over forces -o polar.svg      shaking force and bearing loads as vectors
   fourbar draw paper --at 60 --width 88mm -o column.pdf     for a column of a journal
@@ -30,11 +31,11 @@ def add(verbs: Verbs) -> None:
     add_pose(draw, 'input angle [degrees], or slide [m]')
     draw.add_argument('--animate', action='store_true',
                       help='instead of one pose: a cycle, as .gif')
-    draw.add_argument('--over', choices=('paths', 'forces', 'axis'),
-                      help='instead of one pose, over a cycle: the paths of the points, or the '
-                           'forces on the ground as vectors; axis: the collineation axis with '
-                           'its poles, at --at or where the output is fastest, and its angle to '
-                           'the coupler over a cycle')
+    draw.add_argument('--over', choices=('linkage', 'paths', 'forces', 'axis'),
+                      help='linkage: without forces and polygons; paths of the points over a '
+                           'cycle, or the forces on the ground as vectors; axis: the '
+                           'collineation axis with its poles, at --at or where the output is '
+                           'fastest, and its angle to the coupler over a cycle')
     add_picture(draw)
     draw.set_defaults(run=_draw)
 

@@ -91,13 +91,11 @@ def _table(arguments: Namespace) -> None:
 
 def _plot(arguments: Namespace) -> None:
     from fourbar_lab.drawing import figure, views
-    from fourbar_ros.scene.files import find
     scene, _, speed = asked(arguments)
     print(figure.save(views.plot(
         scene, *arguments.names, speed=speed, acceleration=arguments.acceleration,
         mode=arguments.mode, samples=arguments.samples, units=arguments.units,
-        title=arguments.title, width=arguments.width, name=find(arguments.scene).stem),
-        arguments.out))
+        title=arguments.title, width=arguments.width), arguments.out))
     _tell_weight(scene, arguments.names or scene.linkage.LOADS._fields)
 
 

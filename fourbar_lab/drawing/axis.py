@@ -102,7 +102,7 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     extrema = extrema_inside(linkage, rate)
     if position is None:
         if not extrema:
-            raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give --at')
+            raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give at')
         position = max(extrema, key=lambda extremum: abs(extremum.value)).theta1
     title = f'{linkage.description}, theta1 {degrees(position):.4f} deg'
     with new_figure(12.6, 5.6, paper) as figure:

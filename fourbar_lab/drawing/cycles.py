@@ -7,6 +7,7 @@ Only the functions that draw import matplotlib.
 """
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import lcm, tau
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from fourbar_lab.drawing.figure import CannotDraw, CURVES, new_figure, Paper
 from fourbar_lab.drawing.labels import labels_of
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_ros import Mechanism, point_motion
+from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.picture import diagram_of, Points
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -63,20 +65,28 @@ def usual_points(mechanism: Mechanism, points: Points) -> Points:
     return {}
 
 
-def make_paths_figure(mechanism: Mechanism, points: Points, paper: Paper = Paper()) -> Figure:
-    """Return a figure of the paths of points with the mechanism; CannotDraw without a point."""
-    points = usual_points(mechanism, points)
+def usual_input(mechanism: Mechanism) -> float:
+    """Return the input [rad or m] at which a mechanism is drawn where none is asked for."""
+    low, high = mechanism.input_ranges[0]
+    return low + SHARE * (high - low)
+
+
+def paths_of(mechanism: Mechanism, points: Points) -> list[Array]:
+    """Return the path (n, 2) [m] of each point in each range; CannotDraw without a point."""
     if not points:
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
-    paths = [point_motion(mechanism, mechanism.motion(inputs), *point).place
-             for point in points.values() for inputs in cycles(mechanism)]
-    low, high = mechanism.input_ranges[0]
-    title = f'paths over a cycle: {mechanism.description}'
-    with new_figure(7.0, 7.0, paper) as figure:
-        axes = figure.add_axes((0.0, 0.0, 1.0, 0.94))
-        sheet = draw_mechanism(axes, mechanism, mechanism.motion(low + SHARE * (high - low)),
-                               points, paths,
-                               title=figure.title_of(title, paper.title))
+    return [point_motion(mechanism, mechanism.motion(inputs), *point).place
+            for point in points.values() for inputs in cycles(mechanism)]
+
+
+def make_linkage_figure(mechanism: Mechanism, motion: NamedFields, points: Points,
+                        paths: Sequence[Array] = (), title: str = '', paper: Paper = Paper(),
+                        size: tuple[float, float] = (7.0, 7.0)) -> Figure:
+    """Return a figure of a mechanism in a pose, without forces; ``size``: usual one [inch]."""
+    with new_figure(*size, paper) as figure:
+        title = figure.title_of(title, paper.title)
+        axes = figure.add_axes((0.0, 0.0, 1.0, 0.94 if title else 1.0))
+        sheet = draw_mechanism(axes, mechanism, motion, points, paths, title=title)
         sheet.scale('m')
         sheet.finish()
     return figure
@@ -89,8 +99,7 @@ def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, accelerat
         raise CannotDraw('forces need masses: see bodies.* in docs/reference_desk.md')
     steps = [linkage.loads(inputs, speed, acceleration)
              for inputs in cycles(linkage, from_zero=linkage.turns > 1, turns=linkage.turns)]
-    low, high = linkage.input_ranges[0]        # any pose will do: the joints are the same
-    diagram = diagram_of(linkage, linkage.motion(0.5 * (low + high), 1.0))
+    diagram = diagram_of(linkage, linkage.motion(usual_input(linkage)))     # for its joints
     symbols = labels_of(diagram).forces
     names = {'shaking_force': 'shaking force',
              **{name: f'${symbols[name]}$' for name, joint in diagram.forces.items()

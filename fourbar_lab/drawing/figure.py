@@ -60,6 +60,8 @@ class Paper(NamedTuple):
 
 def paper_of(width: float | None, title: str | None) -> Paper:
     """Return paper of a width [m], None: the usual one; InvalidParameter."""
+    if not isinstance(title, str | None):
+        raise InvalidParameter('title', title, 'must be a text')
     if width is not None and not NARROWEST <= width <= WIDEST:
         raise InvalidParameter('width', width, "must be 20 mm to 2 m, as '88mm'; a number is in m")
     return Paper(width or 0.0, title)

@@ -10,15 +10,17 @@ from __future__ import annotations
 from argparse import ArgumentTypeError
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import NamedTuple, TYPE_CHECKING
 
-from fourbar_lab.drawing import axis, curves, cycles, figure, mechanism_panel, poses, tables
+from fourbar_lab.drawing import axis, curves, cycles, figure, poses, tables
 from fourbar_ros import Mechanism
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms import quantities
 from fourbar_ros.notebook import html_table
+from fourbar_ros.numerics.arguments import finite
+from fourbar_ros.scene import parameters
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.units import of, require, wanted_units
+from fourbar_ros.scene.units import quantity, require, wanted_units, WrongQuantity
 import numpy as np
 
 if TYPE_CHECKING:      # figures and frames alone need them
@@ -32,28 +34,34 @@ PICTURE = 4.0, 3.0              # [inch] of a mechanism in a notebook
 POINTS = 721                    # of a run's curve, besides its steps
 
 
-def value_of(name: str, option: Option, *si_units: str) -> float | None:
-    """Return an option in SI, an angle in degrees; InvalidParameter."""
-    if not isinstance(option, str):
-        return option
-    try:
-        return of(*si_units)(option)
-    except ArgumentTypeError as error:
-        raise InvalidParameter(name, option, str(error)) from None
+class DrivenLinkage(NamedTuple):
+    """A linkage in the mode asked for, rate and acceleration of its input [SI], and an input."""
+
+    linkage: Mechanism
+    rate: float
+    acceleration: float
+    at: float | None        # [deg or m]
+
+
+def value_of(name: str, option: Option, unit: str) -> float | None:
+    """Return an option in this SI unit, an angle in degrees; InvalidParameter, WrongQuantity."""
+    if isinstance(option, str):
+        try:
+            return quantity(option, unit, plain_angle='deg')
+        except WrongQuantity as error:
+            raise InvalidParameter(name, option, str(error)) from None
+    if option is not None:
+        finite(name, option)
+        require(name, option, unit)
+    return option
 
 
 def driven_linkage(scene: Scene, speed: Option, acceleration: Option, mode: int | None,
-                   at: Option = None) -> tuple[Mechanism, float, float]:
-    """Return the linkage in a mode, rate and acceleration of its input; units are checked."""
+                   at: Option = None) -> DrivenLinkage:
     linkage, units = scene.in_mode(mode), scene.linkage.input_coordinate.units
-    _, rate, change = values = [
-        value_of(name, option, *si_units) for name, option, si_units in (
-            ('at', at, ('rad', 'm')), ('speed', speed, ('rad/s', 'm/s')),
-            ('acceleration', acceleration, ('rad/s^2', 'm/s^2')))]
-    for name, value, unit in zip(('--at', '--speed', '--acceleration'), values, units):
-        if value is not None:
-            require(name, value, unit)
-    return linkage, scene.drive.speed if rate is None else rate, change or 0.0
+    at, rate, change = [value_of(*option) for option in zip(
+        ('at', 'speed', 'acceleration'), (at, speed, acceleration), units)]
+    return DrivenLinkage(linkage, scene.drive.speed if rate is None else rate, change or 0.0, at)
 
 
 def paper_of(width: Option, title: str | None) -> figure.Paper:
@@ -66,48 +74,56 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
     """
     Return the figure of a pose with forces and polygons, or of curves over a cycle.
 
-    ``at``: the input, in degrees or [m], or with a unit; ``over``: 'paths' of the points, 'forces'
-    on the ground, the collineation 'axis'; ``speed`` [rad/s or m/s]: default drive.speed of the
-    scene; ``width`` [m]: of the picture, as '88mm'.
+    ``at``: the input, in degrees or [m], or with a unit; ``over``: 'linkage', which is drawn
+    alone, 'paths' of the points, 'forces' on the ground, the collineation 'axis'; ``speed`` [rad/s
+    or m/s]: default drive.speed of the scene; ``width`` [m]: of the picture, as '88mm'.
     """
-    linkage, rate, change = driven_linkage(scene, speed, acceleration, mode, at)
-    user_input, paper = value_of('at', at, 'rad', 'm'), paper_of(width, title)
+    linkage, rate, change, user_input = driven_linkage(scene, speed, acceleration, mode, at)
+    paper, points = paper_of(width, title), scene.points
     if over == 'axis':
         return axis.make_axis_figure(linkage, rate, None if user_input is None else
                                      poses.position_of(linkage, user_input), paper)
-    if over == 'paths':
-        return cycles.make_paths_figure(linkage, scene.points, paper)
     if over == 'forces':
         return cycles.make_forces_figure(scene, linkage, rate, change, paper)
-    if over:
-        raise InvalidParameter('over', over, "must be 'paths', 'forces' or 'axis'")
-    if user_input is None:
+    if over not in ('', 'linkage', 'paths'):
+        raise InvalidParameter('over', over, "must be 'linkage', 'paths', 'forces' or 'axis'")
+    if user_input is None and not over:
         raise InvalidParameter('at', None, 'must be given, or over')
+    usual = linkage.description
+    if user_input is not None:
+        unit = 'm' if linkage.is_driven_by_slide else 'deg'
+        usual += f'\n{linkage.input_coordinate.position} {user_input:.8g} {unit}'
+    if over:
+        motion = (linkage.motion(cycles.usual_input(linkage)) if user_input is None else
+                  poses.evaluate_at(linkage, user_input, 0.0, 0.0).motion)
+        if over == 'linkage':
+            return cycles.make_linkage_figure(linkage, motion, points, (), usual, paper)
+        moving = cycles.usual_points(linkage, points)
+        return cycles.make_linkage_figure(
+            linkage, motion, moving, cycles.paths_of(linkage, moving),
+            f'paths over a cycle: {linkage.description}', paper)
+    assert user_input is not None
+    usual += (f', {tables.rates_in_words(linkage, rate, change, ", ")}, '
+              f'assembly mode {tables.mode_name(linkage)}')
     _, motion, loads = poses.step_at(linkage, user_input, rate, change)
-    unit = 'm' if linkage.is_driven_by_slide else 'deg'
-    usual = (f'{linkage.description}\n'
-             f'{linkage.input_coordinate.position} {user_input:.8g} {unit}, '
-             f'{tables.rates_in_words(linkage, rate, change, ", ")}, '
-             f'assembly mode {tables.mode_name(linkage)}')
     return figure.make_figure(linkage, motion, loads, usual, scene.points, paper=paper)
 
 
 def plot(scene: Scene, *names: str, speed: Option = None, acceleration: Option = 0.0,
          mode: int | None = None, samples: int = 361, units: Units = '',
-         title: str | None = None, width: Option = None, name: str = '') -> PaperFigure:
+         title: str | None = None, width: Option = None) -> PaperFigure:
     """
     Return the figure of quantities over the input, with their extrema, as :func:`draw`.
 
-    No names: all but components, which would crowd a picture. ``units``: to show, as 'mm,kN';
-    ``name``: of the scene, in the title.
+    No names: all but components, which would crowd a picture. ``units``: to show, as 'mm,kN'.
     """
-    linkage, rate, change = driven_linkage(scene, speed, acceleration, mode)
+    linkage, rate, change, _ = driven_linkage(scene, speed, acceleration, mode)
     shown, paper = shown_units(units), paper_of(width, title)
     wanted = names or [quantity.name for quantity in quantities.select(
         (), linkage, scene.point_quantities)]
     lines = curves.curves_of(scene, linkage, wanted, rate, change, samples, shown, True)
-    if name:
-        lines = lines._replace(title=f'{name}: {lines.title}')
+    if scene.name:
+        lines = lines._replace(title=f'{scene.name}: {lines.title}')
     extrema = curves.extrema_of(scene, linkage, wanted, rate, change)
     marks = curves.marks_of(linkage, extrema, shown)
     return curves.make_figure(lines, marks, paper)
@@ -119,7 +135,8 @@ def table(scene: Scene, *names: str, speed: Option = None, acceleration: Option 
     """Return :func:`columns` as a frame of pandas: a column for each quantity, with its unit."""
     import pandas
     heads, rows = curves.rows_of(columns(
-        scene, names, driven_linkage(scene, speed, acceleration, mode), samples, units, speeds))
+        scene, names, driven_linkage(scene, speed, acceleration, mode)[:3], samples, units,
+        speeds))
     return pandas.DataFrame(rows, columns=heads)
 
 
@@ -131,22 +148,23 @@ def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, 
     if not speeds:
         return curves.curves_of(scene, linkage, names, rate, change, samples, shown)
     if names:
-        raise InvalidParameter('--speeds', None, 'cannot be combined with QUANTITY '
-                               f'({", ".join(names)}): it tabulates the drive')
-    if len(speeds) != 2:
-        raise InvalidParameter('--speeds', [*speeds], 'must be the lowest and the highest')
-    low, high = [value_of('speeds', speed, 'rad/s', 'm/s') or 0.0 for speed in speeds]
-    for end in (low, high):
-        require('--speeds', end, f'{linkage.input_coordinate.unit}/s')
-    return curves.envelope_of(scene, linkage, (low, high), change, shown)
+        raise InvalidParameter('speeds', None, f'cannot be combined with quantities '
+                               f'({", ".join(map(str, names))}): it tabulates the drive')
+    ends = [value_of('speeds', speed, f'{linkage.input_coordinate.unit}/s') for speed in speeds
+            ] if isinstance(speeds, Sequence) and not isinstance(speeds, str) else []
+    if len(ends) != 2 or ends[0] is None or ends[1] is None:
+        raise InvalidParameter('speeds', speeds, 'must be the lowest and the highest')
+    return curves.envelope_of(scene, linkage, (ends[0], ends[1]), change, shown)
 
 
 def shown_units(wanted: Units) -> dict[str, str]:
     """Return {SI unit: unit shown} of 'mm,kN' or a list, angles in degrees if it has no other."""
-    words = wanted.values() if isinstance(wanted, dict) else wanted
-    text = words if isinstance(words, str) else ','.join(words)
     try:
+        words = wanted.values() if isinstance(wanted, dict) else wanted
+        text = words if isinstance(words, str) else ','.join(words)
         return curves.UNITS | (wanted_units(text) if text else {})
+    except TypeError:
+        raise InvalidParameter('units', wanted, "must be a text as 'mm,kN', or a list") from None
     except ArgumentTypeError as error:
         raise InvalidParameter('units', wanted, str(error)) from None
 
@@ -167,15 +185,16 @@ def plot_run(run: Run) -> PaperFigure:
 def html(shown: Scene | Mechanism) -> str:
     """Return a mechanism, or that of a scene, as HTML: a picture of it and a table of facts."""
     linkage, points = (shown.linkage, shown.points) if isinstance(shown, Scene) else (shown, {})
-    rows = tables.facts(linkage)
+    drawing = cycles.make_linkage_figure(linkage, linkage.motion(cycles.usual_input(linkage)),
+                                         points, size=PICTURE)
+    parts = [drawing._repr_svg_(), html_table(('', ''), tables.facts(linkage))]
     if isinstance(shown, Scene):
-        rows += [('speed', tables.rates_in_words(linkage, shown.drive.speed)),
-                 ('outputs', ', '.join(shown.outputs))]
-    low, high = linkage.input_ranges[0]
-    with figure.new_figure(*PICTURE) as drawing:
-        axes = drawing.add_axes((0.0, 0.0, 1.0, 1.0))
-        sheet = mechanism_panel.draw_mechanism(
-            axes, linkage, linkage.motion(low + cycles.SHARE * (high - low)), points)
-        sheet.scale('m')
-        sheet.finish()
-    return drawing._repr_svg_() + html_table(('', ''), rows)
+        values = {name: shown.values[name] for name in ('gravity.x', 'gravity.y')}
+        values |= parameters.without_defaults(shown.values)
+        described = [(name, value, parameters.of_name(name)) for name, value in values.items()]
+        parts = [html_table(('scene', shown.name), ()), *parts, html_table(
+            ('parameter', 'value', 'unit', 'meaning'),
+            [(name, f'{value:.10g}' if isinstance(value, float) else value,
+              parameters.unit_in(parameter, shown.values), parameter.text)
+             for name, value, parameter in described])]
+    return ''.join(parts)

@@ -11,7 +11,7 @@ points. Quantities that go on there are searched through them.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
@@ -159,6 +159,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
                                                    'InvertedSlider, ScotchYoke or Machine')
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
+    seconds = inf if seconds == inf else finite('seconds', seconds)
     named = resolve(quantities, linkage)
     others = [quantity for quantity in named if not isinstance(quantity, OfDrive)]
     if len(others) < len(named):
@@ -284,10 +285,9 @@ class Search:
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
-    try:
-        low, high = (finite('within', value) for value in within)
-    except (TypeError, ValueError):
-        raise InvalidParameter('within', within, 'must be two finite inputs') from None
+    if not isinstance(within, Iterable) or len(ends := list(within)) != 2:
+        raise InvalidParameter('within', within, 'must be two finite inputs')
+    low, high = (finite('within', end, 'must be two finite inputs') for end in ends)
     if not low < high:
         raise InvalidParameter('within', within, 'must be two inputs, the lower one first')
     if high - low > linkage.cycle:

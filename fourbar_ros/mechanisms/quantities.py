@@ -180,13 +180,15 @@ def fields_of(mechanism: Any, driven: Coordinate | None = None) -> dict[str, Qua
     # mechanism: one, or what states its names, a kind, with the driven coordinate. Later entries
     # are more exact: of a load its unit alone, then of a reaction its joint, then what a quantity
     # says of itself.
-    known: dict[str, Quantity] = {'condition': Quantity('condition', '', '', False)}
+    known: dict[str, Quantity] = {'condition': Quantity(
+        'condition', '', 'error of the output per relative error of the lengths', False)}
     driven = driven or mechanism.input_coordinate
-    for coordinate in (*(joint.coordinate for joint in mechanism.JOINTS), *mechanism.PARTS,
-                       driven):
-        for name, unit, text in zip(coordinate, coordinate.units,
-                                    ('position', 'rate', 'acceleration')):
-            known[name] = Quantity(name, unit, f'{text} of {coordinate.position}', False)
+    moving = {driven: 'the input'} | {joint.coordinate: f'the joint {joint.place}'
+                                      for joint in mechanism.JOINTS} | dict(mechanism.PARTS)
+    for coordinate, part in moving.items():
+        for name, unit, text in zip(coordinate, coordinate.units, (
+                'angle' if coordinate.unit == 'rad' else 'position', 'rate', 'acceleration')):
+            known[name] = Quantity(name, unit, f'{text} of {part}', False)
     for name in mechanism.LOADS._fields:
         known[name] = Quantity(name, LOADS[name].unit if name in LOADS else 'N', '', True)
     for reaction in mechanism.REACTIONS:

@@ -67,7 +67,7 @@ def array(name: str, value: Any, with_complex: bool = False) -> Array:
     if values.dtype.kind == 'c' and with_complex:
         return values.astype(np.complex128, copy=False)
     if values.dtype.kind not in 'iuf' and values.size:
-        wrong = ([f'of type {values.dtype}'] if values.dtype.kind != 'O' else
+        wrong = ([_kind_of(values.flat[0])] if values.dtype.kind != 'O' else
                  [_kind_of(item) for item in values.flat if not _is_number(item)])
         if wrong:
             raise InvalidParameter(name, value, f'must be real numbers, not {wrong[0]}')
@@ -82,6 +82,8 @@ def _is_number(value: Any) -> bool:
 
 
 def _kind_of(value: Any) -> str:
+    if isinstance(value, str):
+        return f'a text; fourbar_ros.scene.quantity({value[:20]!r}, unit) reads numbers with units'
     return 'None' if value is None else f'of type {type(value).__name__}'
 
 

@@ -19,5 +19,6 @@ if TYPE_CHECKING:
     from fourbar_ros.scene.linkage import warnings_of
     from fourbar_ros.scene.scene import from_values, load, Scene
     from fourbar_ros.scene.simulated import simulate_scene
+    from fourbar_ros.scene.units import quantity
 
 __getattr__, __dir__, __all__ = lazily(__name__)

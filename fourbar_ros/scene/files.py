@@ -45,6 +45,8 @@ def folder() -> Path:
 
 def find(name: str | Path) -> Path:
     """Return the path of a scene: a file, or a supplied one by name, as paper; or SceneError."""
+    if not isinstance(name, str | Path):
+        raise SceneError(f'{name!r}: must be a path, or the name of a scene')
     path = Path(name)
     is_folder = path.is_dir()       # perhaps with code that was generated from the scene
     if path.exists() and not is_folder or path.parent != Path('.') or path.suffix:

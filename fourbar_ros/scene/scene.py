@@ -48,7 +48,7 @@ class Scene:
 
     ``kind`` is linkage.kind; ``linkage`` the mechanism with all that acts on it; ``points`` by
     their names; ``dynamics`` where the motion follows from torque; ``values``: every parameter by
-    name.
+    name; ``name``: of its file.
     """
 
     kind: str
@@ -66,21 +66,22 @@ class Scene:
     recording: groups.RecordingSettings
     dynamics: Dynamics | None
     values: ParameterValues
+    name: str = ''
 
     _repr_html_ = as_html
 
     def __repr__(self) -> str:
         return short_repr('Scene', {
-            'kind': self.kind, 'speed': self.drive.speed, 'outputs': len(self.outputs),
-            'points': list(self.points), 'linkage': self.linkage})
+            'name': self.name, 'kind': self.kind, 'speed': self.drive.speed,
+            'outputs': len(self.outputs), 'points': list(self.points), 'linkage': self.linkage})
 
     def draw(self, at: float | str | None = None, **options: Any) -> Figure:
         """
         Return a pose as a figure, as ``fourbar draw`` writes it; requires matplotlib.
 
         ``at``: the input [deg], of a slide [m], or with a unit: '1.2rad'; and the options of the
-        verb: ``over`` 'paths', 'forces' or 'axis', ``speed``, ``acceleration``, ``mode``,
-        ``title``, ``width`` ('88mm').
+        verb: ``over`` 'linkage' (alone), 'paths', 'forces' or 'axis', ``speed``,
+        ``acceleration``, ``mode``, ``title``, ``width`` ('88mm').
         """
         figure: Figure = from_lab('draw', 'a drawing', self, at, **options)
         return figure
@@ -112,7 +113,7 @@ class Scene:
 
     def in_mode(self, mode: int | None) -> Mechanism:
         """Return the mechanism in an assembly mode; None or 0: the scene's mode."""
-        known = self.linkage.modes
+        known = list(self.linkage.modes)
         if mode and mode not in known:
             where = ', or change dyads.NAME.mode in the scene' if self.kind == MACHINE else ''
             raise InvalidParameter('mode', mode, f'must be {" or ".join(map(str, known))}: '
@@ -129,7 +130,7 @@ class Scene:
         checked = {name: parameters.check_value(parameters.of_name(name), value, self.values)
                    for name, value in changes.items()}
         pause()
-        return _build({**self.values, **checked}, pause)
+        return _build({**self.values, **checked}, pause, self.name)
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with the mechanism in another assembly mode, as beyond a toggle."""
@@ -291,7 +292,8 @@ def from_values(values: ParameterValues) -> Scene:
     return _build(parameters.check(values))
 
 
-def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Scene:
+def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
+           name: str = '') -> Scene:
     mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
     links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
@@ -338,7 +340,7 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause) -> Sce
                           rpy=values['frame.rpy'] or [0.0] * 3), joint_states=joint_states,
         joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
         recording=groups.read(groups.RecordingSettings, 'recording', values),
-        dynamics=dynamics, values=values)
+        dynamics=dynamics, values=values, name=name)
     _check_together(scene)
     return scene
 
@@ -353,7 +355,7 @@ def load(path: str | Path) -> Scene:
     from fourbar_ros.scene.files import read_values
     values = read_values(path)
     with naming_nan(values):
-        scene = from_values(values)
+        scene = _build(parameters.check(values), name=Path(path).stem)
     give_warnings(scene, path)
     return scene
 

@@ -124,9 +124,9 @@ def test_a_table_over_speeds_sizes_a_servo(tmp_path, capsys):
     assert 0.9998 * peak < np.abs(torques).max() < peak
     assert power == pytest.approx(speed * peak)
     assert 'weight: left out' in capsys.readouterr().err
-    for given, why in ((['f41', 'f21', '--speeds', '0', '1'], 'with QUANTITY (f41, f21)'),
+    for given, why in ((['f41', 'f21', '--speeds', '0', '1'], 'with quantities (f41, f21)'),
                        (['--speeds', '0', '1e200'], 'overflow'),
-                       (['--speeds', '0', '1m/s'], '--speeds has a unit of the kind m/s')):
+                       (['--speeds', '0', '1m/s'], 'speeds has a unit of the kind m/s')):
         assert main(['table', 'paper', *given, '--force', '-o', str(file)])
         assert why in capsys.readouterr().err
     assert not main(['table', 'paper', '--speeds', '0', '600rpm', '--units', 'rpm,N mm,kW',

@@ -1,8 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Pictures over cycles and moving ones: their curves are the core's, mistakes are refused."""
+from fourbar_lab.drawing import cycles
 from fourbar_lab.drawing.animation import animate
-from fourbar_lab.drawing.cycles import make_forces_figure, make_paths_figure, usual_points
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.files import find
 from fourbar_ros.scene.scene import load
@@ -19,10 +19,12 @@ def lines_of(figure):
 @pytest.mark.parametrize('name', SCENES)
 def test_curves_lie_on_those_of_single_poses(name):
     linkage = load(find(name)).linkage
-    points = usual_points(linkage, {}) or {'at': (linkage.LINKS[0].name, 0.1, 0.05)}
+    points = cycles.usual_points(linkage, {}) or {'at': (linkage.LINKS[0].name, 0.1, 0.05)}
     low, high = linkage.input_ranges[0]
     size = max(map(abs, linkage.lengths))
-    curve = lines_of(make_paths_figure(linkage, points))[0]
+    curve = lines_of(cycles.make_linkage_figure(
+        linkage, linkage.motion(cycles.usual_input(linkage)), points,
+        cycles.paths_of(linkage, points)))[0]
     for share in (0.25, 0.5, 0.75):
         motion = linkage.motion(low + share * (high - low))
         place = point_motion(linkage, motion, *next(iter(points.values()))).place
@@ -33,7 +35,7 @@ def test_curves_lie_on_those_of_single_poses(name):
 def test_the_polar_diagram_of_forces_reaches_the_peak_of_the_shaking_force():
     scene = load(find('paper'))
     linkage = scene.linkage
-    curve = lines_of(make_forces_figure(scene, linkage, 25.0))[0]
+    curve = lines_of(cycles.make_forces_figure(scene, linkage, 25.0))[0]
     angles = np.linspace(-np.pi, np.pi, 20001)
     peak = linkage.loads(angles, 25.0).shaking_force.max()
     assert np.hypot(*curve.T).max() == pytest.approx(peak, rel=1e-4)

@@ -9,14 +9,26 @@ import subprocess
 import sys
 
 from fourbar_lab.drawing.figure import COLOURS, CURVES, save
-from fourbar_ros import find_extrema, FourBar, InvalidParameter, load_scene, Loads
+from fourbar_ros import (
+    Body,
+    find_extrema,
+    FourBar,
+    InvalidParameter,
+    load_scene,
+    Loads,
+    point_motion,
+    round_rod,
+)
 from fourbar_ros.bag.overview import info
 from fourbar_ros.cli.main import main
+from fourbar_ros.dynamics import simulate
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.load_table import LOADS
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.notebook import LONGEST
 from fourbar_ros.scene.files import shipped
+from fourbar_ros.transmission import Transmission
 import numpy as np
 import pytest
 from support import bags, ROOT
@@ -28,7 +40,6 @@ PAPER_SCENE = load_scene('paper')
 @pytest.fixture
 def run():
     pytest.importorskip('scipy')
-    from fourbar_ros.dynamics import simulate
     scene = load_scene('motor')
     return simulate(scene.dynamics.system(scene.linkage), 0.1, 1e-6)
 
@@ -52,6 +63,46 @@ def test_texts_are_short_and_tables_whole(run, tmp_path):
         assert '<table>' in each._repr_html_()
     every = shown[2]
     assert every._repr_html_().count('<tr>') == len(every) + 1 and list(every) == every
+
+
+def cells_of(html):
+    """Return the rows of all tables of a text in HTML, as lists of texts."""
+    return [re.findall(r'<t[dh][^>]*>([^<]*)</t[dh]>', row)
+            for row in re.findall(r'<tr>(.*?)</tr>', html, re.S)]
+
+
+def test_html_says_name_value_unit_and_meaning():
+    pytest.importorskip('matplotlib')
+    for name in ('paper', 'watt', 'press', 'cylinder', 'scotch_yoke'):
+        linkage = load_scene(name).linkage
+        motion, loads = linkage.step(0.3 + linkage.input_ranges[0][0], 1.0)
+        for record in (motion, loads):
+            head, *rows = cells_of(record._repr_html_())
+            assert head == ['', 'value', 'unit', 'meaning']
+            assert [row[0] for row in rows] == list(record._shown)
+            assert all(len(meaning) > 5 and unit for _, _, unit, meaning in rows), rows
+    rows = {row[0]: row[1:] for row in cells_of(PAPER_SCENE._repr_html_())}
+    assert rows['scene'] == ['paper'] and rows['gravity.y'] == [
+        '0', 'm/s^2', 'gravitational acceleration: y component']
+    assert rows['linkage.a1'] == [
+        '0.4', 'm', 'length of the crank O1-A (four_bar, slider_crank, inverted_slider, '
+        'scotch_yoke)'] and 'class' in rows, rows
+
+
+def test_a_linkage_alone_at_an_angle():
+    """No arrow, and its joints where they are; also at a toggle and with paths, at that pose."""
+    pytest.importorskip('matplotlib')
+    scene = load_scene('motor')
+    for figure in (scene.draw('1.2rad', over='linkage'), scene.draw('1.2rad', over='paths')):
+        axes, = figure.axes
+        joints = {line.get_xydata()[0].tobytes() for line in axes.lines
+                  if len(line.get_xdata()) == 1}
+        diagram = diagram_of(scene.linkage, scene.linkage.motion(1.2))
+        assert {point.tobytes() for point in diagram.joints.values()} <= joints
+        assert not any(getattr(text, 'arrow_patch', None) for text in axes.texts)
+    toggle = load_scene('door_closer')
+    low, _ = toggle.linkage.input_ranges[0]
+    assert toggle.draw(f'{low}rad', over='linkage').axes
 
 
 def test_a_repr_makes_the_same_linkage_again():
@@ -110,26 +161,66 @@ def test_a_frame_is_the_table_of_its_verb(capsys):
 
 
 @pytest.mark.parametrize('call, said', [
-    (lambda: PAPER_SCENE.draw(), 'at'), (lambda: PAPER_SCENE.draw('5kg'), 'at'),
-    (lambda: PAPER_SCENE.draw(over='all'), "over = 'all'"),
+    (lambda: PAPER_SCENE.draw(), 'at: must be given'),
+    (lambda: PAPER_SCENE.draw('5kg'), "at = '5kg': must be a number in rad, or with one of"),
+    (lambda: PAPER_SCENE.draw('5mm'), "at = '5mm': must be a number in rad, or with one of"),
+    (lambda: PAPER_SCENE.draw([60]), 'at = [60]: must be a finite number, not of type list'),
+    (lambda: PAPER_SCENE.draw(True), 'at = True: must be a finite number, not of type bool'),
+    (lambda: PAPER_SCENE.draw(60, acceleration={}), 'acceleration = {}: must be a finite number'),
+    (lambda: PAPER_SCENE.draw(60, mode=[9]), 'mode = [9]: must be 1 or 2'),
+    (lambda: PAPER_SCENE.draw(60, title=3), 'title = 3: must be a text'),
+    (lambda: PAPER_SCENE.draw(60, width=[3]), 'width = [3]: must be a finite number'),
+    (lambda: PAPER_SCENE.draw(over='all'), "over = 'all': must be 'linkage', 'paths', 'forces'"),
+    (lambda: load_scene('motor').draw(over=3), "over = 3: must be 'linkage', 'paths', 'forces'"),
+    (lambda: PAPER_SCENE.plot('f41', title=3), 'title = 3: must be a text'),
     (lambda: PAPER_SCENE.plot('f41', units='parsec'), 'units'),
-    (lambda: PAPER_SCENE.plot('f41', speed='1m'), 'speed')])
+    (lambda: PAPER_SCENE.plot('f41', units=[3]), "units = [3]: must be a text as 'mm,kN', or a"),
+    (lambda: PAPER_SCENE.plot('f41', speed='1m'), 'speed'),
+    (lambda: PAPER_SCENE.plot('f41', speed=b'3'), "speed = b'3': must be a finite number, not"),
+    (lambda: PAPER_SCENE.table(speeds='12'), "speeds = '12': must be the lowest and the highest"),
+    (lambda: PAPER_SCENE.table(speeds=(None, 1)), 'must be the lowest and the highest'),
+    (lambda: PAPER_SCENE.table(speeds=(1, '5m/s')), "speeds = '5m/s': must be a number in rad/s"),
+    (lambda: PAPER_SCENE.table('f41', speeds=(1, 2)), 'speeds: cannot be combined with quantit'),
+    (lambda: load_scene(3), '3: must be a path, or the name of a scene')])
 def test_a_wrong_option_is_named(call, said):
-    with pytest.raises(InvalidParameter, match=said):
+    with pytest.raises(FourBarError) as refused:
         call()
+    message = str(refused.value)
+    assert said in message and '\n' not in message and '--' not in message
+
+
+LINKAGE = PAPER_SCENE.linkage
+
+
+@pytest.mark.parametrize('call', [
+    lambda text: find_extrema(LINKAGE, 'f41', text), lambda text: LINKAGE.motion(text),
+    lambda text: find_extrema(LINKAGE, 'f41', 1.0, text), lambda text: LINKAGE.step(1.0, text),
+    lambda text: find_extrema(LINKAGE, 'f41', within=(text, 2.0)), lambda text: Body(text),
+    lambda text: find_extrema(LINKAGE, 'f41', seconds=text), lambda text: FourBar(text, 3, 2, 3),
+    lambda text: Transmission(LINKAGE, text), lambda text: round_rod(text, 7750.0, 0.01),
+    lambda text: point_motion(LINKAGE, LINKAGE.motion(1.0), 'coupler', text),
+    lambda text: simulate(load_scene('motor').dynamics.system(LINKAGE), text)])
+def test_a_number_in_si_is_no_text_and_the_line_says_what_reads_one(call):
+    with pytest.raises(InvalidParameter) as refused:
+        call('300rpm')
+    said = "not a text; fourbar_ros.scene.quantity('300rpm', unit) reads numbers with units"
+    assert str(refused.value).endswith(said)
 
 
 def test_without_the_package_a_line_says_what_to_install():
+    pytest.importorskip('scipy')
     code = ('import sys\nsys.modules["matplotlib"] = sys.modules["pandas"] = None\n'
-            'from fourbar_ros import load_scene\nscene = load_scene("paper")\n'
-            'print(scene._repr_html_())\n'
-            'for call in (lambda: scene.draw(60), lambda: scene.table("f41")):\n'
+            'from fourbar_ros import load_scene\nfrom fourbar_ros.dynamics import simulate\n'
+            'scene = load_scene("motor")\nprint(scene._repr_html_())\n'
+            'run = simulate(scene.dynamics.system(scene.linkage), 0.1, 1e-4)\n'
+            'for call in (lambda: scene.draw(60), lambda: scene.table("f41"), run.plot):\n'
             '    try:\n        call()\n    except Exception as error:\n        print(error)\n')
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
                           timeout=300, check=False)
     assert done.stdout.splitlines() == [
         'None', 'a drawing requires matplotlib: pip install matplotlib',
-        'a frame requires pandas: pip install pandas'], done
+        'a frame requires pandas: pip install pandas',
+        'a plot requires matplotlib: pip install matplotlib'], done
 
 
 def size_of(file):

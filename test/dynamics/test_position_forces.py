@@ -383,7 +383,7 @@ def test_a_cycle_may_jump_where_it_comes_round(is_linear):
     (([1.0, 1.0], [1.0, 2.0]), r'places\[2\] = 1.0: must be larger than the one before, 1.0'),
     (([0.0, 0.0, 1.0, 1.0], [1.0, 2.0, 3.0, 1.0], True), r'places\[4\] = 1.0: .* one jump'),
     (([0.0, float('nan')], [1.0, 2.0]), r'places\[2\] = nan: must be a finite number'),
-    (([0.0, 1.0], [1.0, 'x']), r"values\[2\] = 'x': must be a finite number, not of type str"),
+    (([0.0, 1.0], [1.0, 'x']), r"values\[2\] = 'x': must be a finite number, not a text"),
     (([0.0, 1.0], [1.0, 2.0], True), r'values\[2\] = 2.0: must be the first value again, 1.0'),
     (([0.0, 1e-300], [-1e300, 1e300]), 'slopes overflow'),
     (('ab', [1.0, 2.0]), r'places\[1\] = \'ab\': must be a finite number'),

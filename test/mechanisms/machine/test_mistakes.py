@@ -84,7 +84,7 @@ MISTAKES = {
     'a length of zero': (lambda: rrr(length_1=0.0), 'dyads.d.length_1 = 0.0.*positive'),
     'a length whose square overflows': (lambda: rrr(length_1=1e200),
                                         r'dyads.d.length_1 = 1e\+200: must be between'),
-    'a text for a length': (lambda: rrr(length_1='1.2'), 'dyads.d.length_1 = .1.2.*not of type'),
+    'a text for a length': (lambda: rrr(length_1='1.2'), 'dyads.d.length_1 = .1.2.*not a text'),
     'mode 3': (lambda: rrr(mode=3), 'dyads.d.mode = 3: must be 1 or 2'),
     'mode 1 of one that has one mode': (
         lambda: Dyad('d', 'PRP', CRANK, GROUND, ('a', 'b'), direction_1=0.0, direction_2=1.0,
