@@ -1,8 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """One browser and one server for the tests of a module."""
+import time
+
 import pytest
-from support.browser import browser, start, stop, Tab
+from support.browser import browser, PATIENCE, start, stop, Tab
 
 
 @pytest.fixture(scope='module')
@@ -27,3 +29,19 @@ def address(server):
 @pytest.fixture
 def tab(driver, address):
     return Tab(driver, address)
+
+
+@pytest.fixture
+def download(driver, tmp_path):
+    """Return a function: tab, words of the menu -> the file that was downloaded."""
+    driver.execute_cdp_cmd('Browser.setDownloadBehavior', {
+        'behavior': 'allow', 'downloadPath': str(tmp_path)})
+
+    def download(tab, words, suffix, name='paper'):
+        tab.menu('files', words)
+        path, end = tmp_path / f'{name}.{suffix}', time.monotonic() + PATIENCE
+        while not path.exists():
+            assert time.monotonic() < end, f'no {path.name} among {list(tmp_path.iterdir())}'
+            time.sleep(0.1)
+        return path
+    return download

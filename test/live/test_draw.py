@@ -5,7 +5,8 @@ Linkages drawn in a real browser by real clicks and drags.
 
 What is drawn is a scene: Python reads it, and its pose is the picture's.
 """
-from math import hypot
+import json
+from math import hypot, tau
 import shutil
 
 from fourbar_lab.live.answers import scene_of
@@ -19,6 +20,7 @@ from support.browser import browser, live, needs_browser, Tab
 
 pytestmark = needs_browser
 CLICK = 1.5         # [px]: a click is at whole pixels
+BESIDE = 90         # [px] from the middle of a link to the left end of its length's label
 
 
 class Paper(Tab):
@@ -57,7 +59,7 @@ class Paper(Tab):
     def drawn(self, *dyads):
         """Wait until scene and picture have these dyads; return the scene in Python."""
         joints = [f'{name}_first' for name in dyads]
-        self.until(lambda: list(dyads) == self.state['scene'].get('linkage', {}).get('dyads')
+        self.until(lambda: list(dyads) == self.state['scene'].get('linkage', {}).get('dyads', [])
                    and self.script('return Boolean(page.engine) && arguments[0].every(joint => '
                                    'joint in page.engine.structure.sketch.joints)', joints),
                    f'the dyads {dyads}')
@@ -223,6 +225,96 @@ def test_a_six_bar_of_watt_is_three_clicks_more(paper):
     scene = paper.drawn('d1', 'd2', 'd3')
     point = scene.values['dyads.d3.first']
     assert scene.values[f'linkage.points.{point}.distance_2'] == 0.0    # the pin stands once
+
+
+def assert_as_shown(paper, file, capsys):
+    """Hold ranges, extrema of the drive and the largest pin force against ``fourbar show``."""
+    capsys.readouterr()
+    assert main(['show', str(file), '--json']) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert paper.script('return page.engine.ranges')[-1] == pytest.approx(
+        [0.0, tau] if shown['input']['turns_fully'] else shown['input']['ranges'][-1], abs=1e-9)
+    drive = paper.script('return page.structure().drive')
+    known = [extremum['value'] for extremum in shown['extrema'] if extremum['quantity'] == drive
+             and extremum['value'] not in ('inf', '-inf')]
+    here = paper.script('return page.engine.extrema(arguments[0]).map(e => e.value)'
+                        '.filter(Number.isFinite)', drive)
+    assert sorted(here) == pytest.approx(sorted(known), rel=1e-9)
+    return shown
+
+
+def test_a_slider_crank_driven_at_its_slide_is_drawn_from_nothing(paper, download, capsys):
+    paper.begin()
+    paper.tool('slide')
+    paper.press(paper.at(-200, -60))        # the block that drives, on a level guide
+    paper.tool('rods')
+    paper.press(paper.at(40, 30), paper.at(90, -40))
+    scene = paper.drawn('d1')
+    dyad, = scene.linkage.dyads
+    assert scene.linkage.input == 'slide' and dyad.kind == 'RRR' and dyad.first == (
+        'slider', 0.0, 0.0)
+    scale = hypot(240, 90) / dyad.length_1
+    assert dyad.second.along * scale == pytest.approx(290, abs=2 * CLICK)
+    assert dyad.second.across * scale == pytest.approx(20, abs=2 * CLICK)
+    assert paper.state['view']['at'] == 0.0
+    before = scene.values
+    paper.tool('shape')
+    x, y = paper.place('base')
+    paper.drag((x, y), (x + 10, y + 30), (x + 25, y + 60))      # it stays on its guide
+    scene = paper.in_python()
+    metre = paper.script('return page.picture.scale')
+    assert paper.state['view']['at'] * metre == pytest.approx(25, abs=2 * CLICK)
+    assert scene.linkage.dyads[0].first == ('slider', 0.0, 0.0)
+    assert scene.linkage.dyads[0].length_1 < dyad.length_1
+    paper.click('undo')
+    assert paper.in_python().values == before
+    file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
+    assert load(file).values == before and main(['scene', 'check', str(file)]) == 0
+    assert_as_shown(paper, file, capsys)
+
+
+def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, download, capsys):
+    paper.begin()
+    paper.tool('cylinder')
+    paper.press(paper.at(0, 0), paper.at(60, 140), paper.at(-220, 20))
+    scene = paper.drawn()                   # a boom alone is a machine
+    assert scene.linkage.input == 'cylinder' and not scene.linkage.dyads
+    base, pin, mode = (getattr(scene.linkage.cylinder, name) for name in ('base', 'pin', 'mode'))
+    scale = hypot(60, 140) / pin.along
+    assert pin.across == 0.0 and mode == 1
+    assert (base.along * scale, base.across * scale) == (
+        pytest.approx(-220, abs=2 * CLICK), pytest.approx(20, abs=2 * CLICK))
+    assert paper.state['view']['at'] == pytest.approx(hypot(
+        pin.along * 60 / hypot(60, 140) - base.along,
+        pin.along * 140 / hypot(60, 140) - base.across), abs=2 * CLICK / scale)
+    paper.tool('rods')
+    (x, y), (u, v) = paper.place('base'), paper.place('cylinder_first')
+    paper.press((u, v), (x + 170, y - 120), (x + 100, y))
+    scene = paper.drawn('d1')
+    assert scene.linkage.dyads[0].first == pin
+    before, stays = scene.values, paper.joint('d1_inner')
+    paper.tool('shape')
+    x, y = paper.place('cylinder_second')
+    paper.drag((x, y), (x - 10, y + 30), (x - 20, y + 60))
+    scene = paper.in_python()
+    metre = paper.script('return page.picture.scale')
+    assert (scene.linkage.cylinder.base.across - base.across) * metre == pytest.approx(
+        -60, abs=2 * CLICK)
+    moved = paper.joint('d1_inner')
+    assert hypot(moved[0] - stays[0], moved[1] - stays[1]) * metre < CLICK
+    x, y = paper.place('cylinder_first')    # of the crank, the cylinder and the dyad
+    paper.drag((x, y), (x + 10, y + 6), (x + 20, y + 12))
+    scene = paper.in_python()
+    assert scene.linkage.dyads[0].first == scene.linkage.cylinder.pin != pin
+    paper.click('undo')
+    paper.click('undo')
+    assert paper.in_python().values == before
+    file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
+    assert load(file).values == before and main(['scene', 'check', str(file)]) == 0
+    assert_as_shown(paper, file, capsys)
+    paper.tool('delete')
+    paper.press(paper.between('d1_first', 'd1_inner'))
+    assert paper.drawn().linkage.cylinder == load(file).linkage.cylinder
 
 
 def test_what_is_dragged_moves_and_undo_takes_it_back(paper):
@@ -420,7 +512,7 @@ def test_what_a_tool_shows_follows_a_picture_that_is_fitted_again(paper):
             'const t = document.querySelector(\'[data-length="dyads.d1.length_2"]\'), b = '
             'page.picture.svg.getBoundingClientRect(); return [b.x + t.x.baseVal[0].value, '
             'b.y + t.y.baseVal[0].value]')
-        return hypot(x_text - (x + u) / 2, y_text - (y + v) / 2) < CLICK
+        return hypot(x_text - (x + u) / 2, y_text - (y + v) / 2) < BESIDE
     paper.until(is_beside_its_link, 'the label of a length beside its link')
 
 

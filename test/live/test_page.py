@@ -7,7 +7,6 @@ import json
 from math import cos, pi, radians, sin
 from pathlib import Path
 import re
-import time
 import urllib.error
 import urllib.request
 
@@ -21,7 +20,7 @@ import numpy as np
 from PIL import Image
 import pytest
 import resvg_py
-from support.browser import live, needs_browser, PATIENCE, Tab
+from support.browser import live, needs_browser, Tab
 
 pytestmark = needs_browser
 SCENES = sorted(file.stem for file in folder().glob('*.yaml'))
@@ -402,22 +401,6 @@ def test_a_file_refuses_another_structure_in_words(driver, file):
 
 
 # --- files ---
-
-@pytest.fixture
-def download(driver, tmp_path):
-    """Return a function: tab, words of the menu -> the file that was downloaded."""
-    driver.execute_cdp_cmd('Browser.setDownloadBehavior', {
-        'behavior': 'allow', 'downloadPath': str(tmp_path)})
-
-    def download(tab, words, suffix):
-        tab.menu('files', words)
-        path, end = tmp_path / f'paper.{suffix}', time.monotonic() + PATIENCE
-        while not path.exists():
-            assert time.monotonic() < end, f'no {path.name} among {list(tmp_path.iterdir())}'
-            time.sleep(0.1)
-        return path
-    return download
-
 
 def test_the_scene_file_loads_again(tab, download):
     tab.write('linkage.a2', '1.1')

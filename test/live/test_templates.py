@@ -1,17 +1,15 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Templates of PMKS+ drawn from nothing in a real browser, by clicks at their coordinates."""
-import json
-from math import hypot, tau
+from math import hypot
 
-from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.machine.from_points import read_drawing
 from fourbar_ros.mechanisms.picture import diagram_of
 from mechanisms.machine.test_from_points import PUBLIC
 import pytest
 from support.browser import live, needs_browser
 
-from .test_draw import Paper
+from .test_draw import assert_as_shown, Paper
 
 pytestmark = [needs_browser, pytest.mark.slow]
 WIDTH, HEIGHT = 520.0, 380.0        # [px] of a linkage as it is clicked
@@ -84,17 +82,7 @@ def test_a_template_drawn_by_clicks_is_what_show_says(driver, address, file, nam
             assert hypot(a - x0 - u * metre, b - y0 - v * metre) < 0.5 + 2 * 5e-4 * metre, end
     paper.menu('files', 'save in its file')
     paper.until(lambda: 'saved' in paper.text_of('said'), 'the file')
-    capsys.readouterr()
-    assert main(['show', str(file), '--json']) == 0
-    shown = json.loads(capsys.readouterr().out)
-    assert paper.script('return page.engine.ranges')[-1] == pytest.approx(
-        [0.0, tau] if shown['input']['turns_fully'] else shown['input']['ranges'][-1], abs=1e-9)
-    torques = [extremum['value'] for extremum in shown['extrema']
-               if extremum['quantity'] == 'driving_torque' and extremum['value'] not in (
-                   'inf', '-inf')]
-    here = paper.script('return page.engine.extrema("driving_torque").map(e => e.value)'
-                        '.filter(Number.isFinite)')
-    assert sorted(here) == pytest.approx(sorted(torques), rel=1e-9)
+    shown = assert_as_shown(paper, file, capsys)
     worst, largest = shown['drive']['worst_pin'], paper.script(
         'return page.engine.largestJointForce')
     if name != 'slider_crank' and worst['force'] not in ('inf', None):      # no slides

@@ -8,12 +8,14 @@
 
 import { draw } from './picture.js';
 import { html } from './panel.js';
-import { withLeaf } from './page.js';
+import { leafOf, withLeaf } from './page.js';
 const NEW_RODS = { density: 7850.0, radius: 0.005 };    // steel, 10 mm
 const NEW_SPRING = 1000;            // [N/m]
 const NEW_FORCE = 400;              // [N], an arrow half as long as the picture is wide
 const NEAR_PIXELS = 22;
 const GUIDED = ['RRP', 'RPP', 'PRP'];
+const DRIVEN = { crank: 'crank', slide: 'slider', cylinder: 'crank' };      // {linkage.input: the link that is driven}
+const FIRST = { RRR: 'crank', RRP: 'slide', RPR: 'cylinder' };              // {tool of the first click: drive of a new machine}
 const offset = (a, b) => [b[0] - a[0], b[1] - a[1]];
 const distance = (a, b) => Math.hypot(b[0] - a[0], b[1] - a[1]);
 const cross = (u, v) => u[0] * v[1] - u[1] * v[0];
@@ -27,6 +29,7 @@ const frameTo = (a, b) => frameAt(a, angleOf(offset(a, b)));
 const localIn = (frame, place) => [dot(frame.unit, offset(frame.at, place)), cross(frame.unit, offset(frame.at, place))];
 const placeIn = (frame, [u, v]) => [frame.at[0] + u * frame.unit[0] - v * frame.unit[1], frame.at[1] + u * frame.unit[1] + v * frame.unit[0]];
 const GROUND = frameAt([0, 0], 0);
+const must = (isSo, words) => { if (!isSo) throw new RangeError(words); };
 
 /** Where circles about two centres meet, on the side of a place; null: nowhere. */
 function meeting(a, r, b, s, near) {
@@ -55,15 +58,15 @@ export function machineOf(scene) {
 /**
  * The places of all joints of a scene (numbers in SI) in the pose of an engine at the input x.
  *
- * points {name: {link, at, pin: dyad whose inner pin it is, isOnLine}}, dyads [{name, kind, links, first, second: name or guide
- * {link, at}, inner, direction, mode}], riders [{path, link, at, pin, isOnLine}], frames {link: as shown}. RangeError where it
- * cannot be drawn on.
+ * drive: linkage.input, with the link `driven`; points {name: {link, at, pin: dyad whose inner pin it is, isOnLine}}, dyads
+ * [{name, kind, links, first, second: name or guide {link, at}, inner, direction, mode}], riders [{path, link, at, pin, isOnLine}],
+ * frames {link: as shown}. RangeError where it cannot be drawn on.
  */
 export function sketchOf(scene, engine, x) {
-  const { linkage = {}, dyads = {} } = scene, names = linkage.dyads || [];
-  if (linkage.kind !== 'machine' || (linkage.input || 'crank') !== 'crank') throw new RangeError('Only a machine that is driven at its crank can be drawn on: begin with New');
-  const sketch = { x, points: {}, dyads: [], riders: [], frames: { ground: GROUND } }, rodEnds = {};
-  for (const link of ['crank', ...names.flatMap(name => dyads[name].links)]) {
+  const { linkage = {}, dyads = {}, cylinder = {} } = scene, { kind, carrier = 'ground', input: drive = 'crank', dyads: names = [] } = linkage;
+  must(kind === 'machine' && carrier === 'ground' && (cylinder.base?.link ?? 'ground') === 'ground', 'Only a machine that is driven from the ground can be drawn on: begin with New');
+  const sketch = newSketch(drive, x, cylinder.links), rodEnds = {};
+  for (const link of [sketch.driven, ...sketch.cylinder, ...names.flatMap(name => dyads[name].links)]) {
     const [x0, y0, c, s] = engine.frame(link);
     sketch.frames[link] = frameAt([x0, y0], Math.atan2(s, c));
   }
@@ -98,8 +101,10 @@ export function sketchOf(scene, engine, x) {
   for (const [name, of] of Object.entries(scene.springs || {})) for (const end of ['first', 'second']) ride(`springs.${name}.${end}`, of[end] || {});
   for (const [link, of] of Object.entries(scene.external || {})) if (of?.force_x || of?.force_y) ride(`external.${link}`, { ...of, link });
   for (const [name, of] of Object.entries(scene.forces || {})) if (of.acts !== 'couple') ride(`forces.${name}`, of);
+  if (drive === 'cylinder') for (const [end, link] of [['base', 'ground'], ['pin', 'crank']]) ride(`cylinder.${end}`, { ...cylinder[end], link });
   return sketch;
 }
+const newSketch = (drive, x, rodAndTube = ['rod', 'tube']) => ({ drive, driven: DRIVEN[drive], cylinder: drive === 'cylinder' ? rodAndTube : [], x, points: {}, dyads: [], riders: [], frames: { ground: GROUND } });
 function freshName(taken) {
   for (let i = 0; ; i++) {
     const name = 'ABCDEGHIJKLMNPQRSTUVWXYZ'[i % 24] + (i < 24 ? '' : Math.floor(i / 24));
@@ -107,16 +112,18 @@ function freshName(taken) {
   }
 }
 const placeOfEnd = (sketch, end) => (typeof end === 'string' ? sketch.points[end] : end).at;
-/** The pin of the crank, from which its angle counts. */
-const crankPin = sketch => Object.values(sketch.points).find(point => point.link === 'crank');
+/** The pin of the driven link, with which it moves. */
+const drivenPin = sketch => [...Object.values(sketch.points), ...sketch.riders].find(point => point.link === sketch.driven);
+/** Where a cylinder that drives ends: on the ground and on the crank. */
+const cylinderEnds = sketch => ['base', 'pin'].map(end => sketch.riders.find(rider => rider.path === `cylinder.${end}`).at);
 
 /**
- * The frames of all links of a sketch after a move; points on lines and pins of dyads follow.
+ * Bring the frames of all links of a sketch after a move; points on lines and pins of dyads follow.
  *
  * Rods whose joints moved since `before` get lengths of three digits; `held` is the point that a hand holds.
  */
 function settle(sketch, before, held) {
-  const frames = { ...sketch.frames, ground: GROUND, crank: frameAt([0, 0], sketch.x) }, pins = {};
+  const { frames, cylinder: [rod, tube] } = sketch, pins = {};
   const follow = links => {
     for (const point of [...Object.values(sketch.points), ...sketch.riders]) {
       if (!links.includes(point.link)) continue;
@@ -124,7 +131,12 @@ function settle(sketch, before, held) {
       else if (point.isOnLine && point !== held) point.at = placeIn(frames[point.link], [point.isFirst ? 0 : localIn(frames[point.link], point.at)[0], 0]);
     }
   };
-  follow(['crank']);
+  follow([sketch.driven]);
+  if (rod) {
+    const [base, pin] = cylinderEnds(sketch), bar = frameTo(base, pin);
+    [frames[rod], frames[tube], sketch.x] = [frameAt(pin, bar.angle), bar, distance(base, pin)];
+    follow(sketch.cylinder);
+  }
   for (const dyad of sketch.dyads) {
     const was = before?.dyads.find(of => of.name === dyad.name), p = placeOfEnd(sketch, dyad.first), q = placeOfEnd(sketch, dyad.second);
     const hasMoved = !was || distance(p, placeOfEnd(before, was.first)) > 0 || distance(q, placeOfEnd(before, was.second)) > 0 || dyad.inner && distance(dyad.inner, was.inner) > 0;
@@ -144,7 +156,6 @@ function settle(sketch, before, held) {
     if (dyad.inner) pins[dyad.name] = dyad.inner;
     follow(dyad.links);
   }
-  return frames;
 }
 
 /** A scene with other values at paths; null deletes. */
@@ -152,8 +163,9 @@ const written = (scene, set) => Object.entries(set).reduce((made, [path, value])
 
 /** What a sketch changes in a scene (numbers in SI): {path: value, subtree or null}; `before` is the sketch of the scene. */
 export function changesOf(scene, sketch, before = null, held = null) {
-  const frames = settle(sketch, before, held), set = {}, { linkage = {}, dyads = {} } = scene;
-  const places = [...sketch.dyads.map(dyad => dyad.inner), ...Object.values(sketch.points).map(point => point.at)].filter(Boolean);
+  settle(sketch, before, held);
+  const { frames } = sketch, set = {}, { linkage = {}, dyads = {} } = scene;
+  const places = [...sketch.dyads.map(dyad => dyad.inner), ...[...Object.values(sketch.points), ...sketch.riders].map(point => point.at)].filter(Boolean);
   const tiny = 1e-11 * Math.max(...places.map(at => Math.hypot(...at)));
   const put = (path, value, old) => {
     const isSame = typeof value === 'number' ? Math.abs(value - (old ?? 0)) <= tiny : value === old;
@@ -199,18 +211,19 @@ export function changesOf(scene, sketch, before = null, held = null) {
   const order = sketch.dyads.map(dyad => dyad.name);
   if (order.join() !== (linkage.dyads || []).join()) set['linkage.dyads'] = order;
   for (const { path, link, at } of sketch.riders) {
-    const [family, name, end] = path.split('.'), old = end ? scene[family][name][end] || {} : scene[family][name];
-    if (!frames[link]) set[`${family}.${name}`] = null;
+    const old = leafOf(scene, path) ?? {};
+    if (!frames[link]) set[path.split('.').slice(0, 2).join('.')] = null;
     else localIn(frames[link], at).forEach((value, i) => put(`${path}.${['along', 'across'][i]}`, value, old[['along', 'across'][i]]));
     if (old.link && old.link !== link) set[`${path}.link`] = link;
   }
+  if (sketch.drive === 'cylinder') put('cylinder.mode', cross(...cylinderEnds(sketch)) > 0 ? 2 : 1, scene.cylinder?.mode ?? 2);
   return Object.assign(set, crankOf(scene, written(scene, set)));
 }
 
 /** What of a crank that is a rod changes with its length or with the section and density of the rods. */
 function crankOf(before, after) {
-  const [was, body] = [before, after].map(({ linkage = {}, bodies = {} }) => {
-    const { along = 0, across = 0 } = Object.values(linkage.points || {}).find(point => point.link === 'crank') || {};
+  const [was, body] = [before, after].map(({ linkage = {}, bodies = {}, cylinder = {} }) => {
+    const { along = 0, across = 0 } = Object.values(linkage.points || {}).find(point => point.link === 'crank') || cylinder.pin || {};
     return bodies.rods && rodOf(bodies.rods, Math.hypot(along, across));
   }), { crank } = before.bodies || {}, isRod = was && body && crank && Math.abs(crank.mass - was.mass) < 1e-6 * was.mass;
   return Object.fromEntries(Object.entries(isRod ? body : {}).filter(([field, value]) => Math.abs(value - crank[field]) > 1e-9 * value).map(([field, value]) => [`bodies.crank.${field}`, tidy(value)]));
@@ -218,7 +231,7 @@ function crankOf(before, after) {
 
 /** A sketch driven at another link on the ground, whose pins are all that joins links; RangeError if no dyads do it. */
 export function drivenAt(sketch, link) {
-  if (sketch.dyads.some(dyad => dyad.kind !== 'RRR')) throw new RangeError('Only the drive of a linkage of pins can be chosen');
+  must(sketch.drive === 'crank' && sketch.dyads.every(dyad => dyad.kind === 'RRR'), 'Only the drive of a linkage of pins can be chosen: begin with New, then Slide or Cylinder for one that drives');
   const bodies = { crank: new Set() }, at = { O: [0, 0] }, owners = {};
   const join = (of, joint) => { (bodies[of] ||= new Set()).add(joint); };
   join('ground', 'O');
@@ -235,7 +248,7 @@ export function drivenAt(sketch, link) {
   const grounded = [...bodies[link]].filter(joint => bodies.ground.has(joint));
   if (link === 'crank' || link === 'ground' || grounded.length !== 1) throw new RangeError('The drive turns a link that is pinned to the ground');
   const rename = of => (of === link ? 'crank' : of === 'crank' ? link : of), origin = at[grounded[0]], moved = place => offset(origin, place);
-  const made = { x: 0, points: {}, dyads: [], riders: [], frames: {} }, names = {}, solved = new Set(['ground', link]);
+  const made = newSketch('crank', 0), names = {}, solved = new Set(['ground', link]);
   const pointFor = joint => {
     const of = ['ground', link, ...solved].find(body => bodies[body].has(joint) && solved.has(body)), pin = made.dyads.find(dyad => dyad.joint === joint);
     names[joint] ||= joint[0] === '.' || joint === 'O' ? freshName({ ...sketch.points, ...made.points }) : joint;
@@ -252,7 +265,8 @@ export function drivenAt(sketch, link) {
     [one, two].forEach(body => solved.add(body));
     left = left.filter(body => !solved.has(body));
   }
-  made.x = angleOf(crankPin(made).at);
+  made.x = angleOf(drivenPin(made).at);
+  made.frames.crank = frameAt([0, 0], made.x);
   made.riders = sketch.riders.map(rider => ({ ...rider, path: rider.path.startsWith('external.') ? `external.${rename(rider.link)}` : rider.path, link: rename(rider.link), at: moved(rider.at), pin: null, isOnLine: false }));
   return made;
 }
@@ -260,7 +274,7 @@ export function drivenAt(sketch, link) {
 /** Give the page its tools to draw: what `page` has is said in page.js. */
 export function addDrawing(page) {
   const { store, say, refuse } = page;
-  let draft = {};             // clicks that are no scene yet: origin, crank, ends [{name, pin, link, at}], guide
+  let draft = {};             // clicks that are no scene yet: drive, origin, pin of the driven link, ends [{name, pin, link, at}], guide
   let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
   const scene = () => store.state.scene;
   /** A change of numbers, with what follows from it. */
@@ -271,10 +285,9 @@ export function addDrawing(page) {
     must(page.engine.at(x), 'There is no pose here: undo, or begin with New');
     return sketchOf(scene(), page.engine, x);
   };
-  const isAnswered = () => scene().linkage.dyads.every(name => page.structure().sketch.dyads.some(dyad => dyad.name === name));
+  const isAnswered = () => (scene().linkage.dyads ?? []).every(name => page.structure().sketch.dyads.some(dyad => dyad.name === name));
   const canSketch = () => !isEmpty() && page.engine && scene().linkage?.kind === 'machine' && isAnswered();
 
-  const must = (isSo, words) => { if (!isSo) throw new RangeError(words); };
   /** A handler that says what is wrong where it was drawn. */
   const guarded = act => (...given) => {
     try {
@@ -298,17 +311,18 @@ export function addDrawing(page) {
     const [cx, cy] = page.picture.pixels(place);
     return put('circle', { class: kind, cx, cy, r, ...more });
   };
-  const label = (place, text, more = {}) => {
+  const label = (place, text) => {
     const [x, y] = page.picture.pixels(place), isLeft = x < 0.6 * page.picture.width;
-    return put('text', { class: 'dimension', x, y, dx: isLeft ? 8 : -8, dy: -8, 'text-anchor': isLeft ? 'start' : 'end', ...more }, text);
+    return put('text', { class: 'dimension', x, y, dx: isLeft ? 8 : -8, dy: -8, 'text-anchor': isLeft ? 'start' : 'end' }, text);
   };
   const inWords = metres => (metres < 1 ? `${Number((metres * 1000).toPrecision(4))} mm` : `${Number(metres.toPrecision(4))} m`);
   /** A length beside its link; a click or Enter on it asks for the number of the parameter `path`. */
   function dimension(a, b, path) {
     line(a, b, 'dimension');
-    const words = inWords(distance(a, b)), text = label([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], words,
-      path && { tabindex: 0, role: 'button', 'data-length': path, 'aria-label': `${path}, ${words}: type another` });
-    if (!path) return;
+    const words = inWords(distance(a, b)), middle = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+    if (!path) return label(middle, words);
+    const [x, , , y] = page.picture.room.take(page.picture.pixels(middle), Math.PI / 2 - angleOf(offset(a, b)), 8 * words.length, 18);
+    const text = put('text', { class: 'dimension', x, y: y - 4, tabindex: 0, role: 'button', 'data-length': path, 'aria-label': `${path}, ${words}: type another` }, words);
     const ask = event => {
       event.stopPropagation();
       event.preventDefault();
@@ -337,7 +351,7 @@ export function addDrawing(page) {
   const isNear = (a, b) => distance(a, b) * page.picture.scale < NEAR_PIXELS;
   /** What is known at a place: {name} of a point, {pin} of a dyad, {rider}, {base}, or a link alone; or null. */
   function below(sketch, place) {
-    const known = [{ base: true, link: 'ground', at: [0, 0] }];
+    const known = sketch.drive === 'slide' ? [] : [{ base: true, link: 'ground', at: [0, 0] }];
     for (const dyad of sketch.dyads) if (dyad.inner) known.push({ pin: dyad.name, link: dyad.links[dyad.kind === 'RRR' ? 1 : 0], at: dyad.inner });
     for (const dyad of sketch.dyads) if (typeof dyad.second !== 'string') known.push({ guide: dyad.name, link: dyad.second.link, at: dyad.second.at });
     for (const [name, point] of Object.entries(sketch.points)) if (!point.pin) known.push({ name, link: point.link, at: point.at });
@@ -408,9 +422,10 @@ export function addDrawing(page) {
   const fromOrigin = place => (isEmpty() && draft.origin ? offset(draft.origin, place) : place);
   const onPicture = place => (isEmpty() && draft.origin ? [place[0] + draft.origin[0], place[1] + draft.origin[1]] : place);
   function hintOf(kind) {
-    const { origin, crank, ends = [] } = draft;
-    if (isEmpty() && !origin) return 'Click the ground pivot of the crank';
-    if (isEmpty() && !crank) return 'Click the pin of the crank';
+    const { drive, origin, pin, ends = [] } = draft;
+    if (isEmpty() && !origin) return { RRR: 'Click the ground pivot of the crank', RRP: 'Click the block that drives, on a level guide (Rods begins with a crank)', RPR: 'Click the ground pivot of the link that the cylinder drives (Rods begins with a crank)' }[kind];
+    if (isEmpty() && !pin) return drive === 'cylinder' ? 'Click the pin of the cylinder on that link' : 'Click the pin of the crank';
+    if (isEmpty() && drive === 'cylinder') return 'Click the pivot of the cylinder on the ground';
     if (!ends.length) return 'Begin on a joint or on a link';
     if (ends.length === 1 && kind === 'RRP') return 'Click the pin of the block; drag to turn its guide';
     if (ends.length === 1 && kind === 'RRR') return 'Click the pin between the two new links';
@@ -418,23 +433,38 @@ export function addDrawing(page) {
   }
   function showDraft(kind, pointer) {
     clear();
-    const { origin, crank, ends = [], guide } = draft, chain = ends.map(end => onPicture(end.at));
-    if (isEmpty() && origin) mark(origin, 'draft pivot', 7);
-    if (isEmpty() && crank) line(origin, onPicture(crank), 'draft bar');
+    const { drive, origin, pin, ends = [], guide } = draft, chain = ends.map(end => onPicture(end.at));
+    if (isEmpty() && origin && drive === 'slide') line(...[-0.3, 0.3].map(part => placeIn(frameAt(origin, 0), [part * size(), 0])), 'draft guide');
+    else if (isEmpty() && origin) mark(origin, 'draft pivot', 7);
+    if (isEmpty() && pin) line(origin, onPicture(pin), 'draft bar');
     chain.forEach((at, i) => { mark(at, 'draft'); if (i) line(chain[i - 1], at, 'draft bar'); });
     if (guide && pointer) line(...[-0.3, 0.3].map(part => placeIn(frameAt(onPicture(guide), guideAngle(pointer)), [part * size(), 0])), 'draft guide');
     else if (pointer && (chain.length || isEmpty() && origin)) dimension(chain.at(-1) || origin, pointer);
     if (!pointer) say(hintOf(kind));
   }
   /** The scene of the first dyad, which follows from the clicks alone; a sketch of later ones is that of the picture. */
-  const drawnSketch = () => (isEmpty() ? { x: angleOf(draft.crank), points: { A: { link: 'crank', at: draft.crank } }, dyads: [], riders: [], frames: {} } : sketchNow());
+  function drawnSketch() {
+    if (!isEmpty()) return sketchNow();
+    const { drive, pin } = draft, made = newSketch(drive, drive === 'crank' ? angleOf(pin) : 0);
+    made.frames[made.driven] = frameTo([0, 0], pin);
+    made.points.A = { link: made.driven, at: pin };
+    return made;
+  }
   function click(kind, place) {
-    if (isEmpty() && !draft.origin) draft = { origin: place };
-    else if (isEmpty() && !draft.crank) {
-      const pin = fromOrigin(place), length = threeDigits(Math.hypot(...pin));
-      if (isNear(pin, [0, 0])) throw new RangeError('The crank needs a length');
-      draft.crank = placeIn(frameTo([0, 0], pin), [length, 0]);
-      draft.ends = [{ name: 'A', link: 'crank', at: draft.crank }];
+    const beginAt = pin => Object.assign(draft, { pin, ends: [{ name: 'A', link: DRIVEN[draft.drive], at: pin }] });
+    if (isEmpty() && !draft.origin) {
+      draft = { drive: FIRST[kind], origin: place };
+      if (kind === 'RRP') beginAt([0, 0]);
+    } else if (isEmpty() && !draft.pin) {
+      const pin = fromOrigin(place);
+      must(!isNear(pin, [0, 0]), 'The crank needs a length');
+      beginAt(placeIn(frameTo([0, 0], pin), [threeDigits(Math.hypot(...pin)), 0]));
+    } else if (isEmpty() && draft.drive === 'cylinder') {
+      const sketch = drawnSketch(), base = snapped(fromOrigin(place));
+      must(!isNear(base, [0, 0]) && !isNear(base, draft.pin), 'The cylinder needs a pivot of its own on the ground');
+      sketch.points = {};             // the cylinder alone hangs on the pin
+      sketch.riders = [{ path: 'cylinder.base', link: 'ground', at: base }, { path: 'cylinder.pin', link: 'crank', at: draft.pin }];
+      begin(sketch);
     } else {
       if (!isEmpty() && !canSketch()) throw new RangeError('What is there cannot move: undo, or begin with New');
       place = fromOrigin(place);
@@ -467,14 +497,19 @@ export function addDrawing(page) {
     if (inner) letters[freshName({ ...sketch.points, ...letters })] = true;
     sketch.dyads.push({ name, kind, links, first: start, second: kind === 'RRP' ? { link: 'ground', at: inner } : pointFor(second),
       inner, direction: kind === 'RRP' ? second.direction : null, mode: 2 });
-    const { origin } = draft, { view } = page.picture;
+    if (isFirst) return begin(sketch);
     draft = {};
-    if (!isFirst) return dispatchSketch(sketch, before);
+    dispatchSketch(sketch, before);
+  }
+  /** The scene of what was drawn first. */
+  function begin(sketch) {
+    const { drive, pin, origin } = draft, { view } = page.picture, made = changesOf({}, sketch);
+    draft = {};
     Object.assign(view, { x: view.x - origin[0], y: view.y - origin[1] });
-    const made = changesOf({}, sketch);
-    expected = inner ? { [name]: sketch.dyads[0].inner } : {};
+    expected = Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner]));
     store.dispatch({ view: { at: sketch.x }, scene: written({
-      linkage: { kind: 'machine' }, bodies: { rods: NEW_RODS, crank: rodOf(NEW_RODS, Math.hypot(...crankPin(sketch).at)) }, drive: { source: 'timer', speed: 10.0 },
+      linkage: { kind: 'machine', input: drive }, bodies: { rods: NEW_RODS, ...(drive !== 'slide' && { crank: rodOf(NEW_RODS, Math.hypot(...pin)) }) },
+      drive: drive === 'crank' ? { source: 'timer', speed: 10.0 } : { source: 'motion', speed: 0.1 },
       outputs: ['state', 'output', 'joint_states', 'loads', 'links', 'reactions'] }, made) });
   }
   const guideAngle = place => (isNear(onPicture(draft.guide), place) ? 0 : Math.PI / 12 * Math.round(frameTo(onPicture(draft.guide), place).angle / (Math.PI / 12)));
@@ -528,12 +563,23 @@ export function addDrawing(page) {
         if (Math.abs(v) * page.picture.scale < 8) held.at = placeIn(frame, [threeDigits(u), 0]);
       }
     }
-    if (base || held === crankPin(sketch)) sketch.x = before.x + turnBetween(crankPin(before).at, crankPin(sketch).at);
+    const driven = [...Object.values(sketch.points), ...sketch.riders].filter(point => point.link === sketch.driven);
+    if (held?.link === 'slider') {          // along its guide, with all that is on it
+      sketch.x = before.x + held.at[0] - from[0];
+      sketch.frames.slider = frameAt([sketch.x, 0], 0);
+      held.at = from;
+      for (const point of driven) point.at = [point.at[0] + sketch.x - before.x, point.at[1]];
+    } else if (base || held === drivenPin(sketch)) {
+      const turn = turnBetween(drivenPin(before).at, drivenPin(sketch).at);
+      sketch.x = before.x + turn;
+      sketch.frames.crank = frameAt([0, 0], before.frames.crank.angle + turn);
+      for (const point of driven) if (held && distance(point.at, from) < 1e-9 * size()) point.at = held.at;
+    }
     return held;
   }
   addTool({
     name: 'shape', label: 'Shape', title: 'Drag a pivot, a pin, a guide or a point: lengths follow. Shift keeps a length; click a length to type it',
-    begin: showLengths, redraw: showLengths,
+    redraw: showLengths,
     down(place) {
       if (!canSketch()) return;
       const before = sketchNow(), handle = below(before, place);
@@ -545,10 +591,7 @@ export function addDrawing(page) {
       const held = moveTo(sketch, handle, place, event.shiftKey, before);
       dispatchSketch(sketch, before, word, held);
     },
-    up() {
-      grabbed = null;
-      showLengths();
-    },
+    up() { grabbed = null; },
   });
   function showLengths() {
     clear();
@@ -631,7 +674,7 @@ export function addDrawing(page) {
   }
   addTool({
     name: 'flip', label: 'Flip', title: 'Click the pale mirror pose of a pair of links: their other mode',
-    begin: showMirrors, redraw: showMirrors,
+    redraw: showMirrors,
     down(place) {
       const of = canSketch() && mirrors(sketchNow()).find(([, at]) => isNear(at, place));
       if (of) flip(of[0].name);
@@ -643,7 +686,7 @@ export function addDrawing(page) {
       if (!canSketch()) return;
       const before = scene(), now = sketchNow(), sketch = drivenAt(now, below(now, place)?.link), { bodies = {} } = before;
       must(Object.keys(bodies).every(name => name === 'rods' || name === 'crank'), 'Links with masses of their own: choose the drive in the file');
-      const crank = bodies.rods && { crank: rodOf(bodies.rods, Math.hypot(...crankPin(sketch).at)) };
+      const crank = bodies.rods && { crank: rodOf(bodies.rods, Math.hypot(...drivenPin(sketch).at)) };
       const external = Object.fromEntries(now.riders.map(({ path, link }, i) => [path, link, sketch.riders[i].link]).filter(([path]) => path.startsWith('external.')).map(([, from, to]) => [to, before.external[from]]));
       let made = { ...before, linkage: { kind: 'machine' }, dyads: {}, bodies: { ...bodies, ...crank }, external };
       made = written(made, changesOf(made, sketch));
@@ -657,13 +700,13 @@ export function addDrawing(page) {
       if (!canSketch()) return;
       if (hit?.spring) return store.dispatch({ set: { [`springs.${hit.spring}`]: null } });
       const before = sketchNow(), sketch = structuredClone(before), of = below(before, place);
-      if (of?.rider !== undefined) return store.dispatch({ set: { [before.riders[of.rider].path.split('.').slice(0, 2).join('.')]: null } });
+      if (of?.rider !== undefined && !before.riders[of.rider].path.startsWith('cylinder.')) return store.dispatch({ set: { [before.riders[of.rider].path.split('.').slice(0, 2).join('.')]: null } });
       const owner = of && sketch.dyads.find(dyad => [of.pin, of.guide].includes(dyad.name) || dyad.links.includes(of.link) || (of.name && of.name === dyad.second));
       must(owner, 'Click a pair of links; the crank stays: New begins again');
       const gone = [owner];                               // and all that hangs on it
       for (const dyad of sketch.dyads) if (!gone.includes(dyad) && [dyad.first, dyad.second].some(end => gone.some(({ links }) => links.includes((sketch.points[end] || end).link)))) gone.push(dyad);
       sketch.dyads = sketch.dyads.filter(dyad => !gone.includes(dyad));
-      if (!sketch.dyads.length) return startAgain();
+      if (!sketch.dyads.length && sketch.drive !== 'cylinder') return startAgain();
       for (const name of Object.keys(sketch.points)) if (!sketch.dyads.some(dyad => [dyad.first, dyad.second].includes(name))) delete sketch.points[name];
       const links = gone.flatMap(dyad => dyad.links), { bodies = {}, linkage } = scene();
       for (const link of links) delete sketch.frames[link];

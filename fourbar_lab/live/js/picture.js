@@ -214,7 +214,7 @@ export class Picture {
     const middle = pins.reduce((sum, p) => [sum[0] + p[0] / pins.length, sum[1] + p[1] / pins.length], [0, 0]);
     labels.unshift(...letters.map(([name, letter]) => ({ kind: "letter", anchor: joints[name], words: letter,
       away: Math.atan2(joints[name][1] - middle[1], joints[name][0] - middle[0]) })));
-    const room = new Room(this.width, this.height, lines, pins), isNarrow = this.width < 600;
+    const room = this.room = new Room(this.width, this.height, lines, pins), isNarrow = this.width < 600;
     for (const one of labels) {
       if (one.extra && (layers.values === false || (isNarrow && one.name !== this.chosen))) continue;
       const width = 8.4 * plain(one.words).length + 4, box = room.take(one.anchor, one.away, width, 18);
