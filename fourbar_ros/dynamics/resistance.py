@@ -64,36 +64,36 @@ def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> F
 
     def resistance(position: Scalar, rate: Scalar, push: Scalar, inertia: Scalar,
                    near: Sequence[Felt] = ()) -> Resistance:
-        cut, told = 0.0, OpenForces()
+        cut, rubbing = 0.0, OpenForces()
         if one_way:
             moving, (value, _, _) = make_pose(position)
             direction = direction_of(n, rate, mechanism.slip_speed_in(constants))
             for force in one_way:
                 cut = cut + force.generalised(n, moving, value, direction)
-        mechanism.make_joint_loads(of_forms, constants, told)(mechanism.MOTION._make(
+        mechanism.make_joint_loads(of_forms, constants, rubbing)(mechanism.MOTION._make(
             motion_of(position, rate, LinearForm({CHANGE: 1.0}))))
-        paid, felt, edges = form_of(told.paid), list[Felt](), list[Scalar]()
+        paid, felt, edges = form_of(rubbing.paid), list[Felt](), list[Scalar]()
         friction = paid.coefficient(CONSTANT)
-        if told:
+        if rubbing:
             change = (push + cut - paid) / inertia
             affine = [[form_of(each).with_known(CHANGE, change) for each in joint.felt]
-                      for joint in told]
+                      for joint in rubbing]
             at_none, *columns = [[(x.coefficient(name), y.coefficient(name)) for x, y in affine]
-                                 for name in (CONSTANT, *[joint.name for joint in told])]
-            sizes, locks, felt = solved(n, [joint.law for joint in told], at_none, columns,
+                                 for name in (CONSTANT, *[joint.name for joint in rubbing])]
+            sizes, locks, felt = solved(n, [joint.law for joint in rubbing], at_none, columns,
                                         NEAR_SHARES if near else SHARES[
-                                            :None if told.tilts else -1], False, near)
+                                            :None if rubbing.tilts else -1], False, near)
             # at this acceleration the joints must be free as in a motion that is given: else the
             # loads that are published beside it are none, or of another torque
-            given = [[form_of(each) for each in joint.felt] for joint in told]
-            locks = locks + locked(n, [joint.law for joint in told], felt, [
-                [(x.coefficient(joint.name), y.coefficient(joint.name)) for x, y in given]
-                for joint in told])
+            with_change = [[form_of(each) for each in joint.felt] for joint in rubbing]
+            locks = locks + locked(n, [joint.law for joint in rubbing], felt, [
+                [(x.coefficient(joint.name), y.coefficient(joint.name)) for x, y in with_change]
+                for joint in rubbing])
             largest = 0.0
-            for joint, size, (x, y) in zip(told, sizes, felt):
+            for joint, size, (x, y) in zip(rubbing, sizes, felt):
                 friction = friction + paid.coefficient(joint.name) * size
                 largest = largest + n.fabs(x) + n.fabs(y)
-            edges = [edge for joint, pair in zip(told, felt) for edge in (joint.moving, *[
+            edges = [edge for joint, pair in zip(rubbing, felt) for edge in (joint.moving, *[
                 force / (largest + TINY) for force in joint.edges(pair)])]
             friction = friction + locks
         return Resistance(friction - cut, friction, felt, edges)

@@ -113,10 +113,11 @@ def bar_ranges(a1: float, a4: float, h: float) -> Ranges:
 
 
 def singular_angles_of_bar(a1: float, a4: float, h: float) -> list[complex]:
-    """Return the complex angles of such a crank with its pin at the foot or at the pivot."""
-    # l = 0 and q = 0 of (B1) in slides.py, linear in tan^2(x/2).
+    """Return the complex angles of the crank a1 of bar_ranges() at which its motion has poles."""
+    # Its pin is there at the foot of the perpendicular on the bar, l = 0 of (B1) in slides.py, or
+    # at the bar's pivot, q = 0; both are linear in tan^2(x/2). Of a complex pair one is given.
     a1, a4, h = scaled((a1, a4, h))
-    near, far = reach(a1, a4, h)
+    near, far = reach(a1, a4, h)        # l^2 at x = 0 and at x = pi
     pole = complex(0.0, 2.0 * atanh(min(abs(a1 - a4) / (a1 + a4), 1.0 - EPS)))
     if near > 0.0:
         return [complex(0.0, 2.0 * atanh(min(sqrt(near / far), 1.0 - EPS))), pole]

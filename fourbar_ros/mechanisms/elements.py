@@ -246,7 +246,8 @@ class UserForce:
     function: Callable[[float], float]
 
     def __call__(self, s: Any) -> Any:
-        """Return the force at s; raises UnknownForce for a value that is no finite number."""
+        """Return the force at s; of one s UnknownForce if the value is no finite number."""
+        # of arrays such values stay: their samples are NaN. s may be a Decimal, and so the result
         if not isinstance(s, np.ndarray):
             value = self.function(float(s))
             try:

@@ -138,10 +138,11 @@ class ForceTable:
         """Return the coefficients of the piece at an array x, and how far x is in it."""
         if self.is_periodic:
             first = self.places[0]
-            if np.iscomplexobj(x):
+            if np.iscomplexobj(x):      # for which there is no %
                 x = x - self.span * np.floor((x.real - first) / self.span)
             else:
                 x = first + (x - first) % self.span
+        # column k + 1 is that of the piece from starts[k] on, column 0 that before all
         *coefficients, start = self._columns[:, np.searchsorted(self.starts, x.real, side='right')]
         return coefficients, x - start
 
@@ -200,12 +201,17 @@ class ForceTable:
         lines = np.diff(values) / widths        # slopes of the straight lines
         if lines.size == 1:
             slopes = np.repeat(lines, 2)
-        else:       # the weighted harmonic mean of both lines; level where they turn back
-            before, after = 2.0 * widths[1:] + widths[:-1], widths[1:] + 2.0 * widths[:-1]
-            mean = (before / lines[:-1] + after / lines[1:]) / (before + after)
-            inner = np.where(np.sign(lines[1:]) * np.sign(lines[:-1]) > 0.0, 1.0 / mean, 0.0)
-            slopes = np.concatenate([[_end_slope(*widths[:2], *lines[:2])], inner,
-                                     [_end_slope(*widths[:-3:-1], *lines[:-3:-1])]])
+        else:
+            # The weighted harmonic mean of the lines before and after a point; level where they
+            # turn back or are level, as a division by zero then is not taken.
+            weight_before = 2.0 * widths[1:] + widths[:-1]
+            weight_after = widths[1:] + 2.0 * widths[:-1]
+            inverse = (weight_before / lines[:-1] + weight_after / lines[1:]) / (
+                weight_before + weight_after)
+            inner = np.where(np.sign(lines[1:]) * np.sign(lines[:-1]) > 0.0, 1.0 / inverse, 0.0)
+            first = _end_slope(widths[0], widths[1], lines[0], lines[1])
+            last = _end_slope(widths[-1], widths[-2], lines[-1], lines[-2])
+            slopes = np.concatenate([[first], inner, [last]])
         bend = (slopes[:-1] + slopes[1:] - 2.0 * lines) / widths
         return np.array([bend / widths, (lines - slopes[:-1]) / widths - bend, slopes[:-1],
                          values[:-1]])

@@ -197,7 +197,10 @@ class FourBar(FourBarLinks):
 
     def stalls(self, side: float) -> Iterator[DeadPoint]:
         """
-        Yield the dead points, up to two, at which the dyad is on a side: the sign of sin(mu).
+        Yield the dead points, up to two, with sin(mu) of the sign ``side``.
+
+        mu is the angle from coupler to output link; at a dead point the output link stands still
+        and turns back.
 
         Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
         a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the
@@ -208,8 +211,9 @@ class FourBar(FourBarLinks):
         """
         a1, a2, a3, a4 = self.lengths
         for stretched, coupler in ((True, a2), (False, -a2)):
-            # products of exact sums, in which a1 + coupler is r: they keep their digits where the
-            # triangle is nearly flat; both are negative where r is
+            # Numerator and denominator of (DP1) as products of exact sums, in which r = a1 +
+            # coupler: they keep their digits where the triangle is nearly flat. Both are negative
+            # where r is.
             over = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
             under = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
             if over * under > 0.0:          # else there is no triangle

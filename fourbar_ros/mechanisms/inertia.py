@@ -85,11 +85,14 @@ def mean_rigid(mechanism: Mechanism) -> Rigid:
 
 
 def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFields:
-    """Return loads without what a body of the simulator, of the inertia ``carried``, gives."""
+    """Return loads whose shaking wrench is without that of a rigid body on the base."""
+    # carried: that body, which a simulator has and moves itself; it is at rest on the base. It
+    # needs force and moment, and shakes the base with the opposite ones: these are taken off.
     gravity = mechanism.gravity
+    # weight is as on a base that accelerates upwards
     base = gravity if isinstance(gravity, Base) else Base(*(-g for g in field_of(gravity)))
     body = Body(carried.mass, cg_along=carried.x, cg_across=carried.y, inertia=carried.inertia)
-    needs = needs_of(body, 1.0, base, NOT_APPLIED, FIXED)
+    needs = needs_of(body, 1.0, base, NOT_APPLIED, FIXED)       # lengths in units of 1 m
     x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
     rest: NamedFields = loads._replace(
         shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),

@@ -146,34 +146,40 @@ class Kind(Mechanism):
         lengths = [length / unit for length in constants.lengths]
         per = 1.0 / unit if self.is_driven_by_slide else 1.0
         v, a, x = rate * per, acceleration * per, position * per
+        # the last length of a kind with a slider is its offset
         driven = (driven_slider(x, lengths[-1]) if self.is_driven_by_slide else driven_crank(n, x))
         pose = pose_of(n, drive.layout, [drive.lengths(*lengths)],
                        [constants.sign if drive.sign > 0.0 else -constants.sign], driven)
         dyad = pose.dyads[0]
+        # {coordinate: cosine and sine of an angle, or a slide, then its first and its second
+        # derivative with respect to the input}
         coordinates: dict[Coordinate, Sequence[Scalar]] = {
             coordinate: dyad.slides[3 * k:3 * k + 3] for k, coordinate in enumerate(drive.slides)}
         if driven.slide:
             coordinates.setdefault(TRAVEL, driven.slide)
         for coordinate in [each for each in self.PARTS if each in ANGLES]:
             link, counted_from = ANGLES[coordinate]
-            c, s, turn, bend = pose.relation(*map(drive.layout.links.index, (link, counted_from)))
+            c, s, first, second = pose.relation(
+                *map(drive.layout.links.index, (link, counted_from)))
             if (link in drive.reversed) != (counted_from in drive.reversed):
-                c, s = -c, -s
-            coordinates[coordinate] = c, s, turn, bend
+                c, s = -c, -s       # one of both links points the other way in the machine
+            coordinates[coordinate] = c, s, first, second
 
+        # in the order of motion_fields()
         square, fields, ratios = v * v, list[Scalar](), {self.input_coordinate: 1.0}
         for coordinate in self.PARTS:
-            *known, slope, bend = coordinates[coordinate]
+            *value, first, second = coordinates[coordinate]
             if coordinate == self.input_coordinate:
                 fields += (position, rate, acceleration)
             elif coordinate in ANGLES:
                 side = -1.0 if coordinate == self.FROM_HALF_A_TURN else 1.0
-                c, s = known
-                fields += (n.atan2(side * s, side * c), slope * v, slope * a + bend * square)
-                ratios[coordinate] = slope * per
+                c, s = value
+                fields += (n.atan2(side * s, side * c), first * v, first * a + second * square)
+                ratios[coordinate] = first * per
             else:
-                fields += (unit * known[0], unit * (slope * v), unit * (slope * a + bend * square))
-                ratios[coordinate] = unit * slope * per
+                fields += (unit * value[0], unit * (first * v),
+                           unit * (first * a + second * square))
+                ratios[coordinate] = unit * first * per
         of_output = 1.0 if self.outputs[0].coordinate in ANGLES else unit
         cosine, sine = self.transmission(lengths, coordinates, dyad)
         fields += (n.atan2(n.fabs(sine), cosine),
@@ -250,7 +256,7 @@ class Kind(Mechanism):
         return self.drive.reactions[force].lstrip('-')
 
     def joint_loads(self, n: NumberType, constants: Constants, m: Any,
-                    told: list[Any] | None = None) -> list[Scalar]:
+                    reports: list[Any] | None = None) -> list[Scalar]:
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
         by_name = dict(zip(self.length_names, lengths))
@@ -264,7 +270,7 @@ class Kind(Mechanism):
             self._links(lengths, m, per_unit, are_ratios=True), needs,
             [[getattr(m, slide.position) * per_unit for slide in drive.slides]], [m.sine], unit,
             {link: by_name[length] for link, length in drive.reversed.items()}, borne,
-            self.friction_in(n, constants, unit, told, getattr(m, self.input_coordinate.rate))
+            self.friction_in(n, constants, unit, reports, getattr(m, self.input_coordinate.rate))
             if self.friction else None)))
         for link in borne:
             joint = drive.reactions['f41' if link == 'crank' else 'f43']

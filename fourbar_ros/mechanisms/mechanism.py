@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cache, cached_property
-from math import inf, isfinite
+from math import inf, isfinite, isnan
 from numbers import Real
 from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
@@ -65,26 +65,27 @@ class Mechanism(MechanismGeometry):
         return self.link_motions(motion)[self.link(link).name]
 
     def loads_formula(self, n: NumberType, constants: Constants,
-                      told: list[Any] | None = None) -> Function:
+                      reports: list[Any] | None = None) -> Function:
         """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        # told: takes what joints with friction tell, each a Told.
-        joint_loads = self.make_joint_loads(n, constants, told)
+        # reports: a list to which joints with friction append a FrictionReport in each call
+        joint_loads = self.make_joint_loads(n, constants, reports)
 
         def loads(fields: Iterable[Any]) -> Any:
             motion = self.MOTION._make(fields)
             return all_loads(self, constants, motion, joint_loads(motion))
         return loads
 
-    def make_joint_loads(self, n: NumberType, constants: Constants, told: Any = None) -> Function:
-        """Return motion -> fields of LOADS but for those that follow, of all that acts."""
-        applied = None
+    def make_joint_loads(self, n: NumberType, constants: Constants,
+                         reports: Any = None) -> Function:
+        """Return motion -> the loads that are not DERIVED, with the forces of all elements."""
+        applied = None      # motion -> external loads of the links: constant ones and elements
         if constants.elements:
             from fourbar_ros.mechanisms.elements import make_applied  # few mechanisms have any
             applied = make_applied(n, self, constants)
 
         def joint_loads(motion: NamedFields) -> Any:
             acting = constants._replace(external=applied(motion)) if applied else constants
-            return self.joint_loads(n, acting, motion, told)
+            return self.joint_loads(n, acting, motion, reports)
         return joint_loads
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
@@ -161,9 +162,9 @@ class Mechanism(MechanismGeometry):
         return (self._compute_step if self.has_loads else self._compute_motion)[0]
 
     def driven_otherwise(self) -> tuple[DrivenLinks, ...]:
-        """Return the same links with another input, one for each mode; () if none is known."""
-        # Where the input turns back at a toggle that coordinate goes on, so simulation changes to
-        # it there.
+        """Return the same links driven at another coordinate, one for each mode; () if none."""
+        # Where the input turns back at a toggle, the other coordinate goes on: a simulation
+        # changes to it there. It needs the motion of the links alone, in whole ranges.
         for name in self.INPUTS:
             if name != self.input:
                 free = replace(self, input=name, mode=OPEN, stroke=None, elements=())
@@ -243,13 +244,14 @@ class Mechanism(MechanismGeometry):
                           friction=())
 
     def friction_in(self, n: NumberType, constants: Constants, unit: Scalar,
-                    told: list[Any] | None, rate: Scalar) -> MachineFriction:
+                    reports: list[Any] | None, rate: Scalar) -> MachineFriction:
         """Return the friction of its joints, for loads at a rate of the input."""
-        # unit: of lengths [m]; told: takes what the joints tell.
+        # unit: of lengths [m]; reports: of loads_formula(), or OpenForces of motion by torque
         # few mechanisms have friction
         from fourbar_ros.mechanisms.friction import direction_of
         from fourbar_ros.mechanisms.machine.solve import friction as solve
-        kind = solve.OpenFriction if isinstance(told, solve.OpenForces) else solve.MachineFriction
+        kind = (solve.OpenFriction if isinstance(reports, solve.OpenForces)
+                else solve.MachineFriction)
         joints = [name if name == DRIVE else self.joint_in_layout(name)
                   for name, _ in self.friction]
         return kind(
@@ -257,7 +259,7 @@ class Mechanism(MechanismGeometry):
             {joint: friction.length < inf for joint, (_, friction) in zip(joints, self.friction)
              if joint != DRIVE and friction.coefficient}, rate,
             direction_of(n, rate, self.slip_speed_in(constants)), unit,
-            [] if told is None else told)
+            [] if reports is None else reports)
 
     @property
     def has_direction(self) -> bool:
@@ -291,22 +293,22 @@ class Mechanism(MechanismGeometry):
         """
         Return the least and the largest drive [N m], [N] that hold it at rest: (lower, upper).
 
-        With less it goes backward, with more forward; both are those of friction at impending
-        motion, one of either way. An infinite bound: the mechanism locks itself that way, and no
+        With less it goes backward, with more forward; at each bound friction is that of a motion
+        about to begin that way. An infinite bound: the mechanism locks itself that way, and no
         drive moves it. Without friction both are equal. Arguments and errors as in :meth:`loads`.
         """
         if not self.friction:
-            drive = getattr(self.loads(position), self.drive_load)
-            return drive, drive
+            at_rest = getattr(self.loads(position), self.drive_load)
+            return at_rest, at_rest
         from fourbar_ros.mechanisms.friction import holding  # few mechanisms have any
         return holding(self, position)
 
     def locked_ranges(self, rate: float, acceleration: float = 0.0,
                       within: tuple[float, float] | None = None) -> Ranges:
         """
-        Return the ranges of the input in which it locks itself by friction [rad or m].
+        Return the ranges of the input in which the mechanism locks itself by friction [rad or m].
 
-        ``within``: those alone that overlap with two inputs.
+        ``within``: two inputs; those ranges alone that overlap with the range between them.
         """
         if not (self.friction and self.has_loads):
             return ()
@@ -407,19 +409,19 @@ class Mechanism(MechanismGeometry):
                                       'so fast that its square overflows')
 
     def _why_no_loads(self, motion: Sequence[float]) -> errors.FourBarError:
-        fields = self.MOTION._make(motion)
-        position, rate, _ = (getattr(fields, name) for name in self.input_coordinate)
-        told = list[Any]()
+        """Return the error for loads that are not finite in a motion: locked, or too large."""
+        fields, driven = self.MOTION._make(motion), self.input_coordinate
+        reports = list[Any]()
         if self.friction:
-            self.loads_formula(REAL, self.constants, told)(fields)
-        for joints, locks, _ in told:
-            if locks != 0.0:
-                named = {self.joint_in_layout(name): name for name, _ in self.friction
+            self.loads_formula(REAL, self.constants, reports)(fields)
+        for report in reports:
+            if isnan(report.locks):
+                # joints have other names in the machine that the mechanism is
+                names = {self.joint_in_layout(name): name for name, _ in self.friction
                          if name != DRIVE}
-                locked = [named[joint] for joint in joints]
-                return errors.Locked(self.input_coordinate.position, position,
-                                     self.input_coordinate.unit, locked)
-        return errors.InvalidParameter(self.input_coordinate.rate, rate,
+                return errors.Locked(driven.position, getattr(fields, driven.position),
+                                     driven.unit, [names[joint] for joint in report.joints])
+        return errors.InvalidParameter(driven.rate, getattr(fields, driven.rate),
                                        'so fast, or with such masses, that loads overflow')
 
     def _why_no_motion(self, position: float) -> errors.FourBarError:

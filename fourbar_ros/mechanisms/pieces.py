@@ -29,6 +29,7 @@ from fourbar_ros.numerics.trace import Trace
 import numpy as np
 
 SAMPLES = 361           # of a turn, or of a range of the input
+START = 0.3             # [rad] samples of turns begin there: no angle that symmetry makes special
 CLOSER = 2.0**-np.arange(16.0, 46.0)    # of a range: distances of more samples from its ends
 STEP = 2.0**-200        # of derivatives by a complex step
 TOUCHING = 1e-9         # of a turn or range: nearer ends of pieces are one
@@ -63,7 +64,7 @@ class CutCurves:
     """The coordinates of a mechanism, or of many like it, as functions of the input."""
 
     # data: its constants, or columns of them, shape (count, 1); rates: rate and acceleration of
-    # the input, or columns, of the edges of friction (Told.edges); None: without these
+    # the input, or columns, of the edges of friction (FrictionReport.edges); None: without these
 
     def __init__(self, mechanism: Mechanism, data: Constants, count: int = 1,
                  rates: tuple[Any, Any] | None = None) -> None:
@@ -76,7 +77,8 @@ class CutCurves:
         self._rates = [np.asarray(rate, complex) for rate in rates or (1.0, 0.0)]
         coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
         self.coordinates = coordinates + [EDGE] * (len(wanted) - len(coordinates))
-        # edges that loads have part in jump themselves at the ends of pieces before them
+        # follows: edges that loads have part in jump themselves at the ends of other curves, so
+        # these come first in ``order``
         first = self._trace.count + len(numbers_of((data.lengths, data.sign)))
         of_loads = set(range(first, self._trace.count + self._trace.size))
         needed = [order_of(self._trace, (k,)).of_inputs for k in wanted]
@@ -87,6 +89,8 @@ class CutCurves:
 
     def sample(self, which: tuple[int, ...], x: Array) -> tuple[Array, Array]:
         """Return coordinates and slopes, (which, count, any), at inputs (1 or count, any)."""
+        # Slopes by a complex step: the imaginary part of f(x + i h) is h f'(x). Inputs of shape
+        # (1, any) are those of all mechanisms.
         order = order_of(self._trace, which)
         samples = np.empty((len(which), self._count, x.shape[1]), complex)
         width = max(1, TOGETHER // self._count)
@@ -115,13 +119,13 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
         motion_of = mechanism.motion_formula(n, constants)
 
         def values(*inputs: Scalar) -> list[Scalar]:
-            motion, told = mechanism.MOTION._make(motion_of(*inputs)), list[Any]()
+            motion, reports = mechanism.MOTION._make(motion_of(*inputs)), list[Any]()
             moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
             if with_edges:
-                mechanism.loads_formula(n, constants, told)(motion)
+                mechanism.loads_formula(n, constants, reports)(motion)
             return [*(each.of(n, moving, inputs[0]) for element in constants.elements
                       for each in _coordinates(element)),
-                    *(edge for each in told for edge in each.edges)]
+                    *(edge for report in reports for edge in report.edges)]
         return values
     return Trace(make, 3, mechanism.constants)
 
@@ -197,7 +201,7 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
 def _samples(mechanism: Mechanism, low: float, high: float) -> Array:
     """Return rising inputs of a cycle, or of a range, denser at its ends."""
     if mechanism.turns_fully:       # once round, from beside zero
-        return np.asarray(low + 0.3 + np.linspace(0.0, high - low, SAMPLES * mechanism.turns))
+        return np.asarray(low + START + np.linspace(0.0, high - low, SAMPLES * mechanism.turns))
     return samples_of_range(low, high)
 
 
@@ -264,8 +268,9 @@ class PieceEnds(NamedTuple):
 
 def ends_of_turns(curves: CutCurves, count: int, turns: int) -> PieceEnds:
     """Return the ends of pieces of ``count`` mechanisms whose cranks make so many turns."""
+    # One curve after the other adds its ends: the input, the row of the mechanism, may it jump.
     cycle, by_curve = tau * turns, list[tuple[Array, Array, Array]]()
-    x = 0.3 + np.linspace(0.0, cycle, SAMPLES * turns)
+    x = START + np.linspace(0.0, cycle, SAMPLES * turns)
     rows = np.repeat(np.arange(count), x.size)
     order = [k for k in curves.order if not curves.coordinates[k].is_square]
     together = tuple([k for k in order if not curves.follows[k]])
@@ -274,8 +279,8 @@ def ends_of_turns(curves: CutCurves, count: int, turns: int) -> PieceEnds:
         x_there, row_there = np.tile(x, count), rows
         if k in sampled:
             s, slope = (values.ravel() for values in sampled[k])
-        else:       # on both sides of the ends so far
-            sides = [0.3 + np.mod(ends + side * BESIDE * cycle - 0.3, cycle)
+        else:       # it jumps itself at the ends so far: samples on both sides of each
+            sides = [START + np.mod(ends + side * BESIDE * cycle - START, cycle)
                      for ends, *_ in by_curve for side in (-1.0, 1.0)]
             x_there = np.concatenate([x_there, *sides])
             row_there = np.concatenate([rows, *[row for _, row, _ in by_curve for _ in range(2)]])
@@ -289,12 +294,13 @@ def ends_of_turns(curves: CutCurves, count: int, turns: int) -> PieceEnds:
     ends, row, are_jumps = map(np.concatenate, zip(*by_curve))
     inorder = np.lexsort((ends, row))
     ends, row, are_jumps = ends[inorder], row[inorder], are_jumps[inorder]
-    # nearer ends are one, the last of a cycle and the first of the next too
+    # Ends that touch are one. Before the first end of a row comes its last one, a cycle earlier.
     is_first = np.diff(row, prepend=-1) > 0
     before = np.roll(ends, 1)
     before[is_first] = ends[np.roll(is_first, -1)] - cycle
     is_apart = ends - before > TOUCHING * cycle
-    are_jumps |= np.isin(row, row[are_jumps & ~is_apart])       # with one that goes, all may
+    # where a jump is left out for an end that it touches, all ends of its row may be jumps
+    are_jumps |= np.isin(row, row[are_jumps & ~is_apart])
     ends, row, are_jumps = ends[is_apart], row[is_apart], are_jumps[is_apart]
     column = rank_of(row)
     inputs = np.full((count, int(column.max(initial=-1)) + 1), np.nan)
@@ -305,19 +311,21 @@ def ends_of_turns(curves: CutCurves, count: int, turns: int) -> PieceEnds:
 
 def _turning_points(values: Function, x: Array, slope: Array, before: Array) -> Array:
     """Return where a coordinate turns back in intervals after some inputs, by its slopes."""
-    # values: inputs and which of the intervals they are in -> coordinate and slope
+    # values: inputs and which of the intervals they are in -> coordinate and slope; before: the
+    # indices of the inputs x after which the slope changes its sign
     low, high = x[before], x[before + 1]
-
-    def newton(x: Array, which: Array) -> tuple[Array, Array]:
-        turn = 2.0**-24 * (high - low)[which]
-        here, there = values(x, which)[1], values(x + turn, which)[1]
-        with np.errstate(all='ignore'):
-            return here, here * turn / (there - here)
     if not before.size:
         return low
+
+    def newton(position: Array, which: Array) -> tuple[Array, Array]:
+        """Return the slope and the step of Newton's method to its zero, by a difference."""
+        apart = 2.0**-24 * (high - low)[which]
+        here, there = values(position, which)[1], values(position + apart, which)[1]
+        with np.errstate(all='ignore'):
+            return here, here * apart / (there - here)
     first, last = slope[before], slope[before + 1]
-    return newton_roots(newton, np.arange(low.size), low, high, first,
-                        low + first / (first - last) * (high - low))
+    secant = low + first / (first - last) * (high - low)
+    return newton_roots(newton, np.arange(low.size), low, high, first, secant)
 
 
 def _turns_back(slope: Array, row: Array) -> Array:

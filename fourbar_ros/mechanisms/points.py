@@ -30,18 +30,19 @@ def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFie
 
 def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
                across: float) -> Function:
+    """Return (a motion of the mechanism) -> the ten fields of PointMotion, of a number type."""
     hypot, where = n.hypot, n.where
 
     def point(motion: NamedFields) -> tuple[Scalar, ...]:
         x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
         speed = hypot(v_x, v_y)
         square = speed * speed
-        # no ``if``: the formula is recorded too. ``where`` computes both sides, so divisors are
-        # chosen, not quotients; below some 1e-162 m/s the square is zero
-        moves = square > 0.0
-        per, per_square = where(moves, (speed, square), (nan, nan))
-        tangential, normal = (a_x * v_x + a_y * v_y) / per, (a_y * v_x - a_x * v_y) / per
-        return (x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, normal / per_square)
+        # Where the point rests, the divisors are NaN: ``where`` computes both sides, so that no
+        # quotient may divide by zero. Below some 1e-162 m/s the square is zero.
+        divisor, of_curvature = where(square > 0.0, (speed, square), (nan, nan))
+        tangential, normal = (a_x * v_x + a_y * v_y) / divisor, (a_y * v_x - a_x * v_y) / divisor
+        curvature = normal / of_curvature
+        return x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, curvature
     return point
 
 

@@ -74,9 +74,9 @@ class StatedMechanism(ABC):
 
     @abstractmethod
     def joint_loads(self, n: NumberType, constants: Constants, motion: parts.NamedFields,
-                    told: list[Any] | None = None) -> Any:
+                    reports: list[Any] | None = None) -> Any:
         """Return the fields of LOADS that are no DERIVED ones, for constants of a number type."""
-        # told: takes what joints with friction tell, each a Told.
+        # reports: a list to which joints with friction append a FrictionReport
 
     @property
     @abstractmethod

@@ -85,7 +85,7 @@ def exact_sum(terms: Sequence[float]) -> float:
 
 
 def exact_sum_of_four(terms: Sequence[Array]) -> Array:
-    """Return :func:`exact_sum` of up to four arrays: roundings are added last."""
+    """Return :func:`exact_sum` of two to four arrays, zero below SNAP: roundings come last."""
     a, b, c, d = list(terms) + [np.zeros(1)] * (4 - len(terms))
     (first, e1), (second, e2) = _two_sum(a, b), _two_sum(c, d)
     total, e3 = _two_sum(first, second)
@@ -93,7 +93,7 @@ def exact_sum_of_four(terms: Sequence[Array]) -> Array:
     is_nothing = abs(total.real) <= SNAP * sum([abs(term.real) for term in terms])
     if not is_nothing.any():
         return total
-    # a complex step stays
+    # the imaginary part is a complex step, which stays
     return np.where(is_nothing, 1j * total.imag if np.iscomplexobj(total) else 0.0, total)
 
 

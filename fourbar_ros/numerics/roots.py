@@ -221,7 +221,7 @@ def newton_roots(function: Function, which: Array, xa: Array, xb: Array, fa: Arr
 
 def halve(is_before: Callable[[float], bool], low: float, high: float) -> tuple[float, float]:
     """Return the neighbouring floats between which ``is_before`` turns from true to false."""
-    # It is true at low and false at high, which may be the larger one.
+    # It is true at low and false at high; low may be the larger number of both.
     while True:
         middle = 0.5 * (low + high)
         if not min(low, high) < middle < max(low, high):

@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
-import itertools
 import math
 import operator
 from typing import Any, NamedTuple, Union
@@ -40,7 +39,7 @@ NEUTRAL = {'add': 0.0, 'sub': 0.0, 'mul': 1.0, 'truediv': 1.0}     # x + 0, x - 
 # operations that raise for some floats: a root of a negative number, a division by zero
 REFUSING = ('sqrt', 'truediv', 'pow', 'exact_sum', 'power_of_two')
 
-MakeFormula = Callable[[NumberType, Any], Function]
+MakeFormula = Callable[[NumberType, Any], Function]      # (number type, data) -> formula
 
 
 class Step(NamedTuple):
@@ -136,9 +135,9 @@ class Trace:
 
     ``make_formula``: (number type, data) -> formula, a function of ``count`` numbers that gives a
     sequence of numbers or of such sequences. ``data``: nested records of floats, any, as all data
-    of a structure have the same record. ``size``: how many. ``steps``: first the inputs, then the
-    data, then all others, each after its arguments. ``results``, nested, and ``varies``, a set:
-    the indices of the results of the formula, and of all that depends on an input.
+    of a structure have the same record; ``size`` counts these. ``steps``: first the inputs, then
+    the data, then all others, each after its arguments. ``results``, nested, and ``varies``, a
+    set: the indices of the results of the formula, and of all that depends on an input.
     """
 
     def __init__(self, make_formula: MakeFormula, count: int, data: Any = ()) -> None:
@@ -146,11 +145,11 @@ class Trace:
         self.steps: list[Step] = []
         self._index_of: dict[Hashable, int] = {}
         self.count, self.size = count, len(numbers_of(data))
-        symbols = iter([Number(self, self._append(Step('input' if i < count else 'datum')))
-                        for i in range(count + self.size)])
         self.varies = set(range(count))
-        inputs = list(itertools.islice(symbols, count))
-        formula = make_formula(RECORDED, converted(data, lambda _: next(symbols)))
+        inputs = [Number(self, self._append(Step('input'))) for _ in range(count)]
+        of_data = iter([Number(self, self._append(Step('datum'))) for _ in range(self.size)])
+        # converted() takes them one by one, in the order of numbers_of()
+        formula = make_formula(RECORDED, converted(data, lambda _: next(of_data)))
         self.results: Any = converted(formula(*inputs), self._index)
 
     def add(self, operation: str, *values: Recordable, value: Any = None) -> Recordable:

@@ -255,16 +255,15 @@ def checked_cylinder(cylinder: Any, driven: str) -> Cylinder | None:
 
 def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
     """Return a dyad d with other lengths, {'d.first.along': 0.4, 'd.length_1': 1.2, ...}."""
-    # They are any numbers, even arrays, and not checked.
-    changed: dict[str, Any] = {
-        end: getattr(dyad, end)._replace(**{
-            name: lengths[f'{dyad.name}.{end}.{name}'] for name in ('along', 'across')
-            if f'{dyad.name}.{end}.{name}' in lengths}) for end in ('first', 'second')}
-    changed.update((name, lengths[f'{dyad.name}.{name}']) for name in DIMENSIONS[dyad.kind]
-                   if f'{dyad.name}.{name}' in lengths)
+    # They are any numbers, even arrays, so they are set past the checks of the frozen dataclass.
     copied = copy(dyad)
-    for name, value in changed.items():
-        object.__setattr__(copied, name, value)
+    for end in ('first', 'second'):
+        names = {name: f'{dyad.name}.{end}.{name}' for name in ('along', 'across')}
+        object.__setattr__(copied, end, getattr(dyad, end)._replace(**{
+            name: lengths[of_scene] for name, of_scene in names.items() if of_scene in lengths}))
+    for name in DIMENSIONS[dyad.kind]:
+        if f'{dyad.name}.{name}' in lengths:
+            object.__setattr__(copied, name, lengths[f'{dyad.name}.{name}'])
     return copied
 
 

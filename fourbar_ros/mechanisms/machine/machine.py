@@ -376,23 +376,24 @@ class Machine(Mechanism):
         return [dyad.name for dyad in self.stages].index(end.dyad)
 
     def _why_no_motion(self, position: float) -> FourBarError:
+        """Return the error of all mechanisms, of a toggle with the name of its dyad."""
         error = super()._why_no_motion(position)
-        unit = self.input_coordinate.unit
-        if isinstance(error, Toggle):
-            flat = next((name for x, name in self._ranges.flats.items()
-                         if self.distance(position, x) == 0.0), None)
-            return Toggle(error.name, position, unit,
-                          flat or self.stages[self._stage_at(position)].name)
+        name, unit = self.input_coordinate.position, self.input_coordinate.unit
+        if isinstance(error, Toggle):       # at the end of a range, or where a pair lies flat
+            lying_flat = next((dyad for x, dyad in self._ranges.flats.items()
+                               if self.distance(position, x) == 0.0), None)
+            return Toggle(name, position, unit,
+                          lying_flat or self.stages[self._stage_at(position)].name)
         x, turns = position, [0.0]
         if not self.is_driven_by_slide:
             x, turns = remainder(position, 2.0 * pi), [-2.0 * pi, 0.0, 2.0 * pi]
-        # within a range all dyads close, so that one of them is at a toggle
+        # Within a range all dyads close: one is so near to its toggle that floats cannot solve it.
         if self.is_in_stroke(position) and any(
                 low <= x + turn <= high for low, high in self.closing_ranges for turn in turns):
-            return Toggle(self.input_coordinate.position, position, unit, self._dyad_at(x))
+            return Toggle(name, position, unit, self._unsolved_dyad(x))
         return error
 
-    def _dyad_at(self, position: float) -> str:
+    def _unsolved_dyad(self, position: float) -> str:
         """Return the name of the first dyad that cannot be solved at an input; one cannot."""
         machine = self.layout, self.dyad_lengths, self.signs
         poses = Poses(hangings(REAL, *machine), driven_link(REAL, *machine, position))
@@ -427,10 +428,10 @@ class Machine(Mechanism):
                        constants.sign)
 
     def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
-                    told: list[Any] | None = None) -> Any:
+                    reports: list[Any] | None = None) -> Any:
         return loads_of(n, self.layout, constants.lengths, constants.bodies, constants.gravity,
                         constants.external, motion,
-                        self.friction_in(n, constants, 1.0, told, motion.rate)
+                        self.friction_in(n, constants, 1.0, reports, motion.rate)
                         if self.friction else None)
 
     @property

@@ -43,11 +43,13 @@ class PairRange:
 
     def __init__(self, stage: Stage, lengths: DyadLengths) -> None:
         """Compute the factors once, from the dyad's lengths with their ``shape``."""
-        # That is (|a|, |g|, ...) where a pin joins the links it hangs on; with a slide (sigma
-        # where the slide is zero, e, ...): see shaped().
+        # shape: where a pin joins the links it hangs on, (|a|, |g|, half the angle from g to a,
+        # ...), |g| of RRP the distance of its line; with a slide (sigma where it is zero, e, ...).
         assert stage.pair is not None
+        # the angle of RRP counts from the normal of its line, so that its sine is a cosine
         self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
-        # sigma where the slide is zero, or the direction of the other link where the angle is
+        # what the relative slide or angle of both links, as Ends give it, is counted from: sigma
+        # where the slide is zero, or twice the half angle as (cosine, sine)
         self._start: Any = (lengths.shape[0] if self.slides
                             else turned_by(lengths.shape[2], lengths.shape[2]))
         self._factors = _factors(stage, lengths)

@@ -140,12 +140,15 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     per, per_rho, per_b = 1.0 / n.power_of_two(rho, b), 1.0 / rho, 1.0 / b
     of_pin = along * per_rho, -across * per_rho         # turned back from the crank
     of_base = -base_x * per_b, -base_y * per_b          # from the base to O1
-    root = n.sqrt(s)                                    # no length is below zero
+    root = n.sqrt(s)        # refuses a length below zero: root - root is 0, or in arrays NaN
+    # angles as cosine, sine, first and second derivative: x of the base seen along the cylinder,
+    # theta2 from there to the crank; the transmission angle is that of b
     sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (K2)
     (cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, *_), (cos_2, sin_2, d_2, dd_2) = sides
     crank = pairs.turned_by(pairs.turned_by((cos_2, sin_2), of_base), of_pin)
     rod = pairs.turned_by((cos_x, -sin_x), of_base)
-    # half the angle of the crank: of where psi is +-pi/2, and of psi from there on
+    # Half the angle of the crank, without a jump in its range, in which psi is on one side of the
+    # base line: half its angle where psi = +-pi/2, and half of how far psi is from there.
     (x, y), z = pairs.turned_by(of_base, of_pin), sign * sin_2
     middle = pairs.half_angle(n, sign * y, -sign * x, True)
     beyond = pairs.half_angle(n, -z, sign * cos_2, True)
@@ -153,7 +156,7 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     error = (rho / b + b / rho + 2.0 * n.fabs(cos_2)) / (n.fabs(sin_2) + TINY)           # (K3)
     square = per * per
     return Driven(LinkMotion(*dyads.ORIGIN, *crank, d_2 * per, dd_2 * square), (0.0, error), half,
-                  None, (s, (*rod, -d_x * per, -dd_x * square), -sin_b, cos_b))
+                  of_cylinder=(s, (*rod, -d_x * per, -dd_x * square), -sin_b, cos_b))
 
 
 class Poses:

@@ -63,29 +63,31 @@ AT_REST = 16.0 * EPS   # a relative rate below this part of the rates of both li
 NO_FORCE = Vector(0.0, 0.0)
 
 Matrix = Sequence[Sequence[Scalar]]
-Felt = tuple[Scalar, Scalar]      # of a pin x and y of its force; of a guide normal force, couple
+# What a joint transmits, its friction grows with: of a pin x and y of its force, of a guide its
+# normal force and couple.
+Felt = tuple[Scalar, Scalar]
 
 
-class Told(NamedTuple):
-    """What joints with dry friction that are solved together tell of their pose."""
+class FrictionReport(NamedTuple):
+    """What is known of joints with dry friction that are solved together, in a pose."""
 
     joints: list[str]
     locks: Scalar           # NaN where they lock together, else 0
-    edges: list[Scalar]     # at whose zeros loads jump, or their slopes
+    edges: list[Scalar]     # numbers at whose zeros over the input loads jump, or their slopes
 
 
-class Rubbing(NamedTuple):
-    """A joint with friction in a pose: what its effort of size one, against its rate, does."""
+class RubbingJoint(NamedTuple):
+    """A joint with friction in a pose: what an effort of 1 against its rate does."""
 
     name: str
     joint: str             # first, inner or second of a dyad; base
     friction: Any          # its JointFriction, of any numbers
     slide: int | None      # index of the slide of the dyad that it is; None of a pin
-    rate: Scalar           # its relative rate at unit rate of the input
-    moving: Scalar         # that, 0 of a joint that is at rest but for rounding
-    needs: tuple[Needs, Needs]      # of both links of the dyad
-    force: Vector          # on the link that slides
-    couple: Scalar         # on the second link that is pinned
+    rate: Scalar           # relative rate at unit rate of the input [rad/rad], [m/rad] ...
+    moving: Scalar         # the same, 0 of a joint that is at rest but for rounding
+    needs: tuple[Needs, Needs]      # by how much those of both links of the dyad grow
+    force: Vector          # the effort itself: on the block of a guide
+    couple: Scalar         # ... on the second link of a pin
 
 
 class MachineFriction:
@@ -93,40 +95,40 @@ class MachineFriction:
 
     # by_joint: {joint of the layout, or 'drive': its friction}; dry: {joint that has a
     # coefficient: whether its block has a length}; rate, direction: of the input, its direction by
-    # direction_of(); unit: of lengths [m]; told: to it those of the joints are appended, by dyad.
+    # direction_of(); unit: of lengths [m]; reports: a list that takes one for each dyad.
     def __init__(self, n: NumberType, layout: structure.Layout, by_joint: Mapping[str, Any],
                  dry: Mapping[str, bool], rate: Scalar, direction: Scalar, unit: Scalar,
-                 told: Any) -> None:
+                 reports: Any) -> None:
         self._n, self._layout, self._by_joint, self._dry = n, layout, by_joint, dry
-        self._rate, self._unit, self._direction, self._told = rate, unit, direction, told
+        self._rate, self._unit, self._direction, self._reports = rate, unit, direction, reports
         self.paid: Any = 0.0     # what friction takes of the drive [N m], [N]
 
     @property
     def gate(self) -> Scalar:
         """Return NaN where any joints lock, else 0."""
         gate = 0.0
-        for told in self._told:
-            gate = gate + told.locks
+        for report in self._reports:
+            gate = gate + report.locks
         return gate
 
     def _pin(self, name: str, joint: str, first: LinkMotion, second: LinkMotion,
-             needs: tuple[Needs, Needs]) -> Rubbing:
+             needs: tuple[Needs, Needs]) -> RubbingJoint:
         """Return a pin between two links that move so, at unit rate of the input."""
         fabs = self._n.fabs
         rest = 0.0 if first is FIXED else AT_REST * (fabs(first.omega) + fabs(second.omega))
         rate = second.omega - first.omega
-        return Rubbing(name, joint, self._by_joint[name], None, rate, self._moving(rate, rest),
-                       needs, NO_FORCE, -1.0)
+        return RubbingJoint(name, joint, self._by_joint[name], None, rate,
+                            self._moving(rate, rest), needs, NO_FORCE, -1.0)
 
     def _guide(self, name: str, joint: str, slide: int, block: LinkMotion, carrier: LinkMotion,
-               arm: Vector, t: Vector, needs: tuple[Needs, Needs]) -> Rubbing:
+               arm: Vector, t: Vector, needs: tuple[Needs, Needs]) -> RubbingJoint:
         """Return a guide along t on a carrier, on which the block begins at an arm."""
         fabs, turned = self._n.fabs, arm.normal * carrier.omega
         rest = 0.0 if carrier is FIXED else AT_REST * (fabs(block.v_x) + fabs(block.v_y))
         rate = t.dot(Vector(block.v_x - carrier.v_x - turned.x,
                             block.v_y - carrier.v_y - turned.y))
-        return Rubbing(name, joint, self._by_joint[name], slide, rate, self._moving(rate, rest),
-                       needs, -t, 0.0)
+        return RubbingJoint(name, joint, self._by_joint[name], slide, rate,
+                            self._moving(rate, rest), needs, -t, 0.0)
 
     def _moving(self, rate: Scalar, rest: Scalar) -> Scalar:
         """Return a relative rate at unit rate of the input, 0 if it is no more than ``rest``."""
@@ -134,9 +136,9 @@ class MachineFriction:
         return moving
 
     def _joints_of(self, stage: Stage, lengths: DyadLengths, slides: Sequence[Scalar],
-                   e: Sequence[Vector], curves: Sequence[LinkMotion]) -> list[Rubbing]:
+                   e: Sequence[Vector], curves: Sequence[LinkMotion]) -> list[RubbingJoint]:
         """Return the joints of a dyad that rub; of a cylinder the pin of the crank too."""
-        joints, sliding = list[Rubbing](), slides_of(stage, lengths)
+        joints, sliding = list[RubbingJoint](), slides_of(stage, lengths)
         for joint, name in stage.joints():
             if name not in self._by_joint:
                 continue
@@ -187,10 +189,11 @@ class MachineFriction:
             return with_drive_along(forces, e[stage.link] * drive) if is_cylinder else forces, (
                 drive)
 
-        def felt(forces: DyadForces, of: Rubbing) -> Felt:
-            if of.slide is not None:
-                return forces.normals[of.slide], getattr(forces, f'{of.joint}_couple')
-            force: Vector = forces.first if of.joint == BASE else getattr(forces, of.joint)
+        def felt(forces: DyadForces, rubbing: RubbingJoint) -> Felt:
+            if rubbing.slide is not None:
+                return forces.normals[rubbing.slide], getattr(forces, f'{rubbing.joint}_couple')
+            # the pin of the crank feels what the rod of the cylinder does
+            force: Vector = getattr(forces, 'first' if rubbing.joint == BASE else rubbing.joint)
             return force.x, force.y
 
         needs = held[stage.link], held[stage.link + 1]
@@ -217,10 +220,10 @@ class MachineFriction:
         for effort, joint in zip(efforts, joints):
             self.paid = self.paid + self._unit * (joint.rate * effort)
         if dry:
-            self._tell([(joints[k], felt(forces, joints[k])) for k in dry], locks)
-        return rubbed(forces, efforts, joints), drive
+            self._report([(joints[k], felt(forces, joints[k])) for k in dry], locks)
+        return with_efforts_at_joints(forces, efforts, joints), drive
 
-    def _sizes(self, joints: Sequence[Rubbing],
+    def _sizes(self, joints: Sequence[RubbingJoint],
                affine: Sequence[tuple[LinearForm, LinearForm]]) -> tuple[list[Any], Scalar]:
         """Return the sizes of the dry efforts of joints, and NaN where they lock, else 0."""
         # affine: what each feels as linear forms of all of these sizes.
@@ -230,10 +233,10 @@ class MachineFriction:
                                 for joint in joints], at_none, columns, SHARES[
             :None if any(self._dry[joint.name] for joint in joints) else -1])[:2]
 
-    def _tell(self, joints: Sequence[tuple[Rubbing, Felt]], locks: Scalar) -> None:
+    def _report(self, joints: Sequence[tuple[RubbingJoint, Felt]], locks: Scalar) -> None:
         edges = [edge for joint, felt in joints for edge in (joint.moving, *self._edges(
             joint.name, joint.slide is not None, felt))]
-        self._told.append(Told([joint.name for joint, _ in joints], locks, edges))
+        self._reports.append(FrictionReport([joint.name for joint, _ in joints], locks, edges))
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
         """Return the drive with the friction of the driven joint and of the drive itself."""
@@ -254,11 +257,11 @@ class MachineFriction:
         return drive
 
     def _size_at_base(self, is_slide: bool, felt: Felt) -> Scalar:
-        self._told.append(Told([BASE], 0.0, self._edges(BASE, is_slide, felt)))
+        self._reports.append(FrictionReport([BASE], 0.0, self._edges(BASE, is_slide, felt)))
         return _dot(self._law(BASE, is_slide)(felt), felt)
 
     def _viscous(self, friction: Any, rate: Scalar, is_pin: bool) -> Scalar:
-        """Return the viscous effort [N unit], [N]; ``rate`` as of :class:`Rubbing`."""
+        """Return the viscous effort [N unit], [N]; ``rate`` as of :class:`RubbingJoint`."""
         per = 1.0 / self._unit if is_pin else self._unit
         effort: Scalar = (friction.viscous * per) * (rate * self._rate)
         return effort
@@ -319,7 +322,7 @@ class OpenForces(list[OpenJoint]):
 class OpenFriction(MachineFriction):
     """Friction whose sizes are left open, as with it goes an acceleration that is not known."""
 
-    _told: OpenForces
+    _reports: OpenForces
 
     def _open(self, name: str, is_slide: bool, felt: tuple[Any, Any], moving: Scalar) -> Any:
         def edges(felt: Felt) -> list[Scalar]:
@@ -327,15 +330,15 @@ class OpenFriction(MachineFriction):
                 return [felt[0]] if is_slide else []
             fabs, tilt = self._n.fabs, 2.0 * self._unit / self._by_joint[name].length * felt[1]
             return [felt[0], tilt, fabs(tilt) - fabs(felt[0])]
-        self._told.append(OpenJoint(name, self._law(name, is_slide), felt, moving, edges))
+        self._reports.append(OpenJoint(name, self._law(name, is_slide), felt, moving, edges))
         return LinearForm({name: 1.0})
 
-    def _sizes(self, joints: Sequence[Rubbing],
+    def _sizes(self, joints: Sequence[RubbingJoint],
                affine: Sequence[tuple[LinearForm, LinearForm]]) -> tuple[list[Any], Scalar]:
         return [self._open(joint.name, joint.slide is not None, felt, joint.moving)
                 for joint, felt in zip(joints, affine)], 0.0
 
-    def _tell(self, joints: Sequence[tuple[Rubbing, Felt]], locks: Scalar) -> None:
+    def _report(self, joints: Sequence[tuple[RubbingJoint, Felt]], locks: Scalar) -> None:
         pass
 
     def _size_at_base(self, is_slide: bool, felt: Felt) -> Any:
@@ -343,7 +346,7 @@ class OpenFriction(MachineFriction):
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
         drive = super().of_base(first, second, drive)
-        self._told.paid, self._told.tilts = self.paid, any(self._dry.values())
+        self._reports.paid, self._reports.tilts = self.paid, any(self._dry.values())
         return drive
 
     @property
@@ -351,15 +354,16 @@ class OpenFriction(MachineFriction):
         return 0.0
 
 
-def rubbed(forces: DyadForces, efforts: Sequence[Scalar], joints: Sequence[Rubbing]) -> DyadForces:
-    for effort, of in zip(efforts, joints):
-        if of.joint == BASE:
+def with_efforts_at_joints(forces: DyadForces, efforts: Sequence[Scalar],
+                           joints: Sequence[RubbingJoint]) -> DyadForces:
+    """Return the forces of a dyad, which balance efforts, with these efforts in its joints."""
+    for effort, rubbing in zip(efforts, joints):
+        if rubbing.joint == BASE:       # the pin of the crank is none of the dyad
             continue
-        force: Vector = getattr(forces, of.joint)
-        couple = f'{of.joint}_couple'
+        couple = f'{rubbing.joint}_couple'
         forces = forces._replace(**{
-            of.joint: force + of.force * effort,
-            couple: getattr(forces, couple) + of.couple * effort})
+            rubbing.joint: getattr(forces, rubbing.joint) + rubbing.force * effort,
+            couple: getattr(forces, couple) + rubbing.couple * effort})
     return forces
 
 
@@ -388,9 +392,7 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
     locks = n.where((change - converged * total).real > 0.0, nan, 0.0)
     every = range(len(laws))
     if not by_minors:
-        for k, row in enumerate(_reduced(matrix, list(map(_dot, slopes, at_none)))):
-            locks = locks + n.where(row[k].real > 0.0, 0.0, nan)
-        return sizes, locks, felt
+        return sizes, locks + locked_by_pivots(n, matrix), felt
     for count in range(1, len(laws) + 1):
         minors = 0.0
         for chosen in combinations(every, count):
@@ -402,10 +404,14 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
 def locked(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], felt: Sequence[Felt],
            columns: Sequence[Sequence[Felt]]) -> Scalar:
     """Return 0 where joints that feel this are free, all pivots of 1 - G M positive, or NaN."""
-    slopes = [law(pair) for law, pair in zip(laws, felt)]
-    locks, every = 0.0, range(len(laws))
-    matrix = [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in every] for i in every]
-    for k, row in enumerate(_reduced(matrix, [0.0] * len(laws))):
+    slopes, every = [law(pair) for law, pair in zip(laws, felt)], range(len(laws))
+    return locked_by_pivots(n, [[float(i == j) - _dot(slopes[i], columns[j][i]) for j in every]
+                                for i in every])
+
+
+def locked_by_pivots(n: NumberType, matrix: Matrix) -> Scalar:
+    locks = 0.0
+    for k, row in enumerate(_reduced(matrix, [0.0] * len(matrix))):
         locks = locks + n.where(row[k].real > 0.0, 0.0, nan)
     return locks
 
