@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Mapping, Sequence
+from math import radians
 import re
 from typing import Any, NamedTuple
 
@@ -168,7 +169,7 @@ def _point(text: str) -> DrawnPoint:
                                 'ANGLE" or "mode MODE" behind it')
     return DrawnPoint(name, (of('m')(x), of('m')(y)),
                       bool(re.fullmatch(r'O\d*', name)) or more == ['ground'],
-                      of('rad')(options['slide']) if 'slide' in options else None,
+                      radians(of('rad')(options['slide'])) if 'slide' in options else None,
                       assembly_mode(options['mode']) if 'mode' in options else None)
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import inf, isnan, radians
+from math import degrees, inf, isnan, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -207,6 +207,7 @@ LONGEST = 20.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
 FAR_THICKER = 5.0       # than a rod is long: in millimetres
+ROUNDED = 1e-9          # [deg] off a whole number, of one that was given in degrees
 
 
 def warnings_of(scene: Scene) -> list[str]:
@@ -245,10 +246,17 @@ def _warnings(scene: Scene) -> Iterator[str]:
                        f'did you mean {value * 1e-3:g}?' if value > FAR_THICKER * shortest else
                        'give the mass and inertia of such links (bodies.LINK.mass)'))
 
-    start = scene.drive.start
-    if abs(start) > linkage.period:
-        yield (f'drive.start = {start:g} rad is more than a turn: did you mean '
-               f'{radians(start):.5g} ({start:g} degrees)?')
+    turn = linkage.period if linkage.period < inf else tau      # two turns at some change points
+    wide = [(name, angle) for name, value in values.items()
+            if name != 'drive.jump' and not name.endswith('.places')    # which have a unit
+            for angle in (value if isinstance(value, list) else [value])
+            if isinstance(angle, float) and abs(angle) > turn
+            and unit_in(of_name(name), values) == 'rad'
+            and abs(degrees(angle) - round(degrees(angle))) > ROUNDED]      # else a text, 720deg
+    if wide:
+        name, angle = wide[0]
+        too = f' (and {len(wide) - 1} more)' if len(wide) > 1 else ''
+        yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{too}'
 
     carried = scene.drive.carried_inertia       # with which the torque of the rest may be unstable
     if carried != 0.0 and linkage.bodies is not None:

@@ -1,9 +1,10 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """One's own linkage on the command line: new, list, table, plot, describe, units; no ROS."""
+from cmath import rect
 from contextlib import suppress
 import csv
-from math import degrees, pi
+from math import degrees, pi, radians
 import os
 from pathlib import Path
 import shlex
@@ -18,6 +19,8 @@ from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.units import of
 from fourbar_ros.terminal import PlainConsole
+from hypothesis import assume, given
+from hypothesis import strategies as st
 import numpy as np
 import pytest
 
@@ -77,6 +80,24 @@ def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
         assert np.hypot(*(place - (places[name] - origin))) < 1e-12
     assert scene.kind == kind and linkage.loads(scene.drive.start, 1.0).driving_torque
     assert main(['scene', 'check', 'my.yaml']) == 0
+
+
+@given(st.integers(-180, 180).flatmap(lambda angle: st.sampled_from([
+    (f'{angle}deg', radians(angle)), (f'{angle}', radians(angle)),
+    (f'{radians(angle)!r}rad', radians(angle)), (f'{angle / 360.0!r}turn', radians(angle))])))
+def test_the_block_of_points_slides_in_the_direction_that_is_asked_for(tmp_path_factory, asked):
+    """By its way from where it is drawn: no part across, within the rounding of the pose."""
+    text, angle = asked
+    along, pin = rect(1.0, angle), 0.25 - 0.2j
+    assume(abs((along.conjugate() * (pin - 0.045j)).real) > 0.05)       # else its mode is asked
+    file = tmp_path_factory.mktemp('drawn') / 'my.yaml'
+    assert main(['new', str(file), '--points', 'O 0 0', 'A 0 45mm',
+                 f'B 250mm -200mm slide {text}']) == 0
+    scene = load_scene(file)
+    for ahead in (0.0, 0.02, 0.05):
+        pose = diagram_of(scene.linkage, scene.linkage.motion(scene.drive.start + ahead))
+        away = along.conjugate() * (complex(*[*pose.joints.values()][-1]) - pin)
+        assert abs(away.imag) < 1e-14 and (abs(away) < 1e-14) == (ahead == 0.0)
 
 
 @pytest.mark.parametrize(('line', 'text'), [

@@ -37,9 +37,15 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 500.0}, []),
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 0.5,
       'springs.back.preload': 400.0}, []),
-    ({'drive.start': 90.0}, ['did you mean 1.5708 (90 degrees)?']),
+    ({'drive.start': 90.0}, ['did you mean 90deg?']),
     ({'drive.start': -6.3}, ['drive.start = -6.3 rad is more than a turn']),
     ({'drive.start': 6.28, **RODS}, []),
+    ({'drive.start': '720deg', 'drive.jump': 7.0}, []),
+    ({'linkage.range': [30.0, 60.0]}, ['linkage.range = 30 rad']),
+    ({**RODS, 'torsion_springs.s.free_angle': 45.0, 'torsion_springs.s.stiffness': 1.0},
+     ['torsion_springs.s.free_angle = 45 rad is more than a turn: did you mean 45deg?']),
+    ({'frame.parent': 'world', 'frame.rpy': [0.0, 90.0, 180.0]},
+     ['frame.rpy = 90 rad is more than a turn: did you mean 90deg? (and 1 more)']),
     ({'linkage.a1': 5.0, 'linkage.a2': 10.0, 'linkage.a3': 8.0, 'linkage.a4': 9.0}, []),
     ({'bodies.rods.density': 100.0, 'bodies.rods.radius': 0.199}, []),
     ({'linkage.a1': 50.0, 'linkage.a2': 90.0, 'linkage.a3': 80.0, 'linkage.a4': 70.0,
@@ -95,7 +101,7 @@ def test_verbs_warn_on_stderr_and_go_on(verb, tmp_path, capsys):
     out, err = capsys.readouterr()
     assert out
     assert err == (f'fourbar: warning: {file}: drive.start = 90 rad is more than a turn: '
-                   'did you mean 1.5708 (90 degrees)?\n')
+                   'did you mean 90deg?\n')
 
 
 def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
