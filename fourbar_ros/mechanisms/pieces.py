@@ -174,6 +174,16 @@ def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
     return float(np.nanmin(inorder)), float(np.nanmax(inorder))
 
 
+def inside_pieces(mechanism: Mechanism) -> Array:
+    """Return inputs over the whole input, one in each piece at least, none at their ends."""
+    ends, inputs = (mechanism.pieces or Pieces((), ())).ends, list[Array]()
+    for low, high in _ranges(mechanism):
+        x = np.union1d(_samples(mechanism, low, high), (low, high, *ends))
+        x = x[(x >= low) & (x <= high)]
+        inputs.append(0.5 * (x[:-1] + x[1:]))
+    return np.concatenate(inputs)
+
+
 def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     """Return the pieces of a mechanism with friction at a rate and acceleration of the input."""
     # Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads

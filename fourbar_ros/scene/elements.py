@@ -16,6 +16,7 @@ from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.elements import (
     Attachment,
     Distance,
@@ -32,7 +33,7 @@ from fourbar_ros.mechanisms.elements import (
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.pieces import span_of
+from fourbar_ros.mechanisms.pieces import inside_pieces, span_of
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.scene.parameters import names_in, point_in
 from fourbar_ros.scene.settings import APART, COUPLE, ParameterValues, POSITION_UNITS
@@ -68,21 +69,45 @@ def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element,
 
 
 def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
-    """Yield a line for each force table that ends, with a force, before its position does."""
+    """Yield a line for each table whose force never acts, or ends before its position does."""
     for name, element in zip(element_names(values), mechanism.elements):
         if not isinstance(element, PositionForce) or not isinstance(element.value, TableForce) or (
-                element.value.period < inf):
+                element.factor == 0.0 or not any(element.value.table.values)):
             continue
-        table = element.value.table
+        table, over = element.value.table, values[f'{name}.over']
         low, high = span_of(mechanism, partial(element.position, ARRAY))
+        first, last = table.places[0], table.places[-1]
+        is_angle = isinstance(element.over, LinkAngle) or (
+            element.over == INPUT and not mechanism.is_driven_by_slide)
+        unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
+        ends = [f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (first, last, low, high)]
+        ranges = (f'its table goes from {ends[0]} to {ends[1]}, {over} from {ends[2]} to '
+                  f'{ends[3]} {unit}')
         slack = ROUNDED * (high - low)
-        if low < table.places[0] - slack and table.values[0] or (
-                high > table.places[-1] + slack and table.values[-1]):
-            unit = values[f'{name}.place_unit'] or 'm'      # tables over angles are periodic
-            first, last, least, most = (f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (
-                table.places[0], table.places[-1], low, high))
-            yield (f'{name}: its table goes from {first} to {last}, {values[f"{name}.over"]} from '
-                   f'{least} to {most} {unit}: beyond its ends the force is that at the end')
+        if not _acts(values, mechanism, element):
+            is_outside = not is_angle and (last < low or first > high)
+            if element.is_one_way and not is_outside:
+                ranges = f'{over} never goes {element.when} where its table has a force'
+            is_in_mm = unit == 'm' and first * 1e-3 < high and last * 1e-3 > low
+            yield (f'{name} never acts: {ranges}'
+                   + (': did you mean mm?' if is_outside and is_in_mm else ''))
+        elif element.value.period == inf and (
+                low < first - slack and table.values[0]
+                or high > last + slack and table.values[-1]):
+            yield f'{name}: {ranges}: beyond its ends the force is that at the end'
+
+
+def _acts(values: ParameterValues, mechanism: Mechanism, force: PositionForce) -> bool:
+    """Return whether a force is not 0 at some input, in a direction in which the drive moves."""
+    speed = values['drive.speed']
+    is_one_way = mechanism.turns_fully and values['drive.source'] == 'timer' and speed
+    x: Any = inside_pieces(mechanism)
+    for rate in [speed] if is_one_way else [1.0, -1.0]:
+        moving = {**mechanism.link_motions(mechanism.motion(x, rate)), GROUND: FIXED}
+        if any(np.any(part) for push in force.forces(ARRAY, moving, x, rate, 1.0)
+               for part in (push.force_x, push.force_y, push.couple)):
+            return True
+    return False
 
 
 def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:

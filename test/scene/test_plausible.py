@@ -70,6 +70,35 @@ def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
     assert f'goes from {first} to {last}, slide from {low} to {high} {unit or "m"}: ' in line
 
 
+# a force on the block of a slider-crank of 40 and 160 mm, which goes from 120 to 200 mm
+@pytest.mark.parametrize(('changes', 'said'), [
+    ({'places': [150.0, 190.0]}, 'from 150 to 190, slide from 0.12 to 0.2 m: did you mean mm?'),
+    ({'places': ['20cm', '21cm'], 'values': [0.0, 5.0]}, 'from 0.2 to 0.21, slide from 0.12 to'),
+    ({'places': [0.0, 0.15, 0.3], 'values': [0.0, 0.0, 0.0]}, ''),
+    ({'places': [0.11, 0.13], 'values': [0.0, 0.0], 'factor': 1.0}, ''),
+    ({'places': [0.11, 0.13], 'factor': 0.0}, ''),
+    ({'places': ['199.9999mm', '200mm'], 'values': [0.0, 5.0]}, ''),
+    ({'over': 'theta2', 'places': ['100deg', '120deg'], 'values': [0.0, 5.0]}, ''),
+    ({'over': 'beta', 'places': ['20deg', '40deg'], 'values': [5.0, 0.0], 'when': 'backward'}, ''),
+    ({'over': 'beta', 'places': ['20deg', '30deg', '40deg'], 'values': [0.0, 5.0, 0.0]},
+     'from 0.349066 to 0.698132, beta from -0.25268 to 0.25268 rad'),
+    ({'over': 'input', 'when': 'backward', 'places': ['0deg', '40deg', '360deg'],
+      'values': [0.0, 5.0, 0.0], 'periodic': True}, 'input never goes backward where'),
+    ({'over': 'input', 'when': 'forward', 'places': ['0deg', '40deg', '360deg'],
+      'values': [0.0, 5.0, 0.0], 'periodic': True}, ''),
+    ({'acts': 'apart', 'over': 'distance', 'places': [0.3, 0.4], 'values': [0.0, 5.0]},
+     'from 0.3 to 0.4, distance from 0.12 to 0.2 m')])
+def test_a_force_that_never_acts_is_one_line(changes, said):
+    force = {'link': 'output', 'acts': 'x', 'over': 'slide', 'values': [0.0, 5.0], **changes}
+    lines = [line for line in warnings_of(from_values({
+        'linkage.kind': 'slider_crank', 'linkage.a1': 0.04, 'linkage.a2': 0.16, **RODS,
+        'outputs': ['state'], 'bodies.output.mass': 1.0,
+        **{f'forces.cut.{name}': value for name, value in force.items()}}))
+        if 'never acts' in line]
+    assert len(lines) == bool(said)
+    assert all(line.startswith('forces.cut never acts: ') and said in line for line in lines)
+
+
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
     def said(carried):
         return warnings_of(from_values({**PAPER, **RODS, 'drive.carried_inertia': carried}))
