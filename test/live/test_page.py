@@ -308,6 +308,67 @@ def test_a_finger_drags_a_joint(touch, driver, address):
     assert driver.execute_script('return scrollY') == 0
 
 
+VIEW = 'const { x, y, scale } = page.picture.view; return [x, y, scale]'
+
+
+def wheel(tab, place, up):
+    """Turn the wheel at a place of the window, by so many notches."""
+    tab.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
+        'type': 'mouseWheel', **dict(zip('xy', place)), 'deltaX': 0, 'deltaY': -100 * up})
+
+
+def test_the_wheel_zooms_the_ground_is_pulled_and_a_key_shows_all_again(tab):
+    first, a, b = tab.script(VIEW), tab.place('A'), tab.place('B')
+    wheel(tab, a, 4)
+    tab.until(lambda: tab.script(VIEW)[2] == pytest.approx(2.0 * first[2], rel=1e-9), 'twice')
+    assert tab.place('A') == pytest.approx(a, abs=1.0)      # what is below the pointer stays
+    assert tab.place('B')[0] - a[0] == pytest.approx(2.0 * (b[0] - a[0]), abs=2.0)
+    x, y = tab.place('O_1')
+    at = tab.state['view']['at']
+    tab.drag((x - 90, y - 40), (x - 80, y - 50), (x - 50, y - 100))
+    assert tab.place('O_1') == pytest.approx((x + 40, y - 60), abs=1.0)
+    assert tab.state['view']['at'] == at
+    xs = tab.script("return [...document.querySelectorAll('#picture .bar')].map(e => "
+                    "Number(e.getAttribute('x1')))")
+    assert min(abs(x1 - x - 40 + tab.script("return document.getElementById('picture')"
+                                            '.getBoundingClientRect().x')) for x1 in xs) < 1.0
+    view = tab.script(VIEW)
+    tab.write('linkage.a2', '1.1')          # the picture is not fitted behind one's back
+    assert tab.script(VIEW) == view
+    tab.write('linkage.a2', '1.2')
+    tab.script('page.picture.svg.focus({ preventScroll: true })')
+    tab.keys('+', '-')
+    assert tab.script(VIEW) == pytest.approx(view, rel=1e-12)
+    tab.keys('0')
+    assert tab.script(VIEW) == first
+    wheel(tab, a, -4)
+    tab.until(lambda: tab.script(VIEW) != first, 'half')
+    tab.click('all of the picture')
+    assert tab.script(VIEW) == first
+
+
+def test_two_fingers_zoom_and_put_down_nothing(touch, driver, address):
+    def fingers(phase, *places):
+        driver.execute_cdp_cmd('Input.dispatchTouchEvent', {'type': phase, 'touchPoints': [
+            {**dict(zip('xy', place)), 'id': i} for i, place in enumerate(places)]})
+    tab = Tab(driver, address)
+    for tool in ('pose', 'new'):
+        tab.script('page.useTool(arguments[0])', tool)
+        tab.until(lambda: (tab.state['view']['tool'] == 'rods') == (tool == 'new'), 'the tool')
+        scale, before = tab.script(VIEW)[2], tab.state['scene']
+        x, y, width, height = tab.script('const b = page.picture.svg.getBoundingClientRect(); '
+                                         'return [b.x, b.y, b.width, b.height]')
+        x, y = x + width / 2, y + height / 2
+        fingers('touchStart', (x - 40, y))
+        fingers('touchStart', (x - 40, y), (x + 40, y))
+        for far in (50, 60, 80):
+            fingers('touchMove', (x - far, y), (x + far, y))
+        fingers('touchEnd')
+        tab.until(lambda: tab.script(VIEW)[2] == pytest.approx(2.0 * scale, rel=0.02), 'twice')
+        assert tab.state['scene'] == before
+    assert 'ground pivot' in tab.text_of('said')        # no click was taken
+
+
 # --- without a server ---
 
 def test_a_file_needs_no_server_and_no_network(driver, file):

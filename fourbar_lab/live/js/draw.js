@@ -520,7 +520,7 @@ export function addDrawing(page) {
     addTool({
       name, label: label_, title, hintNow: () => hintOf(kind),
       begin: () => showDraft(kind),
-      redraw: () => draft.ends && showDraft(kind),
+      redraw: () => (draft.origin || draft.ends) && showDraft(kind),
       down(place) {
         click(kind, place);
         showDraft(kind);

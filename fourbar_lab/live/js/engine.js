@@ -106,23 +106,26 @@ export class Engine {
     const margin = 1e-6 * (high - low);
     return Math.min(Math.max(x, low + margin), high - margin);
   }
-  /** The input at which a joint is nearest to a place; a path crosses itself: far inputs count as farther. */
+  /** The input at which a joint is nearest to a place, of the samples, refined; a path crosses itself: far inputs count as farther. */
   nearest(joint, [x, y], from) {
-    const span = this.ranges.reduce((sum, [low, high]) => sum + high - low, 0), size = this.size;
-    const far = s => {
-      if (!this.at(s)) return Infinity;
-      const [u, v] = this.joint(joint);
-      return Math.hypot(u - x, v - y) + (0.05 * size * Math.abs(s - from)) / span;
+    const span = this.ranges.reduce((sum, [low, high]) => sum + high - low, 0), ref = this.structure.sketch.joints[joint][0];
+    const far = input => {
+      const [u, v] = this.point(ref);
+      return Math.hypot(u - x, v - y) + (0.05 * this.size * Math.abs(input - from)) / span;
     };
-    let best = this.inside(from), least = far(best);
-    const take = s => {
-      const input = this.inside(s), distance = far(input);
+    const { inputs, rows } = this.sweep, { to } = this;
+    let best = from, least = Infinity;
+    const take = input => {
+      const distance = far(input);
       if (distance < least) [best, least] = [input, distance];
     };
-    for (let i = -60; i <= 60; i++) take(from + (i * span) / 120);
-    for (let h = span / 120; h > 1e-7 * span; h /= 2) {
-      take(best - h);
-      take(best + h);
+    rows.forEach((row, i) => {
+      this.to = row;
+      take(inputs[i] + (this.turnsFully ? span * Math.round((from - inputs[i]) / span) : 0));
+    });
+    this.to = to;
+    for (let h = span / rows.length; h > 1e-7 * span; h /= 2) {
+      for (const input of [best - h, best + h].map(next => this.inside(next))) if (this.at(input)) take(input);
     }
     return best;
   }

@@ -7,6 +7,7 @@ import { Curves, drawPolygon, shownName, shownUnit } from "./curves.js";
 import { html, numberField, numberOf, Panel, shownNumber } from "./panel.js";
 import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
+const WAYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z_]\w*$/i;
 
 // --- scenes: nested parameters ---
@@ -213,16 +214,21 @@ export async function start(data, source) {
     if (!page.engine) return page.refuse(problem);
     page.refuse(problem || notice);
     svg.classList.toggle("stale", Boolean(problem));
-    if (isFitted) {
-      picture.fit(page.engine, current().isDrawing);
-      if (secondOf(state.view)) picture.include(paleEngine.box);
-    }
+    if (isFitted) fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
     showRun(state.scene === data.scene ? data.run : null);
     if (isFitted) drawRest();
     else drawAll(state);
+  };
+  const fit = isKept => {
+    picture.fit(page.engine, isKept);
+    if (secondOf(store.state.view) && !picture.view.isChosen) picture.include(paleEngine.box);
+  };
+  const fitAnew = () => {
+    picture.view.isChosen = false;
+    fit(false);
   };
   /** Show the time line of a run {time, input, rate, acceleration, words}, of none the button that asks for it. */
   const showRun = run => {
@@ -351,30 +357,71 @@ export async function start(data, source) {
     page.say(current().hint ?? "");
     for (const button of find("tools").children) button.setAttribute("aria-pressed", button.dataset.tool === name);
   };
-  let pointer = null;
-  svg.addEventListener("pointerdown", event => {
-    if (event.button !== 0 || pointer !== null) return;
-    if (current().down?.(picture.metres(event), event, hitOf(event)) === false) return;
-    [pointer, latest] = [event.pointerId, event];
-    svg.setPointerCapture(pointer);
+  /** Zoom and move the picture; without a factor all of it is shown. */
+  const look = (factor, ...places) => {
+    if (factor) picture.zoom(factor, ...places);
+    else if (page.engine) fitAnew();
+    else picture.clear();
+    if (page.engine) {
+      picture.drawTraces(page.engine, store.state.view.layers);
+      drawPose(store.state);
+    } else current().redraw?.();
+  };
+  find("fit").onclick = () => look(0);
+  svg.addEventListener("wheel", event => {
     event.preventDefault();
+    look(2 ** (-event.deltaY * (event.deltaMode ? 0.1 : event.ctrlKey ? 0.02 : 0.0025)), picture.at(event));
+  }, { passive: false });
+  // one pointer acts as the tool says or pulls the ground, two fingers zoom
+  const down = new Map();               // {pointer: its last event}
+  let pointer = null, waiting = null, latest = null, isPulled = false;
+  const begin = event => {
+    [waiting, pointer, latest] = [null, event.pointerId, event];
+    isPulled = event.button === 1 || current().down?.(picture.metres(event), event, hitOf(event)) === false;
+    if (isPulled && event.pointerType === "touch") pointer = null;      // the page scrolls
+  };
+  const end = event => {
+    pointer = null;
+    if (!isPulled) current().up?.(picture.metres(event), event, hitOf(event));
+    isPulled = false;
+    store.seal();
+  };
+  svg.addEventListener("pointerdown", event => {
+    if (event.button > 1) return;
+    svg.setPointerCapture(event.pointerId);
+    event.preventDefault();
+    down.set(event.pointerId, event);
+    if (down.size > 1) {
+      waiting = null;
+      if (pointer !== null) end(latest);
+    } else if (event.pointerType === "touch" && current().isDrawing) waiting = event;      // a second finger may come
+    else begin(event);
   });
   svg.addEventListener("pointermove", event => {
-    if (pointer !== null && event.pointerId !== pointer) return;
+    const before = down.get(event.pointerId), [x, y] = picture.at(event);
+    if (before) down.set(event.pointerId, event);
+    if (before && down.size === 2) {
+      const [[x0, y0], [u, v]] = [before, ...[...down.values()].filter(other => other !== event)].map(other => picture.at(other));
+      return look(Math.hypot(x - u, y - v) / Math.hypot(x0 - u, y0 - v), [(x0 + u) / 2, (y0 + v) / 2], [(x - x0) / 2, (y - y0) / 2]);
+    }
+    if (waiting && Math.hypot(event.clientX - waiting.clientX, event.clientY - waiting.clientY) > 8) begin(waiting);
+    if (waiting || (pointer !== null && event.pointerId !== pointer)) return;
+    if (isPulled && before) {
+      const [x0, y0] = picture.at(before);
+      return look(1, [x, y], [x - x0, y - y0]);
+    }
     latest = event;
     current().move?.(picture.metres(event), event, hitOf(event));
   });
-  let latest = null;        // event that tells where the pointer is: one that is taken away tells nothing
-  const leave = event => {
-    if (event.pointerId !== pointer) return;
-    pointer = null;
-    const told = event.type === "pointerup" ? event : latest;
-    current().up?.(picture.metres(told), told, hitOf(told));
-    store.seal();
-  };
-  // a finger on a grip moves it and scrolls nothing
-  svg.addEventListener("touchstart", event => event.target.closest?.(".grip") && event.preventDefault(), { passive: false });
-  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) svg.addEventListener(kind, leave);
+  for (const kind of ["pointerup", "pointercancel", "lostpointercapture"]) svg.addEventListener(kind, event => {
+    down.delete(event.pointerId);
+    if (waiting && event.type === "pointerup") begin(waiting);
+    waiting = null;
+    // an event that is taken away tells no place
+    if (event.pointerId === pointer) end(event.type === "pointerup" ? event : latest);
+  });
+  // a finger on a grip moves it, two zoom, and both scroll nothing
+  svg.addEventListener("touchstart", event => (event.touches.length > 1 || event.target.closest?.(".grip")) && event.preventDefault(), { passive: false });
   let held = null;
   page.addTool({ name: "pose", label: "Move", title: "Drag a joint: the mechanism follows",
     down(place, event, hit) {
@@ -390,7 +437,7 @@ export async function start(data, source) {
   // a tool by keys: arrows move a cross, by 20 px or with Shift by one, Enter clicks, Space presses and lets go
   let cross = null, isPressed = false;
   const byKeys = event => {
-    const tool = current(), way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    const tool = current(), way = WAYS[event.key];
     if (event.target !== svg || !tool.isDrawing || !(way || event.key === "Enter" || event.key === " ")) return false;
     event.preventDefault();
     cross ??= { at: [picture.width / 2, picture.height / 2], mark: draw(svg, "path", { class: "cross" }) };
@@ -405,6 +452,11 @@ export async function start(data, source) {
   };
   svg.addEventListener("blur", () => (cross?.mark.remove(), (cross = null)));
   svg.addEventListener("keydown", event => {
+    const zoom = { "+": 1.25, "=": 1.25, "-": 0.8, 0: 0 }[event.key], pull = event.ctrlKey && WAYS[event.key];
+    if (zoom !== undefined || pull) {
+      event.preventDefault();
+      return pull ? look(1, [0, 0], pull.map(part => -40 * part)) : look(zoom, [picture.width / 2, picture.height / 2]);
+    }
     if (byKeys(event)) return;
     if (current().key?.(event) || !page.engine) return;
     const [low, high] = [page.engine.ranges[0][0], page.engine.ranges.at(-1)[1]], step = (high - low) / 180;
@@ -523,7 +575,7 @@ export async function start(data, source) {
   };
   for (const [words, act] of Object.entries(page.files)) find("files").append(html("button", { type: "button", textContent: words, onclick: () => (problem && words !== "scene (YAML)" ? page.say(`nothing to save: ${problem}`) : act()) }));
 
-  addEventListener("resize", later(100, () => page.engine && (picture.fit(page.engine), drawAll(store.state))));
+  addEventListener("resize", later(100, () => page.engine && (fit(false), drawAll(store.state))));
   addEventListener("hashchange", () => {
     try {
       const { scene, view: { at, acceleration = 0, curves = null } } = readAddress(location.hash, data.scene);

@@ -112,7 +112,7 @@ class Room {
 export class Picture {
   constructor(svg) {
     this.svg = svg;
-    this.view = { x: 0, y: 0, scale: 1, perNewton: 0 };
+    Object.assign(this, { view: { x: 0, y: 0, scale: 1, perNewton: 0 }, usual: 1 });
     [this.under, this.behind, this.main, this.grips, this.over] = ["under", "behind", "main", "grips", "over"].map(name => draw(svg, "g", { class: `fb ${name}` }));
     [this.paleSheet, this.sheet] = [new Sheet(this.behind), new Sheet(this.main)];
     this.measure();
@@ -128,16 +128,26 @@ export class Picture {
     this.measure();
     for (const group of [this.under, this.behind, this.main, this.grips, this.over]) group.replaceChildren();
     this.gripped = "";
-    this.view = { scale: 2 * this.width, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
+    this.usual = 2 * this.width;
+    this.view = { scale: this.usual, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
   }
   pixels([x, y]) { return [(x - this.view.x) * this.view.scale, (this.view.y - y) * this.view.scale]; }
+  /** The place [px] of an event of a pointer in the picture. */
+  at(event) {
+    const box = this.svg.getBoundingClientRect();
+    return [((event.clientX - box.left) * this.width) / box.width, ((event.clientY - box.top) * this.height) / box.height];
+  }
   /** The place [m] of an event of a pointer. */
   metres(event) {
-    const box = this.svg.getBoundingClientRect();
-    const x = ((event.clientX - box.left) * this.width) / box.width, y = ((event.clientY - box.top) * this.height) / box.height;
+    const [x, y] = this.at(event);
     return [this.view.x + x / this.view.scale, this.view.y - y / this.view.scale];
   }
-  /** Choose the scales, so that all poses, and forces of the usual size, have room; `isKept`: poses have the scale that they have while they are inside. */
+  /** Draw what is at (x, y) so many times as large and move it by (dx, dy) [px]; the picture keeps this view. */
+  zoom(factor, [x, y], [dx, dy] = [0, 0]) {
+    const { view, usual } = this, scale = Math.min(Math.max(view.scale * factor, usual / 50), usual * 1000);
+    this.view = { ...view, scale, isChosen: true, x: view.x + x / view.scale - (x + dx) / scale, y: view.y - y / view.scale + (y + dy) / scale };
+  }
+  /** Choose the scales, so that all poses, and forces of the usual size, have room, unless somebody chose a view; `isKept`: poses have the scale that they have while they are inside. */
   fit(engine, isKept) {
     this.measure();
     const [low, high] = engine.box, size = engine.size, margin = this.width < 600 ? 34 : 60;
@@ -148,7 +158,8 @@ export class Picture {
     const width = high[0] - low[0] + reach || size, height = high[1] - low[1] + reach || size;
     const scale = Math.min((this.width - 2 * margin) / width, (this.height - 2 * margin) / height);
     const perNewton = longest > 0 ? (LONGEST * size) / longest : 0, [[left, foot], [right, top]] = engine.box.map(corner => this.pixels(corner));
-    if (isKept && left > 0 && top > 0 && right < this.width && foot < this.height) this.view.perNewton = perNewton;
+    this.usual = scale;
+    if (this.view.isChosen || (isKept && left > 0 && top > 0 && right < this.width && foot < this.height)) this.view.perNewton = perNewton;
     else this.view = { perNewton, scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale };
   }
   /** Choose a smaller scale where places [m] are outside; whether it did. */
@@ -217,6 +228,7 @@ export class Picture {
     const room = this.room = new Room(this.width, this.height, lines, pins), isNarrow = this.width < 600;
     for (const one of labels) {
       if (one.extra && (layers.values === false || (isNarrow && one.name !== this.chosen))) continue;
+      if (one.anchor.some((value, i) => value < 0 || value > [this.width, this.height][i])) continue;
       const width = 8.4 * plain(one.words).length + 4, box = room.take(one.anchor, one.away, width, 18);
       const [x, y] = one.anchor, [u, v] = [Math.min(Math.max(x, box[0]), box[2]), Math.min(Math.max(y, box[1]), box[3])];
       if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
