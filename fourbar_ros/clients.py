@@ -11,8 +11,6 @@ The order is settled here: the base is in effect before the input is sent, and a
 before the clock. Stamps rise strictly, so that no answer is taken for that to another question:
 one at the time of the last question, or before it, is stamped a nanosecond after the last.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf, isnan, nan
 import time as clock
@@ -25,7 +23,6 @@ from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.ros.messages import Message, resolve, to_stamp
 from fourbar_ros.ros.node.clock_input import CATCH_UP
 from fourbar_ros.scene import topics
-from fourbar_ros.scene.topics import Topic
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
@@ -141,16 +138,16 @@ class LockStep:
         self._client.destroy_node()
         self._context.try_shutdown()
 
-    def _name(self, topic: Topic) -> str:
+    def _name(self, topic: topics.Topic) -> str:
         return topic.topic.replace('~', f'/{self._node.strip("/")}')
 
-    def _listen(self, topic: Topic, qos: QoSProfile | int = DEPTH) -> None:
+    def _listen(self, topic: topics.Topic, qos: QoSProfile | int = DEPTH) -> None:
         def keep(message: Message) -> None:
             self._newest[topic.name] = message
         self._heard.append(self._client.create_subscription(
             resolve(topic.type), self._name(topic), keep, qos))
 
-    def _publisher(self, topic: Topic) -> Any:
+    def _publisher(self, topic: topics.Topic) -> Any:
         if topic.name not in self._publishers:
             self._publishers[topic.name] = self._client.create_publisher(
                 resolve(topic.type), self._name(topic), DEPTH)
@@ -183,7 +180,7 @@ class LockStep:
                            f'{"s" if publishers > 1 else ""}: one LockStep alone can step a node')
             self._executor.spin_once(timeout_sec=AGAIN)
 
-    def _ask(self, topic: Topic, names: Sequence[str], stamp: Any, **fields: Any
+    def _ask(self, topic: topics.Topic, names: Sequence[str], stamp: Any, **fields: Any
              ) -> SimpleNamespace:
         message = resolve(topic.type)(**fields)
         message.header.stamp = stamp

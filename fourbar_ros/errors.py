@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Errors of the core: one base class, one class per reason, the values kept as attributes."""
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

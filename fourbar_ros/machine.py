@@ -34,8 +34,6 @@ A four-bar with a cylinder from its crank, here 'arm', to its coupler, here 'cra
 (-0.419302, -0.20434)
 
 """
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from fourbar_ros.mechanics.bodies import Body, round_rod

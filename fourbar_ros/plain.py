@@ -27,8 +27,6 @@ angle, rate or acceleration is a number or a numpy array, one entry a sample; so
 13.513437 rad/s at 1.667165 rad
 -23.959382 rad/s at 5.913850 rad
 """
-from __future__ import annotations
-
 from collections import namedtuple
 from collections.abc import Sequence
 from typing import Any, NamedTuple

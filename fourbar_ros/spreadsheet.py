@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Tables as CSV: for programs, or for a spreadsheet whose decimal sign is a comma."""
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 import csv
 import io

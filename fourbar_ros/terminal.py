@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Tables for terminals and pipes, by rich: wrapped where they must be, never cropped."""
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

@@ -25,8 +25,6 @@ the range of the input ends): each of its positions belongs to one input.
 
 Positions mean what they say: an angle counts its turns, and is never taken the short way.
 """
-from __future__ import annotations
-
 from math import ceil, inf, tau
 from typing import Any, NamedTuple
 

@@ -1,18 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar balance``: counterweights for a scene."""
-from __future__ import annotations
-
 import argparse
 from math import isnan
-from typing import TYPE_CHECKING
 
-from fourbar_ros.cli.common import add_output, add_scene, add_verb, PICTURE_HELP, Verbs
-from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.cli import common
 from fourbar_ros.scene.units import of
-
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_lab.balancing import Balance, Places
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -32,10 +25,10 @@ examples:
 """
 
 
-def add(verbs: Verbs) -> None:
-    verb = add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of how good',
-                    DESCRIPTION, EPILOG)
-    add_scene(verb)
+def add(verbs: common.Verbs) -> None:
+    verb = common.add_verb(verbs, 'balance', 'find counterweights for a scene, with a proof of '
+                                             'how good', DESCRIPTION, EPILOG)
+    common.add_scene(verb)
     verb.add_argument('--minimize', nargs='+', metavar='LOAD',
                       help='force, moment, torque or a joint reaction, as f21; if several, each '
                            'counts relative to its value before balancing')
@@ -48,13 +41,14 @@ def add(verbs: Verbs) -> None:
                       help='greatest distance of a counterweight from the first joint of its '
                            'link: M for every link that turns (default: half the longest '
                            'length), or instead LINK=M for each of those that get one')
-    add_output(verb, '-o', '--out', metavar='SCENE', suffix='.yaml', help='scene file to write')
-    add_output(verb, '--plot', metavar='PICTURE', suffix='.png',
-               help=f'force, moment and torque before and after: {PICTURE_HELP}')
-    add_output(verb, '--front', metavar='PICTURE', suffix='.png',
-               help='with --minimize: what remains for each mass up to --mass: '
-                    f'{PICTURE_HELP}')
-    verb.add_argument('--points', type=positive_integer, default=100, metavar='N',
+    common.add_output(verb, '-o', '--out', metavar='SCENE', suffix='.yaml',
+                      help='scene file to write')
+    common.add_output(verb, '--plot', metavar='PICTURE', suffix='.png',
+                      help=f'force, moment and torque before and after: {common.PICTURE_HELP}')
+    common.add_output(verb, '--front', metavar='PICTURE', suffix='.png',
+                      help='with --minimize: what remains for each mass up to --mass: '
+                           f'{common.PICTURE_HELP}')
+    verb.add_argument('--points', type=common.positive_integer, default=100, metavar='N',
                       help='points of --front (default 100)')
     verb.set_defaults(run=_run)
 
@@ -66,35 +60,47 @@ def _radius(text: str) -> tuple[str, float]:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from fourbar_lab.balancing import BalanceError, changes, full_force_balance, Loads, Places
-    from fourbar_lab.balancing.result import draw_changes, scene_text
+    from fourbar_lab import balancing
+    from fourbar_lab.balancing.result import draw_changes, draw_front, scene_text, unit_of
     from fourbar_ros.scene.scene import load
     from fourbar_ros.terminal import make_console, make_table
     scene = load(arguments.scene)
-    loads = Loads(scene.linkage, scene.drive.speed)
+    loads = balancing.Loads(scene.linkage, scene.drive.speed)
     radii = {link: radius for link, radius in arguments.radius if link}
     if not radii:
         longest = max(map(abs, scene.linkage.lengths))
         for_all = next((radius for _, radius in arguments.radius), 0.5 * longest)
         radii = {link.name: for_all for link in scene.linkage.LINKS if link.turns}
-    sites = Places(loads, radii)
-    if arguments.minimize:
-        balance, how = _best(arguments, sites)
-    elif arguments.peak or arguments.front or arguments.mass is not None:
-        raise BalanceError('--mass, --peak and --front go with --minimize')
-    else:
-        balance = full_force_balance(sites)
+    sites = balancing.Places(loads, radii)
+    names, most = arguments.minimize, arguments.mass        # loads, and the mass to be added [kg]
+    if not names:
+        if arguments.peak or arguments.front or most is not None:
+            raise balancing.BalanceError('--mass, --peak and --front go with --minimize')
+        balance = balancing.full_force_balance(sites)
         how = f'full force balance, at least {balance.bound:.6g} kg are needed'
+    else:
+        if most is None:
+            raise balancing.BalanceError('--minimize needs --mass: how much may be added')
+        if arguments.peak and (len(names) > 1 or arguments.front):
+            raise balancing.BalanceError('--peak takes one load, and no --front')
+        balance = (balancing.least_peak(sites, names[0], most) if arguments.peak
+                   else balancing.least_rms(sites, names, most))
+        unit = unit_of(loads, names[0]) if len(names) == 1 else 'relative'
+        how = (f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}: '
+               f'{balance.value:.9g} {unit}, and none below {balance.bound:.9g} is possible')
+    if arguments.front:
+        masses = [most * i / (arguments.points - 1 or 1) for i in range(arguments.points)]
+        draw_front(names, balancing.front(sites, names, masses), arguments.front)
     # a workshop's digits; those behind them are the solver's, and the scene file's
     weights = [(weight.link, *(f'{value:.7g}' for value in weight[1:]))
                for weight in balance.counterweights]
     of_loads = [(change.name, change.unit,
                  *('not certain' if isnan(value) else f'{value:.6g}'
                    for value in (*change.rms, *change.peak)))
-                for change in changes(loads, balance.numbers)]
+                for change in balancing.changes(loads, balance.numbers)]
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
-    if scene.linkage.elements and not arguments.minimize:
+    if scene.linkage.elements and not names:
         console.print('of inertia: no masses take away what springs and forces over a position do')
     console.print()
     console.print(make_table('counterweights, from the first joint of their link',
@@ -106,23 +112,3 @@ def _run(arguments: argparse.Namespace) -> None:
         arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:
         draw_changes(loads, balance.numbers, arguments.plot)
-
-
-def _best(arguments: argparse.Namespace, sites: Places) -> tuple[Balance, str]:
-    """Return the balance that --minimize asks for, and its description; draw the --front."""
-    from fourbar_lab.balancing import BalanceError, front, least_peak, least_rms
-    from fourbar_lab.balancing.result import draw_front, unit_of
-    names, mass = arguments.minimize, arguments.mass
-    if mass is None:
-        raise BalanceError('--minimize needs --mass: how much may be added')
-    if arguments.peak and (len(names) > 1 or arguments.front):
-        raise BalanceError('--peak takes one load, and no --front')
-    balance = (least_peak(sites, names[0], mass) if arguments.peak
-               else least_rms(sites, names, mass))
-    if arguments.front:
-        masses = [mass * i / (arguments.points - 1 or 1) for i in range(arguments.points)]
-        draw_front(names, front(sites, names, masses), arguments.front)
-    unit = unit_of(sites.loads, names[0]) if len(names) == 1 else 'relative'
-    how = f'least {"peak" if arguments.peak else "RMS"} of {" and ".join(names)}'
-    return balance, (f'{how}: {balance.value:.9g} {unit}, and none below '
-                     f'{balance.bound:.9g} is possible')

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar draw``: a scene in one pose, with forces and polygons."""
-from __future__ import annotations
-
 from argparse import Namespace
 
 from fourbar_lab.cli import asked

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar generate``: a scene as C code, JavaScript or an FMU."""
-from __future__ import annotations
-
 from argparse import Namespace
 from pathlib import Path
 import sys

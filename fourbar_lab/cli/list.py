@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar list``: the scenes that come with the package."""
-from __future__ import annotations
-
 from argparse import Namespace
 import re
 

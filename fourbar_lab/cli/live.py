@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar live``: a page in the browser that shows a mechanism moving."""
-from __future__ import annotations
-
 from argparse import Namespace
 from pathlib import Path
 

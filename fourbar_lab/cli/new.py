@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar new``: write a scene from a few numbers, with comments, in SI."""
-from __future__ import annotations
-
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Mapping, Sequence
 from math import radians

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar record``: start and stop the bag of a running node."""
-from __future__ import annotations
-
 from argparse import Namespace
 
 from fourbar_ros.cli.common import add_verb, Verbs

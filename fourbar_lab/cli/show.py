@@ -1,18 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar show``: class, limits, extrema and loads of a scene, as tables."""
-from __future__ import annotations
-
 from argparse import ArgumentTypeError, Namespace
-from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli.common import add_pose, add_scene, add_verb, bar, json_line, Verbs
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.scene.units import of, quantity, require, WrongQuantity
-
-if TYPE_CHECKING:      # verbs import when they run
-    from rich.table import Table
 
 SECONDS = 5.0
 EPILOG = """\
@@ -114,7 +108,7 @@ def _show(arguments: Namespace) -> None:
                                for of_load in (False, True))
         title = f'at {rates}, mode {tables.mode_name(linkage)}'
         console = make_console()
-        blocks: list[Table | str | None] = [
+        blocks = [
             tables.linkage_table(linkage, path),
             tables.extrema_table(linkage, of_motion, f'extrema of motion {title}'),
             linkage.why_no_loads or None,

@@ -4,14 +4,20 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from functools import partial
+from math import isfinite, isnan
 import sys
 import time
+from typing import TYPE_CHECKING
 
-from fourbar_lab.cli import tolerances
 from fourbar_ros.cli import common
-from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.terminal import make_console, make_table
+
+if TYPE_CHECKING:      # verbs import when they run
+    from fourbar_lab.studies import Toleranced
 
 ACTIONS = ('run', 'show', 'pick', 'tolerances')
 LISTED = 20         # designs of a front that are shown, evenly spread ones of more
@@ -41,6 +47,13 @@ examples:
   fourbar study tolerances STUDY.yaml          sensitivities, worst case, Monte Carlo
 """
 
+TOLERANCES = """\
+Show how the measures of a study change with the parameters that vary in it, around the middle of
+their tolerances (uniform, normal: three deviations, range): exact derivatives; the worst case by
+the first order and in the corners of the box; and what the rows of the study, drawn at random,
+give.
+"""
+
 
 def add(verbs: common.Verbs) -> None:
     verb = common.add_verb(verbs, 'study', 'compute many designs of a scene; show and pick the '
@@ -64,7 +77,7 @@ def add(verbs: common.Verbs) -> None:
     run.add_argument('--resume', action='store_true',
                      help='go on with a study that was interrupted')
     where = run.add_mutually_exclusive_group()
-    where.add_argument('--workers', type=positive_integer, metavar='N',
+    where.add_argument('--workers', type=common.positive_integer, metavar='N',
                        help='processes on this machine; default: one for each processor')
     where.add_argument('--cluster', metavar='ADDRESS',
                        help='address of a Dask scheduler, tcp://host:8786; its workers need '
@@ -84,12 +97,17 @@ def add(verbs: common.Verbs) -> None:
                       help='file to write; default: print it')
     show.set_defaults(run=_show)
     pick.set_defaults(run=_pick)
-    tolerances.add(actions)
+    parser = actions.add_parser('tolerances', help='sensitivities, worst case and Monte Carlo of '
+                                                   'the tolerances of a study',
+                                description=TOLERANCES, formatter_class=common.HelpFormatter)
+    parser.add_argument('study', metavar='STUDY', help='study (YAML, see docs/studies.md)')
+    parser.add_argument('--rows', type=common.positive_integer, metavar='N',
+                        help='designs to draw; default: the rows of the study')
+    parser.set_defaults(run=_tolerances)
 
 
 def _show(arguments: argparse.Namespace) -> None:
     from fourbar_lab.studies.results import PERCENTILES, Results
-    from fourbar_ros.terminal import make_console, make_table
     results, console = Results(arguments.study), make_console()
 
     def show(title: str, heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
@@ -169,3 +187,97 @@ def _run(arguments: argparse.Namespace) -> int:
         print('fourbar: no design fulfils the constraints, so there is none to show: most fail '
               f'{next(iter(results.counts))}', file=sys.stderr)
     return common.BAD if results.failures else 0
+
+
+# --- tolerances ----------------------------------------------------------------------------------
+
+def _tolerances(arguments: argparse.Namespace) -> None:
+    from fourbar_lab.studies.chunks import compute, FAILED, FEASIBLE, NOT_BUILT
+    from fourbar_lab.studies.results import summary
+    from fourbar_lab.studies.study import read
+    from fourbar_lab.studies.tolerance_analysis import box_of, tolerances
+    import numpy as np
+    study = read(arguments.study)
+    if arguments.rows:
+        study = replace(study, rows=arguments.rows)
+    box, units = box_of(study), {parameter.name: parameter.unit for parameter in study.vary}
+    results, corners = tolerances(study)
+    # all rows that can be built are drawn, feasible or not; objectives are left out
+    to_draw = replace(study, keeps_all=True, objectives={})
+    chunks = [compute(to_draw, index) for index in range(to_draw.chunks)]
+    draws = sum((Counter(chunk.counts) for chunk in chunks), Counter[str]())    # {reason: designs}
+    drawn = {measure.name: summary(measure.name, measure.unit, np.concatenate(
+        [chunk.columns[measure.name] for chunk in chunks]))
+        for measure in study.measures if measure.part != 'class'}
+    known_draws, known_corners = (sum(counts.values()) - counts.get(NOT_BUILT, 0)
+                                  - counts.get(FAILED, 0) for counts in (draws, corners))
+    bounds = list[tuple[str, ...]]()
+    for result in results:
+        measure, value = result.sensitivity.measure, result.sensitivity.value
+        assert not isinstance(value, str)           # tolerances() leaves the class out
+        of_draws = drawn[measure.name]
+        bounds.append((measure.name, measure.unit, *map(_text, (
+            value, value - result.first_order, value + result.first_order, result.corners.least,
+            result.corners.greatest, of_draws.least, of_draws.greatest, *of_draws.percentiles))))
+    console = make_console()
+    for title, heads, rows in (
+            ('box', ('parameter', 'unit', 'middle>', '+->'),
+             [(name, units[name], _text(centre), _text(size))
+              for name, (centre, size) in box.items()]),
+            (f'least and greatest value, and percentiles of {known_draws} designs',
+             ('measure', 'unit', 'middle>', *(f'{end} {way}>' for way in
+                                              ('first order', 'of corners', 'drawn')
+                                              for end in ('least', 'greatest')),
+              '5 %>', '50 %>', '95 %>'), bounds),
+            ('derivatives, and what each tolerance contributes',
+             ('measure', 'parameter', 'derivative>', 'unit', '+->'),
+             [row for result in results for row in _derivative_rows(result, box, units)])):
+        console.print(make_table(title, heads, rows))
+        console.print()
+
+    def counted(missing_draws: int, missing_corners: int, draws: int, corners: int) -> str:
+        """Return how many of the draws and of the corners lack something; '' if none does."""
+        return ' and '.join(f'{missing} of {count} {name}' for missing, count, name in (
+            (missing_draws, draws, 'draws'), (missing_corners, corners, 'corners')) if missing)
+
+    left_out = [(counted(draws.get(reason, 0), corners.get(reason, 0), sum(draws.values()),
+                         sum(corners.values())), reason) for reason in (NOT_BUILT, FAILED)]
+    lines = [f'{count} {reason}' for count, reason in left_out if count]
+    for result in results:
+        name = result.sensitivity.measure.name
+        if missing := counted(drawn[name].missing, result.corners.missing, known_draws,
+                              known_corners):
+            lines.append(f'{name} has no value in {missing}')
+        if result.sensitivity.why_unknown:
+            lines.append(f'{name} has no first order: {result.sensitivity.why_unknown}')
+    for line in lines:
+        console.print(line, soft_wrap=True)
+    if study.bounds:
+        console.print(f'{100.0 * draws[FEASIBLE] / study.rows:.6g} % of the designs fulfil the '
+                      'constraints')
+
+
+def _derivative_rows(result: Toleranced, box: dict[str, tuple[float, float]], units: dict[str, str]
+                     ) -> list[tuple[str, ...]]:
+    """
+    Return the rows of a measure, those that contribute most first; none if no derivative is known.
+
+    ``box``: {parameter: (middle, tolerance)}. A row has measure, parameter, derivative, its unit,
+    and |derivative| times tolerance.
+    """
+    measure, by = result.sensitivity.measure, result.sensitivity.by
+    if not any(map(isfinite, by.values())):
+        return []
+    rows = list[tuple[str, ...]]()
+    shares = {name: abs(by[name]) * size for name, (_, size) in box.items()}
+    for name in sorted(shares, key=lambda name: (isnan(shares[name]), -shares[name])):
+        # the derivative of N m by kg/m has the unit (N m)/(kg/m)
+        above, below = (f'({unit})' if set(unit) & set(' /') else unit or '1'
+                        for unit in (measure.unit, units[name]))
+        rows.append((measure.name, name, _text(by[name]),
+                     above if below == '1' else f'{above}/{below}', _text(shares[name])))
+    return rows
+
+
+def _text(value: float) -> str:
+    return '-' if isnan(value) else f'{value:.6g}'

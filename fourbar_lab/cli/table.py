@@ -1,20 +1,14 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar table`` and ``fourbar plot``: quantities over the input, without ROS or a bag."""
-from __future__ import annotations
-
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 import sys
-from typing import TYPE_CHECKING
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli import common
-from fourbar_ros.scene.arguments import positive_integer
+from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.units import of
-
-if TYPE_CHECKING:      # verbs import when they run
-    from fourbar_ros.scene.scene import Scene
 
 TABLE = """\
 examples:
@@ -66,13 +60,13 @@ def _add_arguments(verb: ArgumentParser, default: str) -> None:
                       help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
                            f'middle.speed of a point; {default}')
     common.add_rates(verb)
-    verb.add_argument('--samples', type=positive_integer, default=361, metavar='N',
+    verb.add_argument('--samples', type=common.positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')
 
 
 def _table(arguments: Namespace) -> None:
     from fourbar_lab.drawing import curves, views
-    from fourbar_ros.spreadsheet import STDOUT
+    from fourbar_ros.spreadsheet import CsvStyle, STDOUT
     scene, linkage, speed = asked(arguments)
     columns = views.columns(scene, arguments.names, (linkage, speed, arguments.acceleration),
                             arguments.samples, arguments.units, arguments.speeds or ())
@@ -81,7 +75,7 @@ def _table(arguments: Namespace) -> None:
         missed = curves.missed_peaks(columns, curves.curves_of(
             scene, linkage, arguments.names, speed, arguments.acceleration, arguments.samples,
             views.shown_units(arguments.units), with_jumps=True))
-    curves.write_table(columns, arguments.out, common.csv_style(arguments))
+    curves.write_table(columns, arguments.out, CsvStyle(arguments.digits, arguments.excel))
     if arguments.out != STDOUT:
         print(arguments.out)
     if missed:

@@ -17,12 +17,12 @@ from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
 from fourbar_lab.drawing.tables import linkage_table, mode_name, rates_in_words
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
+from fourbar_ros.cli.common import Parser
 from fourbar_ros.cli.scene import errors_and_times
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import known_quantities, positions
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 from fourbar_ros.ros.messages import Message, to_stamp
-from fourbar_ros.scene.arguments import Parser
 from fourbar_ros.scene.files import find, NODE
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import INPUTS

@@ -5,8 +5,6 @@ Compare two bags message by message: the same stamp on the same topic is the sam
 
 Joint states of equal stamp, as a robot and a relay send them, are the same if their joints are.
 """
-from __future__ import annotations
-
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Sequence
 from itertools import repeat
@@ -15,8 +13,7 @@ from math import inf
 from pathlib import Path
 from typing import NamedTuple
 
-from fourbar_ros.bag.outputs import largest_difference, names_in
-from fourbar_ros.bag.reader import Bag, Columns, Progress
+from fourbar_ros.bag import outputs, reader
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -42,7 +39,7 @@ class TopicDiff(NamedTuple):
 
 
 def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = None,
-         progress: Progress | None = None) -> list[TopicDiff]:
+         progress: reader.Progress | None = None) -> list[TopicDiff]:
     """
     Return a :class:`TopicDiff` for every topic in either bag, or only for ``topics``.
 
@@ -51,7 +48,7 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     in the order of the topic.
     ``progress`` is called with the count of bytes read of the first bag, from 0 for every topic.
     """
-    bags = Bag(first, progress), Bag(second)
+    bags = reader.Bag(first, progress), reader.Bag(second)
     names = sorted({topic for bag in bags for topic in bag.types})
     for topic in topics or ():
         if topic not in names:
@@ -85,7 +82,7 @@ def diff(first: str | Path, second: str | Path, topics: Sequence[str] | None = N
     return diffs
 
 
-def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Position]:
+def _positions(topic: Sequence[reader.Columns]) -> dict[tuple[int, bytes, int], Position]:
     """
     Return the position of each message by its key, which is equal for equal messages of two bags.
 
@@ -98,7 +95,7 @@ def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Positio
         stamps = columns.stamps
         if stamps is None:
             stamps = np.zeros(len(columns.times), np.int64)
-        fields = names_in(columns.records)
+        fields = outputs.names_in(columns.records)
         names: Iterable[bytes] = repeat(b'')
         if fields:
             names = [b'\0'.join(row) for row in columns.records[fields].tolist()]
@@ -109,19 +106,21 @@ def _positions(topic: Sequence[Columns]) -> dict[tuple[int, bytes, int], Positio
 
 
 def _differences(first: Array, second: Array) -> dict[str, float]:
+    """Return {field, or parameter of scenes: largest difference} of rows of two bags in pairs."""
     of_first, of_second = first.dtype.names or (), second.dtype.names or ()
     largest: dict[str, float] = {}
     for field in dict.fromkeys((*of_first, *of_second)):
         if field not in of_first or field not in of_second:
             largest[field] = inf
             continue
-        apart = largest_difference(first[field], second[field])
+        apart = outputs.largest_difference(first[field], second[field])
         parameters = _parameters_apart(first[field], second[field]) if apart else {}
         largest |= parameters or {field: apart}
     return largest
 
 
 def _parameters_apart(first: Array, second: Array) -> dict[str, float]:
+    """Return {parameter: largest difference} of texts that are scenes as JSON; {} of others."""
     largest: dict[str, float] = {}
     try:
         for texts in zip(first.tolist(), second.tolist()):

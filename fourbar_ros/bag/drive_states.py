@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Step a drive again from each recorded state to the next, as the mover of the node does."""
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan
 from typing import Any
@@ -39,6 +37,7 @@ class DriveStates:
         return self.stepped + self.alone
 
     def change(self, scene: Scene) -> None:
+        """Step from here on with the drive of another scene."""
         self._scene = scene
         self._movers: dict[int, Mover] = {}         # by mode; 0: of the scene
 

@@ -6,8 +6,6 @@ Offsets of the fields of serialised messages, so that numpy reads many messages 
 ``rosbags`` decodes one message at a time; in an array of equal layout a message takes a tenth of
 that time.
 """
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal
 
@@ -56,6 +54,7 @@ class MessageLayout:
         return good
 
     def _walk(self, type_name: str, path: str) -> None:
+        """Note format and offset of each field of a type, from the offset reached so far on."""
         for name, (kind, definition) in self._store.fielddefs[type_name][1]:
             self._field(kind, definition, path + name)
 
@@ -76,6 +75,7 @@ class MessageLayout:
                     self._field(item_kind, item, f'{path}[{index}]')
 
     def _base(self, kind: str, path: str, count: int | None) -> None:
+        """Note a text, a number (``count`` None), or an array of numbers, aligned to its size."""
         if kind == 'string':
             length = self._length()
             self._fields[path] = f'S{max(length - 1, 0)}', self._offset     # no final zero

@@ -6,8 +6,6 @@ Bags as rosbag2 of Jazzy lays them out: a folder of files, metadata of version 9
 The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml; each file also holds such
 metadata of that file. (``rosbags`` writes the same only when a bag is closed.)
 """
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -186,6 +184,7 @@ def number_of(file: Path) -> int:
 
 
 def _how_to_convert(path: Path) -> str:
+    """Return the end of a message on a folder without .mcap files: what its bag is instead."""
     if packed := sorted(path.glob('*.mcap.*')):
         return f': {packed[0].name} is compressed as a whole; unpack it first'
     if list(path.glob('*.db3*')):

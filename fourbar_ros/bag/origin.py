@@ -5,15 +5,12 @@ Which scene a bag was made with, and which topic is which output.
 
 Bags of our recorder have the scene in the metadata; in bags of rosbag2 the topics are searched.
 """
-from __future__ import annotations
-
 from collections.abc import Mapping
 import json
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from fourbar_ros.bag.metadata import number_of
-from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.parameters import member_of
 from fourbar_ros.scene.scene import from_values, Scene
@@ -34,14 +31,14 @@ class Origin(NamedTuple):
     is_later: bool              # the bag is a later file of a split bag, alone
 
 
-def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
+def origin_of(path: str | Path | reader.Bag, node: str | None = None) -> Origin:
     """
     Return the Origin of a bag, from the metadata or, of a bag of ``ros2 bag``, from the topics.
 
     ``node``: its name, if the bag has several nodes. Raises BagError if the bag has no
     readable scene, not this node, or several nodes and ``node`` is None.
     """
-    bag = path if isinstance(path, Bag) else Bag(path)
+    bag = path if isinstance(path, reader.Bag) else reader.Bag(path)
     about = bag.about
     try:
         topics = json.loads(about['topics'])
@@ -59,7 +56,7 @@ def origin_of(path: str | Path | Bag, node: str | None = None) -> Origin:
         if node not in (None, name):
             raise BagError(f'{bag.path}: holds no run of {node}, but of {name}')
         return Origin(scene_of(bag, scene), topics, name, in_order=True,
-                      is_later=number_of(bag.files[0]) > 0)
+                      is_later=metadata.number_of(bag.files[0]) > 0)
     types = bag.types
     nodes = sorted(topic.removesuffix('/scene') for topic, type_name in types.items()
                    if type_name == SCENE.type and topic.endswith('/scene')
@@ -112,7 +109,7 @@ def bounded(text: str) -> dict[str, Any]:
     return values
 
 
-def scene_of(bag: Bag, text: str) -> Scene:
+def scene_of(bag: reader.Bag, text: str) -> Scene:
     """Return the Scene of a JSON text in a bag; raises BagError if the text is not a scene."""
     try:
         values = bounded(text)

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Compare the recorded outputs of a bag with the values that were computed again."""
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Sequence, Set
 from math import inf
@@ -72,6 +70,7 @@ class OutputComparison:
         self._waiting: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
 
     def begin(self, scene: Scene) -> None:
+        """Compare from here on with outputs of this scene."""
         self._scene = scene
         self._constant = {'change_point_margin': scene.linkage.change_point_margin,
                           **dict.fromkeys(PLANAR, 0.0), 'header.frame_id': scene.frame_id,
@@ -82,7 +81,12 @@ class OutputComparison:
         self._waiting[name].append((before, raw.time, raw.data))
 
     def compare(self, motions: Motions) -> None:
-        """Compare the outputs of a block of motions; outputs of later motions wait."""
+        """
+        Compare the outputs that wait with the values of a block of motions, by their stamps.
+
+        Outputs of later motions wait on. Per motion and output the messages are counted, for
+        :meth:`missing_and_doubled`.
+        """
         for name in self._scene.topics:
             topic, waiting = self._origin.topics.get(name, ''), self._waiting.pop(name, [])
             counts = np.zeros(len(motions.stamps), np.int32)        # messages of each motion
@@ -121,6 +125,7 @@ class OutputComparison:
 
     def _compare_records(self, name: str, records: Array, motions: Motions, indices: Array
                          ) -> None:
+        """Note the largest difference of each field of outputs from those of their motions."""
         why = motions.why[indices]
         for reason in set(why.tolist()) - {''}:
             self.skipped[reason] += int(np.count_nonzero(why == reason))
@@ -186,6 +191,7 @@ def names_in(records: Array) -> list[str]:
 
 
 def _tells_timeout(record: Array, name: str, scene: Scene) -> bool:
+    """Return whether an output, an array (1,), is what a node sends when its input stops."""
     if 'status' in (record.dtype.names or ()):
         return bool(record['status'][0] == INPUT_TIMEOUT)
     # joint_states may hold positions meanwhile

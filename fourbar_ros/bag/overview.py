@@ -1,16 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Topics, times and state of a bag, and whether it is sound."""
-from __future__ import annotations
-
 from collections import Counter
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
-from fourbar_ros.bag.metadata import LOST, number_of
-from fourbar_ros.bag.origin import origin_of
-from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.bag import metadata, origin, reader
 from fourbar_ros.notebook import html_table, short_repr
 from fourbar_ros.scene.files import as_text
 
@@ -61,7 +57,7 @@ class Info(NamedTuple):
     @property
     def lost(self) -> str:
         """Return what a bag had lost when it was recovered; empty if nothing."""
-        return self.about.get(LOST, '')
+        return self.about.get(metadata.LOST, '')
 
     @property
     def missing(self) -> int:
@@ -74,7 +70,7 @@ class Info(NamedTuple):
                                          or self.lost)
 
 
-def info(path: str | Path, check: bool = False, progress: Progress | None = None) -> Info:
+def info(path: str | Path, check: bool = False, progress: reader.Progress | None = None) -> Info:
     """
     Return the :class:`Info` of a bag.
 
@@ -82,7 +78,7 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     these or metadata.yaml disagree or are missing, every message is read. ``check`` compares
     checksums too. ``progress`` is called with the count of bytes read.
     """
-    bag = Bag(path, progress)
+    bag = reader.Bag(path, progress)
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
     start = end = None
@@ -90,7 +86,7 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
     if is_read:
         following: dict[str, int] = {}      # {topic: sequence number that is due}
         # our recorder counts from 0, other recorders begin anywhere
-        is_from_zero = 'topics' in bag.about and number_of(bag.files[0]) == 0
+        is_from_zero = 'topics' in bag.about and metadata.number_of(bag.files[0]) == 0
         for raw in bag.raw():
             due = following.get(raw.topic, 0 if is_from_zero else raw.sequence)
             gap = (raw.sequence - due) & 0xFFFFFFFF
@@ -121,7 +117,7 @@ def info(path: str | Path, check: bool = False, progress: Progress | None = None
 
 def parameter_file(path: str | Path, source: str, node: str | None = None) -> str:
     """Return the scene of a bag as the text of a ROS 2 parameter file, driven by ``source``."""
-    values = {name: value for name, value in origin_of(path, node).scene.values.items()
+    values = {name: value for name, value in origin.origin_of(path, node).scene.values.items()
               if value == value and value not in ('', [])}
     values.update({'drive.source': source, 'recording.start': False})
     return as_text(values)

@@ -11,8 +11,6 @@ statistics and metadata.yaml are compared with the count of messages read.
 >>> for record in records('bags/run', ['/fourbar/state']):
 ...     print(record.time, record.message.theta4)
 """
-from __future__ import annotations
-
 from bisect import bisect
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -438,6 +436,7 @@ def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapReco
 
 
 def _unpacked(chunk: Chunk) -> list[McapRecord]:
+    """Return the records in a chunk; ValueError for one that is damaged or too large."""
     if chunk.uncompressed_size > LARGEST:
         raise ValueError(f'a chunk of {chunk.uncompressed_size} bytes')
     if chunk.compression not in ('', 'lz4', 'zstd'):
@@ -466,6 +465,7 @@ def _unzipped(data: bytes, most: int) -> bytes:
 
 
 def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
+    """Return the record of a kind, one of KINDS, in the bytes from ``begin`` to ``end``."""
     if opcode == Opcode.MESSAGE:        # most are
         channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
         return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)
@@ -477,7 +477,7 @@ def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
 
 
 def _may_be_mcap(file: Path) -> bool:
-    with open(file, 'rb') as stream:
+    with open(file, 'rb') as stream:        # which may be shorter, or empty: cut at its begin
         return bytes(MCAP0_MAGIC).startswith(stream.read(len(MCAP0_MAGIC)))
 
 

@@ -9,8 +9,6 @@ output follows the motion; in a bag of ``ros2 bag record`` it may also come befo
 wait until both are read. There, joint states may come from a robot or another node too: joint
 states of joints that the scene does not name are no outputs.
 """
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from math import inf
@@ -18,10 +16,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from fourbar_ros import __version__
-from fourbar_ros.bag import outputs, sides
-from fourbar_ros.bag.drive_states import DriveStates
+from fourbar_ros.bag import drive_states, outputs, reader, sides
 from fourbar_ros.bag.origin import Origin, origin_of, scene_of
-from fourbar_ros.bag.reader import Bag, Progress, Raw, software_of
 from fourbar_ros.errors import BagError
 from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.stepper import joints_of, OK, Stepper, TOGGLE, Wanted
@@ -78,7 +74,7 @@ class Recomputed(NamedTuple):
         return texts if self.compared else ['nothing could be compared', *texts]
 
 
-def recompute(path: str | Path, node: str | None = None, progress: Progress | None = None
+def recompute(path: str | Path, node: str | None = None, progress: reader.Progress | None = None
               ) -> Recomputed:
     """
     Compute all outputs of a bag again from their driven motions and compare field by field.
@@ -86,7 +82,7 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
     Differences are absolute; of NaN and NaN 0, of NaN and a number infinite. Memory hardly grows
     with the bag. ``node``: the name, if a bag of ``ros2 bag`` has several nodes. Raises BagError.
     """
-    bag = Bag(path, progress)
+    bag = reader.Bag(path, progress)
     origin = origin_of(bag, node)
     recomputation = Recomputation(bag, origin)
     try:
@@ -101,7 +97,7 @@ def recompute(path: str | Path, node: str | None = None, progress: Progress | No
 class Recomputation:
     """Takes the messages of a bag in order and computes the motions again, in blocks."""
 
-    def __init__(self, bag: Bag, origin: Origin) -> None:
+    def __init__(self, bag: reader.Bag, origin: Origin) -> None:
         self._bag, self._origin = bag, origin
         self._names = {topic: name for name, topic in origin.topics.items()}
         self._comparison = outputs.OutputComparison(bag, origin)
@@ -116,7 +112,7 @@ class Recomputation:
         self._holds_unknown = origin.is_later
         self._drive_states = None
         if origin.scene.dynamics and origin.in_order:
-            self._drive_states = DriveStates(origin.scene, bag.about)
+            self._drive_states = drive_states.DriveStates(origin.scene, bag.about)
         self._joints: joints.SceneJoints | None = None
         # a joint in a bag without this key jumps by a turn where its angle wraps
         self._is_wrapped = origin.in_order and joints.KEY not in bag.about
@@ -126,6 +122,7 @@ class Recomputation:
         self._begin(origin.scene)
 
     def _begin(self, scene: Scene) -> None:
+        """Compute from here on with another scene; joints go on from their last positions."""
         last = self._joints.angles if self._joints else None
         self._scene, self._topics = scene, scene.topics
         self._comparison.begin(scene)
@@ -145,7 +142,12 @@ class Recomputation:
         if self._drive_states:
             self._drive_states.change(scene)
 
-    def take(self, raw: Raw) -> None:
+    def take(self, raw: reader.Raw) -> None:
+        """
+        Take the next message: an output, a motion, a scene, what acts, a torque, a drive state.
+
+        Outputs and motions wait, until a block of motions is computed or the scene changes.
+        """
         name = self._names[raw.topic]
         if name in self._topics:
             if name == outputs.JOINT_STATES and self._joints and not self._joints_have_begun:
@@ -232,6 +234,7 @@ class Recomputation:
         return outputs.Motions(first, later, self._changes, *arrays)
 
     def _compare(self, count: int) -> None:
+        """Compute the first ``count`` motions that wait and compare their outputs."""
         first = self._motion_count - len(self._motions)       # motions before them in the bag
         block, self._motions = self._motions[:count], self._motions[count:]
         self._comparison.compare(self._evaluated(first, block))
@@ -244,6 +247,7 @@ class Recomputation:
         self._comparison.note(name, 'header.frame_id', 0.0 if is_same else inf)
 
     def finished(self) -> Recomputed:
+        """Compute what waits; return the result for the whole bag."""
         self._compare(len(self._motions))
         comparison, counts = self._comparison, self._comparison.counts
         compared = sum(counts.values())
@@ -258,7 +262,7 @@ class Recomputation:
             self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
             dict(comparison.skipped),
             self._drive_states.stepped if self._drive_states else 0, self._other_branch,
-            not self._bag.is_finished, software_of(self._bag.about).get('fourbar_ros', ''))
+            not self._bag.is_finished, reader.software_of(self._bag.about).get('fourbar_ros', ''))
 
 
 def _stamp_of(message: Any) -> int:

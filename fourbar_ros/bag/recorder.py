@@ -7,8 +7,6 @@ A message waits in a bounded queue until the thread takes it. Every ``FLUSH`` se
 ends the chunk and hands it to the kernel, so a killed process loses no more than that; every
 ``SYNC`` seconds the file is synced, so a power cut loses no more than that.
 """
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 import contextlib
@@ -91,7 +89,7 @@ class BagWriter:
         try:
             if shutil.disk_usage(self.path).free < ROOM:
                 raise BagError(NO_ROOM)
-            self._part = BagFile(self.path, 0, self._channels, self._about)
+            self._file = BagFile(self.path, 0, self._channels, self._about)
             self._write_metadata()
         except (OSError, BagError) as error:        # then nothing is left behind
             shutil.rmtree(self.path)
@@ -153,8 +151,8 @@ class BagWriter:
             thread.join()
         if is_first and not self.error:
             self._guarded(lambda: self._finish(why))
-        for part in (*self._ended, self._part):
-            part.file.close()
+        for file in (*self._ended, self._file):
+            file.stream.close()
         if self.error:
             raise BagError(f'{self.path}: {self.error}')
         return self.path
@@ -180,55 +178,57 @@ class BagWriter:
         """Wait until the disk has all that was flushed; close the files that a split has ended."""
         with self._syncing:
             while self._ended:
-                part = self._ended[0]
-                os.fsync(part.file.fileno())
-                part.file.close()
+                file = self._ended[0]
+                os.fsync(file.stream.fileno())
+                file.stream.close()
                 self._ended.popleft()
-            os.fsync(self._part.file.fileno())
+            os.fsync(self._file.stream.fileno())
 
     def _flush(self) -> None:
-        is_first = self._part.span is None
+        """Write what waits in the queue as a chunk; go on in a new file where one is due."""
+        is_first = self._file.span is None
         for index in range(len(self._queue)):
             item = self._queue.popleft()
             if not isinstance(item, _Waiting):
                 self._about[item[0]] = item[1]
                 continue
-            part, now = self._part, item.time       # a step is not torn, and close() waits
-            if part.span and part.span[1] != now and not self._is_closed.is_set() and (
-                    self._split_size and part.size > self._split_size
-                    or self._split_duration and now - part.span[0] >= self._split_duration * 1e9):
-                part.about['dropped'] = str(self.dropped)
-                part.finish(SPLIT)
-                self._before.append(part.content())
-                self._part = BagFile(self.path, len(self._before), self._channels, self._about)
-                self._ended.append(part)            # the thread that syncs waits for the disk
+            file, now = self._file, item.time       # a step is not torn, and close() waits
+            if file.span and file.span[1] != now and not self._is_closed.is_set() and (
+                    self._split_size and file.size > self._split_size
+                    or self._split_duration and now - file.span[0] >= self._split_duration * 1e9):
+                file.about['dropped'] = str(self.dropped)
+                file.finish(SPLIT)
+                self._before.append(file.content())
+                self._file = BagFile(self.path, len(self._before), self._channels, self._about)
+                self._ended.append(file)            # the thread that syncs waits for the disk
                 self._write_metadata()
                 if len(self._ended) > MOST_FILES:   # the disk is slower than the splits
                     self._sync()
-            self._part.add(item)
+            self._file.add(item)
             self._bytes_out += len(item.data)
             if index % BITE == 0:
                 time.sleep(0.0)
-        self._part.flush()
-        if is_first and self._part.span:        # rosbag2 plays from the start in metadata.yaml
+        self._file.flush()
+        if is_first and self._file.span:        # rosbag2 plays from the start in metadata.yaml
             self._write_metadata()
 
     def _finish(self, why: str) -> None:
         self._flush()
-        self._part.about['dropped'] = str(self.dropped)
-        self._part.finish(why)
+        self._file.about['dropped'] = str(self.dropped)
+        self._file.finish(why)
         self._sync()
         self._write_metadata()
 
     def _write_metadata(self) -> None:
-        metadata.write(self.path, metadata.of_files([*self._before, self._part.content()]))
+        metadata.write(self.path, metadata.of_files([*self._before, self._file.content()]))
 
     def _look(self) -> None:
+        """Give up if the file is gone; finish the bag if the disk is nearly full."""
         try:
-            there = os.stat(self._part.path)
+            there = os.stat(self._file.path)
         except FileNotFoundError:
             there = None
-        if not there or not os.path.samestat(there, os.fstat(self._part.file.fileno())):
+        if not there or not os.path.samestat(there, os.fstat(self._file.stream.fileno())):
             self._give_up('its file was removed or replaced')
         elif shutil.disk_usage(self.path).free < ROOM:
             with self._lock:
@@ -241,7 +241,7 @@ class BagWriter:
         try:
             action()
         except Exception as error:      # of any kind: the thread must not end without a word
-            self._part.cut()
+            self._file.cut()
             self._give_up(f'{getattr(error, "strerror", None) or repr(error)}; {LEFT}')
 
     def _give_up(self, why: str) -> None:
@@ -252,8 +252,8 @@ class BagWriter:
             self._tell(f'{self.path}: {self.error}')
 
 
-class _File:
-    """A file without a buffer: after a failed write no rest waits to be written later."""
+class _Unbuffered:
+    """A stream without a buffer: after a failed write no rest waits to be written later."""
 
     def __init__(self, path: Path) -> None:
         self._file = open(path, 'xb', buffering=0)
@@ -275,11 +275,11 @@ class BagFile:
     def __init__(self, folder: Path, index: int, channels: Sequence[Channel],
                  about: Mapping[str, str]) -> None:
         self.path = folder / f'{folder.name}_{index}.mcap'
-        self.file = _File(self.path)
+        self.stream = _Unbuffered(self.path)
         self.about, self._channels = dict(about), channels
         self._counts, self._pending = [0] * len(channels), 0
         self.span: tuple[int, int] | None = None
-        self._writer = Writer(self.file, enable_data_crcs=True)
+        self._writer = Writer(self.stream, enable_data_crcs=True)
         self._writer.start('ros2', 'fourbar_ros')
         self._ids = [self._writer.register_channel(
             channel.topic, 'cdr', self._writer.register_schema(
@@ -303,18 +303,18 @@ class BagFile:
 
     def flush(self) -> None:
         self._writer.flush()
-        self._whole, self._pending = self.file.tell(), 0
+        self._whole, self._pending = self.stream.tell(), 0
 
     def finish(self, why: str) -> None:
         """Write the end of the file, which says why the file ended."""
         self.about['ended'] = why
         self._describe()
         self._writer.finish()
-        self._whole = self.file.tell()
+        self._whole = self.stream.tell()
 
     def cut(self) -> None:
         with contextlib.suppress(OSError):
-            os.ftruncate(self.file.fileno(), self._whole)
+            os.ftruncate(self.stream.fileno(), self._whole)
 
     def content(self) -> FileContent:
         return FileContent(self.path.name, [
@@ -324,4 +324,4 @@ class BagFile:
     def _describe(self) -> None:
         text = metadata.dumped(metadata.of_files([self.content()]))
         self._writer.add_metadata(metadata.RECORD, {metadata.KEY: text})
-        self._whole = self.file.tell()
+        self._whole = self.stream.tell()

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Make a whole bag from the rest that a crash, a full disk or a bad copy left."""
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
@@ -61,6 +59,7 @@ def beside(path: Path) -> Path:
 
 
 def _copied(bag: Bag, index: int, path: Path) -> FileContent:
+    """Copy all that can be read of a file of a bag to ``path``; return what the new file has."""
     about = bag.about_of(index)
     counts: Counter[int] = Counter()
     schemas: dict[int, tuple[Schema, int]] = {}         # {id in the old file: ..., new id}

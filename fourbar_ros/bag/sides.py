@@ -6,8 +6,6 @@ Modes in bags from before a mode was a branch: there it is the side on which a d
 At the flat position of a change point a prescribed motion kept its mode and so jumped to the other
 branch; motion by torque went on smoothly, and its mode changed.
 """
-from __future__ import annotations
-
 from contextlib import suppress
 
 from fourbar_ros.errors import FourBarError

@@ -8,13 +8,11 @@ from pathlib import Path
 import re
 from typing import Any
 
-from fourbar_ros.bag.metadata import folder_beside
-from fourbar_ros.bag.reader import Bag, Columns, Progress
+from fourbar_ros import optional, spreadsheet
+from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.units import in_unit, UNITS
-from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
 FORMATS = ('csv', 'npz', 'parquet')
@@ -24,8 +22,9 @@ FIELD = re.compile(r'^[ \t]*[^#\s]\S*[ \t]+(\w+)[ \t]*(?:#[ \t]*\[([^\]]+)\])?',
 
 
 def export(path: str | Path, out: str | Path, kind: str | None = None,
-           topics: Collection[str] | None = None, progress: Progress | None = None,
-           tell: Callable[[str], object] | None = None, style: CsvStyle = CsvStyle(),
+           topics: Collection[str] | None = None, progress: reader.Progress | None = None,
+           tell: Callable[[str], object] | None = None,
+           style: spreadsheet.CsvStyle = spreadsheet.CsvStyle(),
            units: Mapping[str, str] | None = None) -> dict[str, int]:
     """
     Write each topic of a bag as a table; return {table: rows}.
@@ -39,29 +38,40 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     to write what measures the same}; columns whose unit the definition of their message tells
     then have it behind their name. Raises BagError; MissingPackage without pyarrow.
     """
-    bag, out = Bag(path, progress), Path(out)
+    bag, out = reader.Bag(path, progress), Path(out)
     ending = out.suffix.removeprefix('.')
     kind = kind or (ending if ending in FORMATS else 'csv')
-    names = list(topics) if topics else _decoded(bag, tell or (lambda text: None))
+    names, left_out = list(topics or ()), list[BagError]()
+    for topic in bag.types if not topics else ():
+        try:
+            bag.types_of(topic)
+            names.append(topic)
+        except BagError as error:
+            left_out.append(error)
+    if left_out and not names:
+        raise left_out[0]
+    if tell:
+        for why in left_out:
+            tell(f'left out: {why}')
     for topic in names:
         if topic not in bag.types:
             raise BagError(f'{topic}: not in the bag; it has {", ".join(sorted(bag.types))}')
     if not names:
         raise BagError(f'{path}: holds no topic that can be read')
-    if kind != 'csv' and (out == STDOUT or style != CsvStyle()):
+    if kind != 'csv' and (out == spreadsheet.STDOUT or style != spreadsheet.CsvStyle()):
         raise BagError(f'{out}: standard output, digits and Excel are for csv, not {kind}')
-    is_file = ending == kind or out == STDOUT
+    is_file = ending == kind or out == spreadsheet.STDOUT
     if is_file and kind != 'npz' and len(names) != 1:
         raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')
-    if out.exists() and out != STDOUT:
+    if out.exists() and out != spreadsheet.STDOUT:
         raise BagError(f'{out}: exists already')
     tables = _tables(bag, names, units)
     bag.refuse_damage()
-    if out == STDOUT:
+    if out == spreadsheet.STDOUT:
         for table in tables.values():
             _write_csv(out, table, style)
         return {name: len(table['log_time']) for name, table in tables.items()}
-    with folder_beside(out) as folder:
+    with metadata.folder_beside(out) as folder:
         if kind == 'npz':
             arrays: Any = {f'{name}/{column}': values for name, table in tables.items()
                            for column, values in table.items()}
@@ -76,47 +86,43 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
                     import pyarrow as pa
                     from pyarrow import parquet
                 except ModuleNotFoundError as error:
-                    raise MissingPackage('parquet', error) from None
+                    raise optional.MissingPackage('parquet', error) from None
                 parquet.write_table(pa.table(table), file)
         (next(folder.iterdir()) if is_file else folder).rename(out)
     return {name: len(table['log_time']) for name, table in tables.items()}
 
 
-def _decoded(bag: Bag, tell: Callable[[str], object]) -> list[str]:
-    names, left_out = [], []
-    for topic in bag.types:
-        try:
-            bag.types_of(topic)
-            names.append(topic)
-        except BagError as error:
-            left_out.append(error)
-    if left_out and not names:
-        raise left_out[0]
-    for why in left_out:
-        tell(f'left out: {why}')
-    return names
-
-
-def _tables(bag: Bag, topics: Collection[str], units: Mapping[str, str] | None
+def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] | None
             ) -> dict[str, TopicTable]:
-    """Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state."""
-    parts: dict[str, list[TopicTable]] = {}
+    """
+    Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state.
+
+    Rows are sorted by log times; a column that not all messages of a topic have is NaN or '' in
+    the rest. ``units`` as of :func:`export`.
+    """
+    blocks: dict[str, list[TopicTable]] = {}
     for columns in bag.columns(topics):
-        parts.setdefault(columns.topic, []).append(table_of(columns))
-    tables = {topic: _joined(tables) for topic, tables in parts.items()}
-    if units is not None:
-        for topic, table in tables.items():
-            known, renamed = units_in(bag, topic), {}
-            for column, values in table.items():
-                if (si := unit_of(column, known)) in UNITS:
-                    unit = units.get(si, si)
-                    column, values = f'{column} [{unit}]', in_unit(values, si, unit)
-                renamed[column] = values
-            tables[topic] = renamed
-    return {topic.strip('/').replace('/', '.'): table for topic, table in tables.items()}
+        blocks.setdefault(columns.topic, []).append(table_of(columns))
+    tables: dict[str, TopicTable] = {}
+    for topic, of_topic in blocks.items():
+        known = units_in(bag, topic) if units is not None else {}
+        order = np.argsort(np.concatenate([block['log_time'] for block in of_topic]),
+                           kind='stable')
+        table = tables[topic.strip('/').replace('/', '.')] = {}
+        for column in dict.fromkeys(name for block in of_topic for name in block):
+            filled = next(block[column] for block in of_topic if column in block)
+            nothing = np.full(1, '' if filled.dtype.kind == 'U' else np.nan)
+            values = np.concatenate([
+                block.get(column, np.repeat(nothing, len(block['log_time'])))
+                for block in of_topic])[order]
+            if units is not None and (si := unit_of(column, known)) in UNITS:
+                unit = units.get(si, si)
+                column, values = f'{column} [{unit}]', in_unit(values, si, unit)
+            table[column] = values
+    return tables
 
 
-def units_in(bag: Bag, topic: str) -> dict[str, str]:
+def units_in(bag: reader.Bag, topic: str) -> dict[str, str]:
     """Return {field: unit} by the comments in the definition of messages, where all agree."""
     units: dict[str, str] = {}
     for field, unit in FIELD.findall(bag.definition_of(topic)):
@@ -130,7 +136,7 @@ def unit_of(column: str, units: Mapping[str, str]) -> str:
     return units.get(column.partition('[')[0].rpartition('.')[2], '')
 
 
-def table_of(columns: Columns) -> TopicTable:
+def table_of(columns: reader.Columns) -> TopicTable:
     """Return the columns of messages: log time, stamp, each number and each text."""
     table, stamps = {'log_time': columns.times}, columns.stamps
     # the names of a JointState, unless they change: position[crank], else position[0]
@@ -152,18 +158,5 @@ def table_of(columns: Columns) -> TopicTable:
     return table
 
 
-def _joined(parts: list[TopicTable]) -> TopicTable:
-    """Return tables below each other, by log times; NaN or '' where a table lacks a column."""
-    names = list(dict.fromkeys(name for part in parts for name in part))
-    joined = {}
-    for name in names:
-        some = next(part[name] for part in parts if name in part)
-        nothing = np.full(1, '' if some.dtype.kind == 'U' else np.nan)
-        joined[name] = np.concatenate([part.get(name, np.repeat(nothing, len(part['log_time'])))
-                                       for part in parts])
-    order = np.argsort(joined['log_time'], kind='stable')
-    return {name: values[order] for name, values in joined.items()}
-
-
-def _write_csv(path: Path, table: TopicTable, style: CsvStyle) -> None:
+def _write_csv(path: Path, table: TopicTable, style: spreadsheet.CsvStyle) -> None:
     style.save(path, table, zip(*(values.tolist() for values in table.values())))

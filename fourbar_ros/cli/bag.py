@@ -1,18 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar bag``: inspect, repair, check and convert a recorded run."""
-from __future__ import annotations
-
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from datetime import datetime
 import sys
 
+from fourbar_ros import optional, spreadsheet, terminal
 from fourbar_ros.cli import common
-from fourbar_ros.cli.common import BAD, reading, Verbs
-from fourbar_ros.optional import lab
-from fourbar_ros.spreadsheet import STDOUT
-from fourbar_ros.terminal import make_console, make_table
 
 MOST_DAMAGE = 50        # lines on damage that are printed one by one
 DESCRIPTION = """\
@@ -41,7 +36,7 @@ Ctrl-C or SIGTERM, with no partial output left; 3 done, but
 """
 
 
-def add(verbs: Verbs) -> None:
+def add(verbs: common.Verbs) -> None:
     bag = common.add_verb(verbs, 'bag', 'info, recover, recompute, export, plot, diff, scene: '
                           'work with a recorded run', DESCRIPTION, EPILOG)
     actions = bag.add_subparsers(dest='action', required=True, metavar='ACTION')
@@ -103,7 +98,7 @@ def add(verbs: Verbs) -> None:
     common.add_node(scene)
 
 
-def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], text: str,
+def _action(actions: common.Verbs, name: str, run: Callable[[Namespace], int | None], text: str,
             more: str = '.') -> ArgumentParser:
     """Add an action on one bag; return its parser. It is described by its help and ``more``."""
     description = text[0].upper() + text[1:] + more
@@ -116,7 +111,7 @@ def _action(actions: Verbs, name: str, run: Callable[[Namespace], int | None], t
 def _info(arguments: Namespace) -> int:
     from fourbar_ros.bag.overview import info
     from fourbar_ros.bag.reader import software_of
-    with reading(arguments.bag, 'reading') as step:
+    with common.reading(arguments.bag, 'reading') as step:
         bag = info(arguments.bag, arguments.check, step)
     if arguments.json:
         print(common.json_line({
@@ -125,8 +120,8 @@ def _info(arguments: Namespace) -> int:
             'messages': sum(topic.messages for topic in bag.topics), 'missing': bag.missing,
             'dropped': bag.dropped, 'ended': bag.ended, 'damage': bag.damage,
             'about': bag.about, 'topics': [topic._asdict() for topic in bag.topics]}))
-        return 0 if bag.is_sound else BAD
-    about = make_table('', ('', ''))
+        return 0 if bag.is_sound else common.BAD
+    about = terminal.make_table('', ('', ''))
     about.add_row('bag', str(bag.path))
     about.add_row('state', 'finished' if bag.is_finished else
                   'unfinished: being written, or cut off by a crash or a full disk')
@@ -145,21 +140,21 @@ def _info(arguments: Namespace) -> int:
                         ('lost', bag.lost), ('damage', bag.damage)):
         if text:
             about.add_row(label, text)
-    topics = make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
+    topics = terminal.make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
     for topic in bag.topics:
         rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
         topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
                        '' if topic.missing is None else str(topic.missing))
-    make_console().print(about)
-    make_console().print(topics)
+    terminal.make_console().print(about)
+    terminal.make_console().print(topics)
     if not bag.is_finished or bag.damage:
         print('fourbar bag recover makes a whole bag of what can be read')
-    return 0 if bag.is_sound else BAD
+    return 0 if bag.is_sound else common.BAD
 
 
 def _recover(arguments: Namespace) -> int:
     from fourbar_ros.bag.recovery import recover
-    with reading(arguments.bag, 'recovering') as step:
+    with common.reading(arguments.bag, 'recovering') as step:
         recovered = recover(arguments.bag, arguments.out, step)
     print(f'{recovered.path}: {recovered.messages} messages'
           + ('' if recovered.damage else ', nothing lost' if recovered.was_whole else
@@ -168,12 +163,12 @@ def _recover(arguments: Namespace) -> int:
         print(f'damaged: {damage}')
     if len(recovered.damage) > MOST_DAMAGE:
         print(f'damaged: and {len(recovered.damage) - MOST_DAMAGE} more places')
-    return BAD if recovered.damage else 0
+    return common.BAD if recovered.damage else 0
 
 
 def _recompute(arguments: Namespace) -> int:
     from fourbar_ros.bag.recomputation import recompute
-    with reading(arguments.bag, 'recomputing') as step:
+    with common.reading(arguments.bag, 'recomputing') as step:
         result = recompute(arguments.bag, arguments.node, step)
     problems = result.problems(arguments.tolerance)
     if arguments.json:
@@ -185,7 +180,7 @@ def _recompute(arguments: Namespace) -> int:
             'stepped': result.stepped, 'other_branch': result.other_branch,
             'differences': [difference._asdict() for difference in result.differences]}))
     else:
-        table = make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
+        table = terminal.make_table('', ('topic', 'field', 'messages>', 'largest difference>'))
         for topic in dict.fromkeys(difference.topic for difference in result.differences):
             of_topic = [each for each in result.differences if each.topic == topic]
             shown = [each for each in of_topic if each.largest > arguments.tolerance]
@@ -196,7 +191,7 @@ def _recompute(arguments: Namespace) -> int:
                 table.add_row(topic, f'all {len(of_topic)}', str(of_topic[0].messages),
                               f'{max(each.largest for each in of_topic):g}')
         if result.differences:
-            make_console().print(table)
+            terminal.make_console().print(table)
         print(f'{result.inputs} driven motions, {result.compared} outputs compared; largest '
               f'difference {result.largest:g}' + ('; the bag is cut' if result.is_cut else ''))
         if result.stepped:
@@ -208,34 +203,35 @@ def _recompute(arguments: Namespace) -> int:
             print(f'not compared: {count} outputs {why}')
         for problem in problems:
             print(f'bad: {problem}')
-    return BAD if problems else 0
+    return common.BAD if problems else 0
 
 
 def _export(arguments: Namespace) -> int:
     from fourbar_ros.bag.tables import export
     left_out: list[str] = []
-    with reading(arguments.bag, 'exporting') as step:
+    style = spreadsheet.CsvStyle(arguments.digits, arguments.excel)
+    with common.reading(arguments.bag, 'exporting') as step:
         written = export(arguments.bag, arguments.out, arguments.format, arguments.topics, step,
-                         left_out.append, common.csv_style(arguments), arguments.units or None)
-    told = sys.stderr if arguments.out == str(STDOUT) else sys.stdout
+                         left_out.append, style, arguments.units or None)
+    told = sys.stderr if arguments.out == str(spreadsheet.STDOUT) else sys.stdout
     for name, rows in written.items():
         print(f'{arguments.out}: {name}, {rows} rows', file=told)
     for text in left_out:
         print(text, file=told)
-    return BAD if left_out else 0
+    return common.BAD if left_out else 0
 
 
 def _plot(arguments: Namespace) -> None:
-    with reading(arguments.bag, 'reading') as step:
-        lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x,
-                    arguments.width, arguments.title)
+    with common.reading(arguments.bag, 'reading') as step:
+        optional.lab('plot')(arguments.bag, arguments.fields, arguments.out, step, arguments.x,
+                             arguments.width, arguments.title)
     print(arguments.out)
 
 
 def _diff(arguments: Namespace) -> int:
     from fourbar_ros.bag.comparison import diff
     first, second, tolerance = arguments.bag, arguments.second, arguments.tolerance
-    with reading(first, 'comparing topic by topic') as step:
+    with common.reading(first, 'comparing topic by topic') as step:
         topics = diff(first, second, arguments.topics, step)
     is_same = all(topic.is_same(tolerance) for topic in topics)
     if arguments.json:
@@ -243,9 +239,9 @@ def _diff(arguments: Namespace) -> int:
             'first': first, 'second': second, 'tolerance': tolerance, 'same': is_same,
             'topics': [{**topic._asdict(), 'same': topic.is_same(tolerance)}
                        for topic in topics]}))
-        return 0 if is_same else BAD
-    table = make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
-                            'largest difference>'))
+        return 0 if is_same else common.BAD
+    table = terminal.make_table('', ('topic', 'in both>', 'only first>', 'only second>', 'field',
+                                     'largest difference>'))
     for topic in topics:
         worst = [(field, apart) for field, apart in topic.largest.items() if apart > tolerance]
         field, apart = worst[0] if worst else ('', 0.0)
@@ -253,8 +249,8 @@ def _diff(arguments: Namespace) -> int:
                       str(topic.only_second), field, f'{apart:g}')
         for field, apart in worst[1:]:
             table.add_row('', '', '', '', field, f'{apart:g}')
-    make_console().print(table)
-    return 0 if is_same else BAD
+    terminal.make_console().print(table)
+    return 0 if is_same else common.BAD
 
 
 def _scene(arguments: Namespace) -> None:

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What several verbs share: exit codes, arguments, progress bars."""
-from __future__ import annotations
-
+"""What several verbs share: their parser, exit codes, arguments, progress bars."""
 import argparse
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -10,23 +8,57 @@ from itertools import groupby
 import json
 from math import isfinite
 from pathlib import Path
+import re
 import sys
 from textwrap import fill
-from typing import Any, Protocol
+from typing import Any, NoReturn
 
-from fourbar_ros.errors import FourBarError
+from fourbar_ros import errors
 from fourbar_ros.scene.settings import MODES
 from fourbar_ros.scene.units import of, wanted_units
-from fourbar_ros.spreadsheet import CsvStyle
 
-Json = dict[str, Any]      # values that --json prints: text, numbers, lists and records
+Verbs = Any     # what add_subparsers() of argparse returns: add_parser() adds a verb to it
 
 
-class Verbs(Protocol):
-    """The object of argparse that verbs are added to; its class is private there."""
+INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
+NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-z][\w/^]*)?$')
 
-    def add_parser(self, *args: Any, **kwargs: Any) -> argparse.ArgumentParser:
-        """Return the parser of a new verb."""
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that suggests the nearest word in its errors, also within verbs."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        # argparse would take -1e-9 and -5mm for options
+        self._negative_number_matcher = NEGATIVE
+        self._typed: list[str] = []              # the words of the command line
+
+    def error(self, message: str) -> NoReturn:
+        """Print the error in one line that names the help; exit with code 2."""
+        if match := INVALID_CHOICE.search(message):
+            known = re.findall(r"[^\s,']+", match[2])
+            message = (f'{message[:match.start()]}{match[1]!r} is unknown'
+                       f'{errors.nearest(match[1], known)}')
+        # a mistyped option is named before an argument that it seems to lack
+        unknown = [option for option in self._typed if option.startswith('--')
+                   and option.split('=')[0] not in self._option_string_actions]
+        if message.startswith('the following arguments are required') and unknown:
+            message = self._not_understood(unknown[0])
+        message = ' '.join(message.split())
+        self.exit(2, f'{self.prog}: {message} ({self.prog} --help)\n')
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse as the base class does, but refuse options that a verb does not know."""
+        self._typed = [*(sys.argv[1:] if args is None else args)]
+        namespace, rest = super().parse_known_args(args, namespace)
+        if rest and ' ' in self.prog:
+            self.error(self._not_understood(rest[0]))
+        return namespace, rest
+
+    def _not_understood(self, word: str) -> str:
+        known = [option for action in self._actions for option in action.option_strings]
+        return f'{word!r} is not understood' + (errors.nearest(word.split('=')[0], known)
+                                                if word.startswith('--') else '')
 
 
 class HelpFormatter(argparse.HelpFormatter):
@@ -46,20 +78,20 @@ PICTURE_HELP = 'picture to write: .png, .svg or .pdf'
 
 def add_verb(verbs: Verbs, name: str, text: str, description: str, epilog: str = ''
              ) -> argparse.ArgumentParser:
-    return verbs.add_parser(name, help=text, description=description, epilog=epilog,
-                            formatter_class=HelpFormatter)
+    parser: argparse.ArgumentParser = verbs.add_parser(
+        name, help=text, description=description, epilog=epilog, formatter_class=HelpFormatter)
+    return parser
 
 
 def add_scene(parser: argparse.ArgumentParser, nargs: str | None = None) -> None:
     """Add the argument SCENE; a shell completes names of scenes and files."""
+    def known_scenes(prefix: str, **_: object) -> list[str]:
+        from argcomplete.completers import FilesCompleter
+        from fourbar_ros.scene.files import shipped
+        return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]
+
     scene: Any = parser.add_argument('scene', metavar='SCENE', help=SCENE_HELP, nargs=nargs)
-    scene.completer = _scenes           # an attribute that argcomplete looks for
-
-
-def _scenes(prefix: str, **_: object) -> list[str]:
-    from argcomplete.completers import FilesCompleter
-    from fourbar_ros.scene.files import shipped
-    return [*shipped(), *FilesCompleter(('yaml', 'yml'))(prefix)]
+    scene.completer = known_scenes      # an attribute that argcomplete looks for
 
 
 def add_pose(parser: argparse.ArgumentParser, help_of_at: str) -> None:
@@ -89,6 +121,12 @@ def assembly_mode(text: str) -> int:
     return int(text)                # whether a mechanism has it: a machine has more than two
 
 
+def positive_integer(text: str) -> int:
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f'{text!r}: must be a positive integer')
+    return int(text)
+
+
 def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--json', action='store_true',
                         help='print one line of JSON per bag; docs/recording.md lists the keys')
@@ -114,7 +152,7 @@ def add_units(parser: argparse.ArgumentParser, text: str) -> None:
 
 
 def add_csv(parser: argparse.ArgumentParser, units_help: str) -> None:
-    """Add ``--units``, ``--digits`` and ``--excel``; :func:`csv_style` reads the last two."""
+    """Add ``--units``, and the fields of a CsvStyle: ``--digits`` and ``--excel``."""
     add_units(parser, units_help)
     parser.add_argument('--digits', type=int, choices=range(1, 18), metavar='N',
                         help='significant digits of the numbers in CSV (default: all)')
@@ -123,21 +161,16 @@ def add_csv(parser: argparse.ArgumentParser, units_help: str) -> None:
                              'between cells, which are empty for NaN')
 
 
-def csv_style(arguments: argparse.Namespace) -> CsvStyle:
-    return CsvStyle(arguments.digits, arguments.excel)
-
-
-def json_line(record: Json) -> str:
+def json_line(record: dict[str, Any]) -> str:
     """Return a dict as one line of JSON; infinities and NaN become text: "inf", "nan"."""
-    return json.dumps(_plain(record), allow_nan=False)
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, (list, tuple)):
+            return [plain(item) for item in value]
+        return str(value) if isinstance(value, float) and not isfinite(value) else value
 
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return str(value) if isinstance(value, float) and not isfinite(value) else value
+    return json.dumps(plain(record), allow_nan=False)
 
 
 @contextmanager
@@ -186,14 +219,10 @@ def add_picture(parser: argparse.ArgumentParser) -> None:
 
 
 def refuse_overwriting(paths: Iterable[Path], force: bool) -> None:
-    """Raise FileExists for a file that exists, unless ``--force`` is given."""
+    """Raise FourBarError for a file that exists, unless ``--force`` is given."""
     for path in paths:
         if path.is_file() and not force:
-            raise FileExists(f'{path}: exists already; --force overwrites it')
-
-
-class FileExists(FourBarError):
-    """A file that a verb is to write exists; the message names it."""
+            raise errors.FourBarError(f'{path}: exists already; --force overwrites it')
 
 
 def write_or_print(text: str, path: Path | None) -> None:

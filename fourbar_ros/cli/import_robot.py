@@ -1,16 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar import``: the planar loops of a robot's MJCF or URDF as scenes."""
-from __future__ import annotations
-
 from argparse import ArgumentTypeError, Namespace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
-
-if TYPE_CHECKING:
-    from fourbar_ros.importing.robots import Wishes
 
 EPILOG = """\
 examples:
@@ -81,7 +76,8 @@ def _vector(text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def wishes_of(arguments: Namespace) -> Wishes:
+def wishes_of(arguments: Namespace) -> Any:
+    """Return the Wishes for import_file() that stand on a command line."""
     from fourbar_ros.importing.robots import Wishes
     values = {name: getattr(arguments, name) for name in Wishes._fields}
     return Wishes(**values | {'at': dict(arguments.at), 'mode': dict(arguments.mode)})

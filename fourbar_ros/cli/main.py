@@ -6,8 +6,6 @@ The ``fourbar`` command: a verb is a module of :mod:`fourbar_ros.cli`, or comes 
 
 An entry point of the group ``fourbar.verbs`` names a module with ``add(verbs)``.
 """
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 import contextlib
@@ -19,11 +17,9 @@ import threading
 from typing import NoReturn
 import warnings
 
-from fourbar_ros import __version__
-from fourbar_ros.cli.common import HelpFormatter, refuse_overwriting
+from fourbar_ros import __version__, optional
+from fourbar_ros.cli.common import HelpFormatter, Parser, refuse_overwriting
 from fourbar_ros.errors import FourBarError, SceneWarning
-from fourbar_ros.optional import MissingPackage
-from fourbar_ros.scene.arguments import Parser
 
 GROUP = 'fourbar.verbs'
 MODULES = {'import': 'import_robot', **{name: name for name in (
@@ -114,9 +110,9 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'fourbar: {error}', file=sys.stderr)
         return 1
     except ModuleNotFoundError as error:
-        if not MissingPackage.explains(error):
+        if not optional.MissingPackage.explains(error):
             raise
-        print(f'fourbar: {MissingPackage(arguments.verb, error)}', file=sys.stderr)
+        print(f'fourbar: {optional.MissingPackage(arguments.verb, error)}', file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

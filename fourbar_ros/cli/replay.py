@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar replay``: publish a recorded run again, or drive a live node with it."""
-from __future__ import annotations
-
 import argparse
 
 from fourbar_ros.cli.common import add_node, add_topics, add_verb, BAG_HELP, Verbs

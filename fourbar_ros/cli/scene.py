@@ -1,23 +1,16 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar scene``: what the node of a scene does and costs; the file of a scene."""
-from __future__ import annotations
-
 from argparse import Namespace
-from collections.abc import Iterable
 from timeit import repeat
-from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, Verbs
+from fourbar_ros.errors import in_words
+from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE
 from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import load, Scene
-from fourbar_ros.scene.topics import OUTPUTS, PICTURES, Topic
+from fourbar_ros.scene.topics import OUTPUTS, PICTURES
 from fourbar_ros.terminal import make_console, make_table
-
-if TYPE_CHECKING:
-    from fourbar_ros.mechanisms.mechanism import Mechanism
-    from fourbar_ros.scene.groups import DriveSettings
-    from rich.table import Table
 
 STEPS, ROUNDS = 2000, 5        # of the measured computing time: some 50 ms in all
 INPUTS_OF_ERROR, INPUTS_OF_ARRAYS = 64, 100_000
@@ -59,17 +52,26 @@ def _check(arguments: Namespace) -> None:
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
     if linkage.branch_in_words:
         console.print(f'Change point: {linkage.branch_in_words}.')
-    bodies = scene.linkage.bodies
+    bodies = linkage.bodies
     massless = [name for name, body in bodies._asdict().items()
                 if body.mass == 0.0 and body.inertia == 0.0] if bodies else []
     if massless:
         console.print(f'Links without mass: {", ".join(massless)}.')
     if drive.source == 'timer' and not linkage.turns_fully:
-        console.print(_leaves_the_range(linkage, drive))
+        unit = linkage.input_coordinate.unit
+        allowed = in_words(linkage.input_ranges, unit)
+        status, *_ = evaluate(linkage, drive.start, 0.0, 0.0, with_loads=False)
+        console.print(
+            (f'note: drive.start = {drive.start:g} {unit} is outside {allowed}'
+             if status == OUT_OF_RANGE else
+             f'note: the input cannot turn fully: the timer will drive it out of {allowed}')
+            + f' (drive.out_of_range: {drive.out_of_range})')
     left_out = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
     not_created = [f'not created: {", ".join(left_out)}'] if left_out else []
-    received = [_topics_table('inputs', scene.received)] if scene.received else []
-    outputs = _topics_table('outputs', [*scene.topics.values(), *scene.pictures.values()])
+    sent = [*scene.topics.values(), *scene.pictures.values()]
+    received, outputs = [make_table(title, ('name', 'topic', 'type', ''), [
+        (topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
+        for topic in topics]) for title, topics in (('inputs', scene.received), ('outputs', sent))]
     cost = step_cost(scene)
     computed = ('motion and loads' if scene.needs_loads else 'motion alone: no output needs loads'
                 if linkage.has_loads else 'motion alone')
@@ -92,7 +94,8 @@ def _check(arguments: Namespace) -> None:
                 unit = scene.values[name.replace('.places', '.place_unit')]
             has_units = isinstance(value, list) and any(isinstance(each, str) for each in value)
             changed.add_row(name, text, '' if has_units else unit)
-    for paragraph in (*received, outputs, *not_created, changed, cost_in_words):
+    for paragraph in (*([received] if scene.received else []), outputs, *not_created, changed,
+                      cost_in_words):
         console.print()
         console.print(paragraph)
     if arguments.error:
@@ -125,26 +128,8 @@ def errors_and_times(scene: Scene) -> list[str]:
             'by the same formulas.']
 
 
-def _leaves_the_range(linkage: Mechanism, drive: DriveSettings) -> str:
-    from fourbar_ros.errors import in_words
-    from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE
-    unit = linkage.input_coordinate.unit
-    allowed = in_words(linkage.input_ranges, unit)
-    policy = f'(drive.out_of_range: {drive.out_of_range})'
-    if evaluate(linkage, drive.start, 0.0, 0.0, False)[0] == OUT_OF_RANGE:
-        return f'note: drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
-    return f'note: the input cannot turn fully: the timer will drive it out of {allowed} {policy}'
-
-
-def _topics_table(title: str, topics: Iterable[Topic]) -> Table:
-    return make_table(title, ('name', 'topic', 'type', ''), [
-        (topic.name, topic.topic, topic.type, 'loads' if topic.needs_loads else '')
-        for topic in topics])
-
-
 def step_cost(scene: Scene) -> float:
     """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
-    from fourbar_ros.pipeline.stepper import evaluate
     linkage = scene.linkage
     low, high = linkage.input_ranges[0]
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed

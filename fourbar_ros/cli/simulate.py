@@ -1,20 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar simulate``: run a scene whose motion follows from torque, faster than real time."""
-from __future__ import annotations
-
 from argparse import Namespace
 from math import inf, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fourbar_ros.cli.common import add_scene, add_verb, BAD, bar, Verbs
 from fourbar_ros.scene.units import of, require
 from fourbar_ros.terminal import make_console, make_table
-
-if TYPE_CHECKING:
-    from fourbar_ros.scene.simulated import SimulatedScene
-
 
 METHODS = ('auto', 'DOP853', 'LSODA', 'Radau', 'RK45', 'BDF')
 MOST = 3_000_000        # evaluations of the equation of motion, by default
@@ -79,45 +72,33 @@ def _simulate(arguments: Namespace) -> int:
         from fourbar_ros.ros.offline import write_bag
         with bar('writing the bag', simulated.run.time.size) as step:
             out = write_bag(simulated, out.absolute(), step)
-    print_summary(simulated, arguments.scene, arguments.tolerance)
-    if out is not None:
-        print(f'wrote {out}')
-    return 0 if simulated.run.status == REACHED else BAD
-
-
-def print_summary(simulated: SimulatedScene, name: str, tolerance: float) -> None:
-    """
-    Print how a run ended, how exact it is, the speeds of its last turn, and its extrema.
-
-    ``tolerance``: as the user asked for.
-    """
-    run, console = simulated.run, make_console()
-    unit = simulated.scene.linkage.input_coordinate.unit
-    console.print(f'{name}: {run.time[-1]:g} s, {run.time.size} samples.')
+    run, console, unit = simulated.run, make_console(), scene.linkage.input_coordinate.unit
+    console.print(f'{arguments.scene}: {run.time[-1]:g} s, {run.time.size} samples.')
     checked = (f'error of the position up to {run.error:.2g} {unit}, energy constant within '
-               f'{run.drift:.2g}; asked for {tolerance:g}')
+               f'{run.drift:.2g}; asked for {arguments.tolerance:g}')
     reason = f'{run.reason}; ' if run.reason else ''
     console.print(f'{run.status}: {reason}{run.method}, {checked}.')
     console.print(f'At the end the input is at {run.position[-1]:.10g} {unit} with '
                   f'{run.rate[-1]:.10g} {unit}/s.')
-    speeds = simulated.speeds_of_last_turn()
-    if speeds:
+    if speeds := simulated.speeds_of_last_turn():
         low, high = speeds
         console.print(f'Speed at the samples of the last turn: {low:.6g} to {high:.6g} {unit}/s, '
                       f'coefficient of fluctuation {2.0 * (high - low) / abs(low + high):.4g}.')
     if run.system.mechanism.friction:
         console.print(f'Friction took {run.states.dissipated[-1]:.6g} J, smooth within '
                       f'{run.system.mechanism.slip_speed:g} {unit}/s.')
-    for stuck in run.stuck(1.0 / simulated.scene.drive.rate):
+    for stuck in run.stuck(1.0 / scene.drive.rate):
         console.print(f'Stuck from {stuck.begin:.6g} to {stuck.end:.6g} s: it crept '
                       f'{stuck.crept:.2g} {unit}.')
     modes = sorted(set(run.modes.tolist()))
     if len(modes) > 1:
         console.print(f'The motion goes through both assembly modes, {modes[0]} and {modes[1]}.')
     console.print()
-    table = make_table('extrema at the samples', ('quantity', 'unit', 'lowest>', 'at [s]>',
-                                                  'highest>', 'at [s]>'))
-    for peak in simulated.peaks():
-        table.add_row(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}',
-                      f'{peak.high:.6g}', f'{peak.high_at:g}')
-    console.print(table)
+    console.print(make_table(
+        'extrema at the samples',
+        ('quantity', 'unit', 'lowest>', 'at [s]>', 'highest>', 'at [s]>'),
+        [(peak.name, peak.unit, f'{peak.low:.6g}', f'{peak.low_at:g}', f'{peak.high:.6g}',
+          f'{peak.high_at:g}') for peak in simulated.peaks()]))
+    if out is not None:
+        print(f'wrote {out}')
+    return 0 if run.status == REACHED else BAD

@@ -24,7 +24,6 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.pipeline.joints import start_of
-from fourbar_ros.scene.groups import FrameSettings
 from fourbar_ros.scene.scene import Scene
 
 MARGIN = 0.01          # share by which the limits of passive slides are wider than they are
@@ -111,7 +110,7 @@ class RobotModel(NamedTuple):
     name: str
     title: str
     root: str
-    frame: FrameSettings        # where the root lies, if it has a parent
+    frame: NamedFields          # where the root lies, if it has a parent
     links: tuple[ModelLink, ...]
     closures: tuple[Closure, ...]
     points: dict[str, tuple[str, float, float]]

@@ -9,8 +9,6 @@ ratio and offset act on the angle that goes on.
 Rates and accelerations scale likewise, joint' = ratio * coordinate'. Power is the same on both
 sides, so the effort of the joint is the effort of the coordinate divided by the ratio.
 """
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan, nan, pi, tau
 from operator import itemgetter

@@ -28,8 +28,6 @@ turn, so that stamps may be as wrong as the step is long.
 The stream itself shows the noise of an acceleration: each new sample is compared with the
 prediction of the fit before it. :attr:`RateEstimator.noise` is the standard deviation from that.
 """
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from math import hypot, inf, isfinite, isinf, isnan, nan, remainder, sqrt, tau, ulp
@@ -211,7 +209,12 @@ class RateEstimator:
         self.restarts += 1
 
     def _append(self, sample: _Sample) -> None:
-        """Keep a sample with its step [rad, m], if that is believed; the first after a gap."""
+        """
+        Keep a sample with its step [rad, m], NaN if that is not believed: too long or unexpected.
+
+        The estimate starts afresh after a gap or an unexpected step. The distance of the sample
+        from the fit before it tells the noise.
+        """
         if not self._samples:
             self._samples.append(sample)
             return
@@ -237,17 +240,23 @@ class RateEstimator:
         self._samples.append(sample._replace(step=step if is_believed else nan))
 
     def _fitted(self, velocity: float) -> tuple[float, float]:
+        """
+        Return (velocity, acceleration) at the newest sample by a fit through all that are kept.
+
+        ``velocity``: of the sample, or NaN. A line through velocities, or a parabola through
+        positions as far back as their steps are believed; times from the newest sample.
+        """
         newest = self._samples[-1]
         from_rates = isfinite(velocity)
         if from_rates:
             points = [((sample.time - newest.time) * NANOSECOND, sample.velocity - velocity)
                       for sample in self._samples if isfinite(sample.velocity)]
         else:
-            points, x = [], 0.0
+            points, position = [], 0.0       # from that of the newest sample
             for sample in reversed(self._samples):
-                points.append(((sample.time - newest.time) * NANOSECOND, x))
-                x -= sample.step
-                if isnan(x):
+                points.append(((sample.time - newest.time) * NANOSECOND, position))
+                position -= sample.step
+                if isnan(position):
                     break
         degree = min(1 if from_rates else 2, len(points) - 1)
         self._fit = fit = Estimate(points, degree) if degree else None

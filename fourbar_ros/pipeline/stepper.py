@@ -14,7 +14,6 @@ from types import MappingProxyType
 from typing import cast, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros import errors
-from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import mode_number, NamedFields
 from fourbar_ros.numerics.number_types import REAL
@@ -82,6 +81,7 @@ def evaluate(mechanism: Mechanism, position: float, rate: float, acceleration: f
 
 def _partly(status: int, mechanism: Mechanism, position: float, rate: float, acceleration: float
             ) -> Evaluated:
+    """Return a motion whose unknown or unbounded fields are NaN, without loads."""
     # an array has infinite or undefined fields, here NaN, where a float raises
     motion = mechanism.motion(np.array([position]), rate, acceleration)
     no_loads = _none_of(mechanism.LOADS)
@@ -220,6 +220,7 @@ class Stepper:
         return unknown + self.joints.of(unknown)
 
     def _completed(self, values: tuple[float, ...]) -> tuple[float, ...]:
+        """Return values of a sample with those made of them: drive wrench and joint states."""
         if self._drive_wrench:
             values += self._drive_wrench(values)
         return values + self.joints.of(values) if self.joints else values
@@ -305,7 +306,7 @@ class _Branch:
             else:
                 try:
                     result = tuple(function(mechanism, motion, loads))
-                except FourBarError:        # an overflow
+                except errors.FourBarError:        # an overflow
                     result = unknown
                 values += result if isfinite(sum(result)) else unknown
         return values

@@ -6,8 +6,6 @@ What acts from outside, as topics say: wrenches on links, the base; and the forc
 All components are along the ground axes; couples and torques are positive counter-clockwise. The
 motion of the base is as an inertial measurement unit on it shows it.
 """
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from math import hypot, inf, isfinite, nan
@@ -16,10 +14,8 @@ from typing import Any, cast, NamedTuple, Union
 from fourbar_ros.mechanics.bodies import Applied, Base, External
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.pipeline.rate_estimator import Estimate, NANOSECOND
-from fourbar_ros.scene.base import rotation_of
-from fourbar_ros.scene.message_fields import nanoseconds
+from fourbar_ros.scene import base, message_fields, topics
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import BASE
 
 
 class Wrench(NamedTuple):
@@ -66,7 +62,7 @@ def constant(scene: Scene, link: str) -> Wrench:
 
 def in_silence(scene: Scene, link: str, last: ActingInput | None) -> ActingInput:
     """Return what acts on a link, or as base, in a silence, by the scene; ``last``: the newest."""
-    if link == BASE.name:
+    if link == topics.BASE.name:
         return last if scene.base.when_silent == 'hold' and last else UNKNOWN_BASE
     policy = scene.wrenches.when_silent
     if policy == 'unknown':
@@ -131,7 +127,7 @@ class Imu:
     """
 
     def __init__(self, rotation: Sequence[float], window: int, gap: float) -> None:
-        self._axes, self._gap = rotation_of(rotation), nanoseconds(gap)
+        self._axes, self._gap = base.rotation_of(rotation), message_fields.nanoseconds(gap)
         self._rates: deque[tuple[int, float]] = deque(maxlen=window)     # stamps [ns], [rad/s]
         self._step = inf                     # between the last two messages [ns]
         # specific force [m/s^2] and rate [rad/s] of the last message that are left out

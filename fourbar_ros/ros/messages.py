@@ -8,8 +8,6 @@ takes twice as long (docs/bench/node.md). The byte offset of each value is found
 serialise known values, so little here depends on the wire format. Test messages must then read
 back through ROS unchanged, else ROS serialises every message.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from importlib import import_module
 from math import nan

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The bag of a simulated run: the messages that its node would publish, without a node."""
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import isnan
 from pathlib import Path

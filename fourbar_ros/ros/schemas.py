@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Definitions and type hashes of messages, from the packages that define them."""
-from __future__ import annotations
-
 import json
 from pathlib import Path
 import re

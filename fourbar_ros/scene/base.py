@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """How another frame, of a robot's link or of messages, lies to that of the mechanism."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import cos, hypot, sin
 

@@ -1,10 +1,8 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The drive and start of a scene whose motion follows from torque."""
-from __future__ import annotations
-
 from dataclasses import MISSING
-from math import inf, isfinite, isnan
+from math import isfinite, isnan
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law, Shaft
@@ -13,6 +11,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanics.bodies import Base, UnknownBase
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arguments import quantities_of
+from fourbar_ros.scene.linkage import require_masses
 from fourbar_ros.scene.settings import GEAR, MOTORS, of_motor, ParameterValues
 
 
@@ -32,9 +31,7 @@ class Dynamics(NamedTuple):
 
 def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
     """Return the Dynamics of a scene that torque moves; InvalidParameter names the parameter."""
-    if mechanism.bodies is None:
-        raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): motion '
-                               'that follows from torque needs masses')
+    require_masses(mechanism, 'motion that follows from torque')
     gear, stiffness = values[GEAR.name], values['shaft.stiffness']
     if gear == 0.0:
         raise InvalidParameter(GEAR.name, gear, 'must not be zero')
@@ -42,17 +39,33 @@ def of_values(values: ParameterValues, mechanism: Mechanism) -> Dynamics:
     if not isfinite(rotor):
         raise InvalidParameter(GEAR.name, gear,
                                'its square times motor.rotor_inertia must be finite')
-    if isnan(stiffness) and values['shaft.damping'] != 0.0:
+    shaft = None            # rigid
+    if not isnan(stiffness):
+        shaft = Shaft(stiffness, values['shaft.damping'])
+        if values['motor.rotor_inertia'] == 0.0:
+            raise InvalidParameter('motor.rotor_inertia', 0.0, 'must be positive: an elastic '
+                                   'shaft (shaft.stiffness) needs an inertia on the side of the '
+                                   'drive')
+    elif values['shaft.damping'] != 0.0:
         raise InvalidParameter('shaft.damping', values['shaft.damping'],
                                'needs shaft.stiffness: a rigid shaft has no damping')
-    if not isnan(stiffness) and values['motor.rotor_inertia'] == 0.0:
-        raise InvalidParameter('motor.rotor_inertia', values['motor.rotor_inertia'],
-                               'must be positive: an elastic shaft (shaft.stiffness) needs an '
-                               'inertia on the side of the drive')
-    shaft = None if isnan(stiffness) else Shaft(stiffness, values['shaft.damping'])
     drive = Drive(_source(values), rotor, values['flywheel.inertia'], shaft)
     dynamics = Dynamics(drive, values['drive.start'], values['drive.start_speed'])
-    _check_start(dynamics, mechanism)
+
+    start, why = dynamics.position, ''
+    try:
+        system = dynamics.system(mechanism)
+        accelerations = system.derivative(0.0, system.start)
+        if not system.distance_to_limit(system.start[0]) > 0.0:
+            why = 'no motion can start here: at or next to a limit of the input'
+        elif not all(map(isfinite, accelerations)):
+            why = 'the acceleration at the start is not finite'
+    except InvalidParameter:
+        raise
+    except (FourBarError, ArithmeticError) as error:
+        why = f'no motion can start here: {error}'
+    if why:
+        raise InvalidParameter('drive.start', start, why)
     return dynamics
 
 
@@ -71,21 +84,3 @@ def _source(values: ParameterValues) -> Law:
         return law(**{field: value for field, value in arguments.items() if not isnan(value)})
     except InvalidParameter as error:          # names the field of the motor
         raise InvalidParameter(parameters[error.name].name, error.value, error.allowed) from None
-
-
-def _check_start(dynamics: Dynamics, mechanism: Mechanism) -> None:
-    def refuse(why: str) -> InvalidParameter:
-        return InvalidParameter('drive.start', dynamics.position, why)
-
-    try:
-        system = dynamics.system(mechanism)
-        rates = system.derivative(0.0, system.start)
-        good = system.distance_to_limit(system.start[0]) > 0.0
-    except InvalidParameter:
-        raise
-    except (FourBarError, ArithmeticError) as error:
-        raise refuse(f'no motion can start here: {error}') from None
-    if not good:
-        raise refuse('no motion can start here: at or next to a limit of the input')
-    if not all(abs(rate) < inf for rate in rates):
-        raise refuse('the acceleration at the start is not finite')

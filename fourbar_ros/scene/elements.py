@@ -1,41 +1,27 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-Springs, dampers and forces over a position in a scene: where they act, from which table.
+Springs, dampers, forces over a position and friction of a scene, made of its parameters.
 
-A table may stand in a CSV file beside the file of a scene, which is read with it: a scene itself
-holds the numbers, and opens no file, whoever made it.
+scene.py imports this file for scenes that have any. A table of forces may stand in a CSV file
+beside that of a scene, which is read with it: a scene itself holds the numbers and opens no file.
 """
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from math import atan2, hypot, inf, pi
+from math import atan2, hypot, inf, isnan, pi
 from typing import Any
 
-from fourbar_ros.errors import InvalidParameter, nearest, one_of
+from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.mechanisms import elements as acting
+from fourbar_ros.mechanisms import friction, parts, pieces
 from fourbar_ros.mechanisms.curves import FIXED
-from fourbar_ros.mechanisms.elements import (
-    Attachment,
-    Distance,
-    Element,
-    INPUT,
-    LinkAngle,
-    Over,
-    PositionForce,
-    Spring,
-    TableForce,
-    TorsionSpring,
-    Way,
-)
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
-from fourbar_ros.mechanisms.pieces import inside_pieces, span_of
 from fourbar_ros.numerics.number_types import ARRAY
-from fourbar_ros.scene.parameters import names_in, point_in
+from fourbar_ros.scene.linkage import require_masses
+from fourbar_ros.scene.parameters import names_in, of_name, point_in, require_choice
 from fourbar_ros.scene.settings import APART, COUPLE, ParameterValues, POSITION_UNITS
 from fourbar_ros.scene.units import quantity, UNITS, ValueInSI
 import numpy as np
@@ -48,8 +34,8 @@ ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
 DISTANCE = 'distance'
 TABLE_UNITS = 'rad', 'm', 'N', 'N m', 'Pa'      # of both columns of a table
 # angles of the kinds of mechanisms: (link, link from which the angle counts)
-ANGLES = {'theta1': ('crank', GROUND), 'theta2': ('coupler', 'crank'),
-          'theta4': ('output', GROUND), 'beta': ('coupler', GROUND)}
+ANGLES = {'theta1': ('crank', parts.GROUND), 'theta2': ('coupler', 'crank'),
+          'theta4': ('output', parts.GROUND), 'beta': ('coupler', parts.GROUND)}
 
 
 def element_names(values: ParameterValues) -> list[str]:
@@ -58,12 +44,11 @@ def element_names(values: ParameterValues) -> list[str]:
             for name in names_in(family, values)]
 
 
-def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element, ...]:
-    """Return springs and forces over a position of a scene; InvalidParameter names what."""
+def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[acting.Element, ...]:
+    """Return springs and forces over a position of a scene; InvalidParameter names the wrong."""
     names = element_names(values)
-    if names and mechanism.bodies is None:
-        raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
-                               f'{names[0]} needs masses')
+    if names:
+        require_masses(mechanism, names[0])
     return tuple([(_force if name.startswith('forces') else _spring)(values, name, mechanism)
                   for name in names])
 
@@ -71,14 +56,15 @@ def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[Element,
 def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
     """Yield a line for each table whose force never acts, or ends before its position does."""
     for name, element in zip(element_names(values), mechanism.elements):
-        if not isinstance(element, PositionForce) or not isinstance(element.value, TableForce) or (
-                element.factor == 0.0 or not any(element.value.table.values)):
+        force = element.value if isinstance(element, acting.PositionForce) else None
+        if (not isinstance(force, acting.TableForce) or element.factor == 0.0
+                or not any(force.table.values)):
             continue
-        table, over = element.value.table, values[f'{name}.over']
-        low, high = span_of(mechanism, partial(element.position, ARRAY))
+        table, over = force.table, values[f'{name}.over']
         first, last = table.places[0], table.places[-1]
-        is_angle = isinstance(element.over, LinkAngle) or (
-            element.over == INPUT and not mechanism.is_driven_by_slide)
+        low, high = pieces.span_of(mechanism, partial(element.position, ARRAY))
+        is_angle = isinstance(element.over, acting.LinkAngle) or (
+            element.over == acting.INPUT and not mechanism.is_driven_by_slide)
         unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
         ends = [f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (first, last, low, high)]
         ranges = (f'its table goes from {ends[0]} to {ends[1]}, {over} from {ends[2]} to '
@@ -91,21 +77,20 @@ def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str
             is_in_mm = unit == 'm' and first * 1e-3 < high and last * 1e-3 > low
             yield (f'{name} never acts: {ranges}'
                    + (': did you mean mm?' if is_outside and is_in_mm else ''))
-        elif element.value.period == inf and (
-                low < first - slack and table.values[0]
-                or high > last + slack and table.values[-1]):
+        elif force.period == inf and (low < first - slack and table.values[0]
+                                      or high > last + slack and table.values[-1]):
             yield f'{name}: {ranges}: beyond its ends the force is that at the end'
 
 
-def _acts(values: ParameterValues, mechanism: Mechanism, force: PositionForce) -> bool:
+def _acts(values: ParameterValues, mechanism: Mechanism, force: acting.PositionForce) -> bool:
     """Return whether a force is not 0 at some input, in a direction in which the drive moves."""
     speed = values['drive.speed']
     is_one_way = mechanism.turns_fully and values['drive.source'] == 'timer' and speed
-    x: Any = inside_pieces(mechanism)
+    inputs: Any = pieces.inside_pieces(mechanism)
     for rate in [speed] if is_one_way else [1.0, -1.0]:
-        moving = {**mechanism.link_motions(mechanism.motion(x, rate)), GROUND: FIXED}
-        if any(np.any(part) for push in force.forces(ARRAY, moving, x, rate, 1.0)
-               for part in (push.force_x, push.force_y, push.couple)):
+        moving = {**mechanism.link_motions(mechanism.motion(inputs, rate)), parts.GROUND: FIXED}
+        if any(np.any(component) for push in force.forces(ARRAY, moving, inputs, rate, 1.0)
+               for component in (push.force_x, push.force_y, push.couple)):
             return True
     return False
 
@@ -115,60 +100,63 @@ def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]
     weight = hypot(*field_of(mechanism.gravity)) * sum(
         body.mass for body in mechanism.bodies or ())       # NaN on an unknown base
     for name, element in zip(element_names(values), mechanism.elements):
-        if not isinstance(element, Spring) or not element.stiffness:
+        if not isinstance(element, acting.Spring) or not element.stiffness:
             continue
 
-        def pull(moving: Any, _: Any, spring: Spring = element) -> Any:
+        def pull(moving: Any, _: Any, spring: acting.Spring = element) -> Any:
             per_length, _, square = spring.tension(ARRAY, moving)
             return per_length * np.sqrt(square)
-        force = max(map(abs, span_of(mechanism, pull)))
+        force = max(map(abs, pieces.span_of(mechanism, pull)))
         if force < max(WEAK * weight, min(WEAKEST, weight)):
             yield (f'{name}.stiffness = {element.stiffness:g} N/m: its force is at most '
                    f'{force:.3g} N, the links weigh {weight:.3g} N: did you mean '
                    f'{element.stiffness:g} N/mm?')
 
 
-def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> Element:
+def _attachment(name: str, values: ParameterValues) -> acting.Attachment:
+    """Return the point of the parameters NAME.link, NAME.along and NAME.across."""
+    return acting.Attachment(*point_in(name, values))
+
+
+def _spring(values: ParameterValues, name: str, mechanism: Mechanism) -> acting.Element:
     """Return the spring of the parameters ``name``.*, springs.NAME or torsion_springs.NAME."""
-    links, turns = (GROUND, *mechanism.loads_of_links()), name.startswith('torsion')
-    of_links = [f'{name}.{end}' if turns else f'{name}.{end}.link' for end in ('first', 'second')]
-    for parameter in of_links:
-        if values[parameter] not in links:
-            raise InvalidParameter(parameter, values[parameter], one_of(links, values[parameter]))
-    stiffness, damping = values[f'{name}.stiffness'], values[f'{name}.damping']
-    if not turns and values[of_links[0]] == values[of_links[1]] == GROUND:
-        raise InvalidParameter(of_links[1], None, 'must be given: both ends of '
+    links, is_torsion = (parts.GROUND, *mechanism.loads_of_links()), name.startswith('torsion')
+    first, second = [f'{name}.{end}' if is_torsion else f'{name}.{end}.link'
+                     for end in ('first', 'second')]        # the parameters of its two links
+    for parameter in (first, second):
+        require_choice(parameter, values[parameter], links)
+    if not is_torsion and values[first] == values[second] == parts.GROUND:
+        raise InvalidParameter(second, None, 'must be given: both ends of '
                                f'{name} are on the ground')
+    stiffness, damping = values[f'{name}.stiffness'], values[f'{name}.damping']
     try:
-        if turns:
-            return TorsionSpring(values[of_links[0]], values[of_links[1]], stiffness,
-                                 free_angle=values[f'{name}.free_angle'], damping=damping)
-        first, second = (Attachment(*point_in(f'{name}.{end}', values))
-                         for end in ('first', 'second'))
-        return Spring(first, second, stiffness, free_length=values[f'{name}.free_length'],
-                      damping=damping, preload=values[f'{name}.preload'])
+        if is_torsion:
+            return acting.TorsionSpring(values[first], values[second], stiffness,
+                                        free_angle=values[f'{name}.free_angle'], damping=damping)
+        return acting.Spring(
+            _attachment(f'{name}.first', values), _attachment(f'{name}.second', values), stiffness,
+            free_length=values[f'{name}.free_length'], damping=damping,
+            preload=values[f'{name}.preload'])
     except InvalidParameter as error:
         if error.name != 'second':
             raise
-        raise InvalidParameter(of_links[1], error.value, error.allowed) from None
+        raise InvalidParameter(second, error.value, error.allowed) from None
 
 
-def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> PositionForce:
+def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> acting.PositionForce:
     """Return the force of the parameters ``name``.*, checked by computing with it once."""
     link, acts = values[f'{name}.link'], values[f'{name}.acts']
     links = tuple(mechanism.loads_of_links())
-    for field, known in (('link', links), ('from.link', (GROUND, *links))):
-        if values[f'{name}.{field}'] not in known:
-            raise InvalidParameter(f'{name}.{field}', values[f'{name}.{field}'],
-                                   one_of(known, values[f'{name}.{field}']))
+    require_choice(f'{name}.link', link, links)
+    require_choice(f'{name}.from.link', values[f'{name}.from.link'], (parts.GROUND, *links))
     over = _over(values, name, mechanism)
     turns_with_link, direction = ACTS.get(acts, (False, 0.0))
     try:
-        force = PositionForce(
-            Attachment(*point_in(name, values)), _table(values, name, over, mechanism), over,
+        force = acting.PositionForce(
+            _attachment(name, values), _table(values, name, over, mechanism), over,
             None if acts == COUPLE else direction + values[f'{name}.direction'],
-            link if turns_with_link else GROUND, values[f'{name}.factor'],
-            Attachment(*point_in(f'{name}.from', values)) if acts == APART else None,
+            link if turns_with_link else parts.GROUND, values[f'{name}.factor'],
+            _attachment(f'{name}.from', values) if acts == APART else None,
             values[f'{name}.when'])
         force.fitted(mechanism)
     except InvalidParameter as error:
@@ -177,10 +165,12 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> Position
     return force
 
 
-def _table(values: ParameterValues, name: str, over: Over, mechanism: Mechanism) -> ForceTable:
+def _table(values: ParameterValues, name: str, over: acting.Over, mechanism: Mechanism
+           ) -> ForceTable:
     """Return the table of a force in SI units; errors are in the units of the scene."""
     is_couple = values[f'{name}.acts'] == COUPLE
-    is_angle = not mechanism.is_driven_by_slide if over == INPUT else isinstance(over, LinkAngle)
+    is_angle = (not mechanism.is_driven_by_slide if over == acting.INPUT
+                else isinstance(over, acting.LinkAngle))
     if file := values[f'{name}.table']:
         raise InvalidParameter('table', file, 'only the file of a scene names that of a table, '
                                'which is read with it; here give places and values')
@@ -204,17 +194,18 @@ def _table(values: ParameterValues, name: str, over: Over, mechanism: Mechanism)
 def _column(values: ParameterValues, name: str, column: str, kinds: tuple[str, ...], allowed: str
             ) -> tuple[list[float], float, str]:
     """
-    Return a column of a table, place or value, the size of its unit in SI, and the SI unit.
+    Return the values of a column, the size in SI of the unit they have, and its SI unit.
 
-    ``kinds``: the SI units that it may have.
+    ``column``: place or value of the force ``name``, which may hold numbers in NAME.place_unit, or
+    texts with units. ``kinds``: the SI units that are allowed, in words ``allowed``.
     """
     items, unit = values[f'{name}.{column}s'], values[f'{name}.{column}_unit']
-    numbers = [quantity(item, *TABLE_UNITS) if isinstance(item, str) else item for item in items]
-    of_texts = {number.unit: item for item, number in zip(items, numbers)
-                if isinstance(number, ValueInSI) and number.unit}
-    unit = unit or next(iter(of_texts), kinds[0])
+    converted = [quantity(item, *TABLE_UNITS) if isinstance(item, str) else item for item in items]
+    texts = {value.unit: item for item, value in zip(items, converted)
+             if isinstance(value, ValueInSI) and value.unit}        # {SI unit: a text that has it}
+    unit = unit or next(iter(texts), kinds[0])
     kind = next(si for si in TABLE_UNITS if unit in UNITS[si])
-    for si, item in of_texts.items():
+    for si, item in texts.items():
         if si not in kinds:
             raise InvalidParameter(f'{column}s', item, f'must have a unit of {allowed}')
         if si != kind:
@@ -222,13 +213,13 @@ def _column(values: ParameterValues, name: str, column: str, kinds: tuple[str, .
     if kind not in kinds:
         raise InvalidParameter(f'{column}_unit', unit, f'must be a unit of {allowed}')
     size = float(UNITS[kind][unit])
-    if not of_texts:
-        return numbers, size, kind
-    return [number if getattr(number, 'unit', '') else size * number
-            for number in numbers], 1.0, kind
+    if not texts:
+        return converted, size, kind
+    return [value if getattr(value, 'unit', '') else size * value
+            for value in converted], 1.0, kind
 
 
-def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Over:
+def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> acting.Over:
     """
     Return the coordinate that forces.NAME.over names: the force is a function of it.
 
@@ -236,36 +227,68 @@ def _over(values: ParameterValues, name: str, mechanism: Mechanism) -> Over:
     distance of two points.
     """
     over, driven = values[f'{name}.over'], mechanism.input_coordinate.position
-    inputs: dict[str, Over] = {INPUT: INPUT, driven: INPUT}
-    known = {**inputs, **_coordinates(mechanism), **inputs, DISTANCE: Distance(
-        Attachment(*point_in(name, values)), Attachment(*point_in(f'{name}.from', values)))}
+    inputs: dict[str, acting.Over] = {acting.INPUT: acting.INPUT, driven: acting.INPUT}
+    known = {**inputs, **_coordinates(mechanism), **inputs, DISTANCE: acting.Distance(
+        _attachment(name, values), _attachment(f'{name}.from', values))}
     for point in names_in('points', values):
-        attachment = Attachment(*point_in(f'points.{point}', values))
-        known |= {f'{point}.x': Way(attachment), f'{point}.y': Way(attachment, direction=0.5 * pi)}
+        attachment = _attachment(f'points.{point}', values)
+        known |= {f'{point}.x': acting.Way(attachment),
+                  f'{point}.y': acting.Way(attachment, direction=0.5 * pi)}
     if over not in known:
         raise InvalidParameter(f'{name}.over', over, f'there is no such coordinate'
                                                      f'{nearest(over, known)}')
     return known[over]
 
 
-def _coordinates(mechanism: Mechanism) -> dict[str, Over]:
+def _coordinates(mechanism: Mechanism) -> dict[str, acting.Over]:
     """Return {name: coordinate} of the angles and slides of a mechanism: theta4, theta_LINK."""
     names = [coordinate.position for coordinate in mechanism.PARTS]
     links = {link.name for link in mechanism.LINKS}
-    coordinates: dict[str, Over] = {}
+    coordinates: dict[str, acting.Over] = {}
     for name in names:
         link = name.removeprefix('theta_')
         if name in ANGLES:
-            coordinates[name] = LinkAngle(*ANGLES[name])
+            coordinates[name] = acting.LinkAngle(*ANGLES[name])
         elif link != name and link in links:
-            coordinates[name] = LinkAngle(link)
+            coordinates[name] = acting.LinkAngle(link)
     if hasattr(mechanism, 'stages'):
         from fourbar_ros.scene.machines import slides_in
         for link, origin, (cosine, sine) in slides_in(mechanism):
-            coordinates[f'slide_{link}'] = Way(Attachment(link), Attachment(*origin),
-                                               atan2(sine, cosine))
+            coordinates[f'slide_{link}'] = acting.Way(
+                acting.Attachment(link), acting.Attachment(*origin), atan2(sine, cosine))
     elif 'slide' in names:
+        block, pivot = acting.Attachment('coupler'), acting.Attachment('output')
         # of a bar that turns, along it from its pivot; else along x
-        coordinates['slide'] = (Way(Attachment('coupler'), Attachment('output'))
-                                if mechanism.SLIDE_DIRECTION else Way(Attachment('output')))
+        coordinates['slide'] = (acting.Way(block, pivot) if mechanism.SLIDE_DIRECTION
+                                else acting.Way(pivot))
     return coordinates
+
+
+OF_DRIVE = 'torque', 'viscous', 'slip_speed'        # fields of friction.drive
+OF_JOINTS = 'coefficient', 'radius', 'length', 'viscous'
+
+
+def friction_of(values: ParameterValues, mechanism: Mechanism) -> friction.Friction:
+    """Return the friction of joints and drive, friction.NAME.*, as pairs (joint, its friction)."""
+    names = names_in('friction', values)
+    require_masses(mechanism, f'friction.{names[0]}')
+    if 'equation' in values['outputs']:
+        raise InvalidParameter('outputs', 'equation', 'has no friction, which depends on the '
+                               f'acceleration: leave it out, or friction.{names[0]}')
+    pairs = list[tuple[str, friction.JointFriction | friction.DriveFriction]]()
+    for name in names:
+        is_drive = name == parts.DRIVE
+        fields, unused = (OF_DRIVE, OF_JOINTS) if is_drive else (OF_JOINTS, OF_DRIVE)
+        for field in unused:
+            parameter = of_name(f'friction.{name}.{field}')
+            value = values[parameter.name]
+            if field not in fields and value == value and value != parameter.default:
+                raise InvalidParameter(parameter.name, value,
+                                       f'friction.{name} has {", ".join(fields)} only')
+        known = {field: values[f'friction.{name}.{field}'] for field in fields}
+        if is_drive:
+            pairs.append((name, friction.DriveFriction(**known)))
+        else:
+            pairs.append((name, friction.JointFriction(
+                **{field: value for field, value in known.items() if not isnan(value)})))
+    return tuple(pairs)

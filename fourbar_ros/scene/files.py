@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Find and read scene files, ROS 2 parameter files, without ROS."""
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
 from math import isfinite
@@ -205,6 +203,7 @@ def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Return (number of its line, cells) of each row of a CSV file but comments and blanks."""
     # with ; between columns a comma may be a decimal point
     try:
         text = path.read_text(encoding='utf-8-sig')
@@ -364,6 +363,7 @@ class RosYaml(PlainYaml):
     """YAML of parameter files: ROS takes no list of different types."""
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
+        """Return a list; refuse items of several types with a hint what may have been meant."""
         items: list[Any] = super().construct_sequence(node, deep=True)
         are_numbers = all(type(item) in (int, float) for item in items)
         for item, item_node in zip(items, node.value):

@@ -8,7 +8,7 @@ from math import degrees, inf, isnan, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
-from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, UNKNOWN_BASE
+from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, Gravity, round_rod, UNKNOWN_BASE
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import JOINT_A, Link
@@ -25,6 +25,8 @@ AS_IN_SCENE = 'linkage.', 'dyads.', 'cylinder', 'bodies.', 'external.'
 RODS = 'bodies.rods.'
 FIELDS_OF_BODY = 'mass', 'inertia', 'cg_along'       # of a link: each of them gives it a body
 SECTIONS = ('radius',), ('width', 'thickness')       # of rods: round, rectangular
+RODS_BY_SECTION: dict[tuple[str, ...], Callable[..., Body]] = dict(zip(
+    SECTIONS, (round_rod, flat_bar)))
 ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'name of a dyad': 'linkage.dyads', 'length, density, radius': 'bodies.rods',
@@ -38,10 +40,18 @@ _newest: dict[str, Machine] = {}
 
 def linkage_of(values: ParameterValues) -> Mechanism:
     """Return the mechanism of a scene; InvalidParameter names parameters as the scene does."""
-    _check_lengths(values)
-    make = _machine if values['linkage.kind'] == MACHINE else _of_kind
+    kind = values['linkage.kind']
+    lengths = [] if kind == MACHINE else [length.name for length in KINDS[kind].LENGTHS]
+    for length in LENGTHS:
+        parameter = PARAMETERS[f'linkage.{length}']
+        value = values[parameter.name]
+        if length in lengths and isnan(value):
+            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
+        if length not in lengths and not isnan(value) and value != parameter.default:
+            raise InvalidParameter(parameter.name, value, f'linkage.kind {kind} has '
+                                   + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
     try:
-        mechanism = make(values)
+        mechanism = (_machine if kind == MACHINE else _of_kind)(values)
         mechanism.prepare()
         return mechanism
     except InvalidParameter as error:
@@ -50,25 +60,12 @@ def linkage_of(values: ParameterValues) -> Mechanism:
         name = RENAMED.get(error.name, f'linkage.{error.name}')
         raise InvalidParameter(name, error.value, error.allowed) from None
     except (ArithmeticError, ValueError):
-        raise InvalidParameter('linkage', values['linkage.kind'],
-                               'lengths and bodies are too large, too small or too '
-                               'far apart to be computed with') from None
-
-
-def _check_lengths(values: ParameterValues) -> None:
-    name = values['linkage.kind']
-    lengths = [] if name == MACHINE else [length.name for length in KINDS[name].LENGTHS]
-    for length in LENGTHS:
-        parameter = PARAMETERS[f'linkage.{length}']
-        value = values[parameter.name]
-        if length in lengths and isnan(value):
-            raise InvalidParameter(parameter.name, None, f'must be given: {parameter.text}')
-        if length not in lengths and not isnan(value) and value != parameter.default:
-            raise InvalidParameter(parameter.name, value, f'linkage.kind {name} has '
-                                   + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
+        raise InvalidParameter('linkage', kind, 'lengths and bodies are too large, too small or '
+                               'too far apart to be computed with') from None
 
 
 def _of_kind(values: ParameterValues) -> Mechanism:
+    """Return a four_bar, slider_crank, ... with the mode, stroke, bodies and loads of a scene."""
     name = values['linkage.kind']
     kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
     for only in ('linkage.dyads', 'linkage.output', 'linkage.carrier'):
@@ -82,26 +79,27 @@ def _of_kind(values: ParameterValues) -> Mechanism:
         raise InvalidParameter('linkage.input', values['linkage.input'],
                                f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
     _check_links(values, kind)
-    bodies = BodiesOfLinks(values, kind.LINKS,
-                           {length: values[f'linkage.{length}'] for length in LENGTHS})
+    bodies = bodies_of_links(values, kind.LINKS, {
+        length: values[f'linkage.{length}'] for length in LENGTHS}, are_all_needed=True)
     stroke = values['linkage.range']
     mechanism: Mechanism = kind(
         **arguments, mode=values['linkage.mode'], stroke=tuple(stroke) if stroke else None,
-        bodies=kind.BODIES(**bodies.made(True)) if bodies.are_given else None,
+        bodies=None if bodies is None else kind.BODIES(**bodies),
         gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
     return mechanism
 
 
 def _machine(values: ParameterValues) -> Mechanism:
+    """Return a machine of dyads; one with the same geometry gets its bodies and loads anew."""
     from fourbar_ros.scene import machines  # only scenes of machines need these formulas
 
     key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
     machine = _newest.get(key) or machines.machine_of(values)
     _check_links(values, machine)
-    bodies = BodiesOfLinks(values, machine.LINKS, dict(zip(machine.length_names, machine.lengths)))
-    loaded = machine.with_loads(
-        bodies=bodies.made(False) if bodies.are_given else None, gravity=_gravity(values),
-        external=external_of(values, machine))
+    bodies = bodies_of_links(values, machine.LINKS, dict(zip(
+        machine.length_names, machine.lengths)), are_all_needed=False)
+    loaded = machine.with_loads(bodies=bodies, gravity=_gravity(values),
+                                external=external_of(values, machine))
     if len(_newest) >= MEMORY:
         _newest.clear()
     _newest[key] = loaded
@@ -132,6 +130,12 @@ def _gravity(values: ParameterValues) -> Gravity:
     return UNKNOWN_BASE
 
 
+def require_masses(mechanism: Mechanism, what_needs_them: str) -> None:
+    if mechanism.bodies is None:
+        raise InvalidParameter('bodies.crank.mass', None, 'must be given (or bodies.rods): '
+                               f'{what_needs_them} needs masses')
+
+
 def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
                 applied: Callable[..., Any] = Applied) -> dict[str, Any]:
     """Return {link: external force}, made by ``applied`` of the parameters external.LINK.*."""
@@ -140,65 +144,54 @@ def external_of(values: ParameterValues, mechanism: Mechanism | type[Mechanism],
             for link in mechanism.EXTERNAL._fields}
 
 
-class BodiesOfLinks:
-    """The bodies of the links of a scene: given one by one, or by a model of rods."""
+def bodies_of_links(values: ParameterValues, links: Sequence[Link], lengths: Mapping[str, Scalar],
+                    are_all_needed: bool, make_body: Callable[..., Body] = Body,
+                    make_rods: Mapping[tuple[str, ...], Callable[..., Body]] = RODS_BY_SECTION
+                    ) -> dict[str, Body] | None:
+    """
+    Return {link: Body} by bodies.LINK.* or, without these, by bodies.rods.*; None without masses.
 
-    body = staticmethod(Body)        # a subclass may take arrays
+    ``lengths``: {name of a length: its value [m]}. ``are_all_needed``: a link without a mass is
+    refused. Values of any arithmetic have makers of their own; of rods {their section: maker}.
+    """
+    def has(name: str) -> bool:
+        return not isinstance(values[name], float) or not isnan(values[name])
 
-    def __init__(self, values: ParameterValues, links: Sequence[Link],
-                 lengths: Mapping[str, Scalar]) -> None:
-        self._values, self._links, self._lengths = values, links, lengths
-        self._has_rods = any(map(self._has, ROD_PARAMETERS))
-        of_round, of_flat = SECTIONS
-        self._section = of_flat if any(self._has(RODS + field) for field in of_flat) else of_round
-        if self._section == of_flat and self._has(RODS + 'radius'):
-            raise InvalidParameter(RODS + 'radius', self._values[RODS + 'radius'],
-                                   'give either the radius of round rods or width and thickness')
-        for field in ('density', *self._section) if self._has_rods else ():
-            if not self._has(RODS + field):
-                raise InvalidParameter(RODS + field, None, 'must be given: rods have density and '
-                                       'radius, or density, width and thickness')
-
-    def _has(self, name: str) -> bool:
-        value = self._values[name]
-        return not isinstance(value, float) or not isnan(value)
-
-    def _has_mass(self, link: Link) -> bool:
-        return self._has(f'bodies.{link.name}.mass')
-
-    @property
-    def are_given(self) -> bool:
-        return self._has_rods or any(map(self._has_mass, self._links))
-
-    def made(self, are_all_needed: bool) -> dict[str, Body]:
-        """Return {link: Body}, by bodies.LINK.* or rods; refuse a lack if ``are_all_needed``."""
-        values, bodies = self._values, {}
-        for link in self._links:
-            group = f'bodies.{link.name}.'
-            fields = [field for field in FIELDS_OF_BODY if self._has(group + field)]
-            if self._has_rods and link.length and not self._has_mass(link):
-                if fields:
-                    raise InvalidParameter(group + fields[0], values[group + fields[0]], 'needs '
-                                           'the mass of the link: it is a rod (bodies.rods)')
-                bodies[link.name] = self.rod(self._lengths[link.length], *(
-                    values[RODS + field] for field in ('density', *self._section)))
-            elif fields or are_all_needed:
-                for field in ('mass', 'inertia') if link.turns else ('mass',):
-                    if field not in fields:
-                        raise InvalidParameter(
-                            group + field, None, 'must be given: loads need mass'
-                            f'{" and inertia" if link.turns else ""} of the {link.name}')
-                along = (values[group + 'cg_along'] if 'cg_along' in fields
-                         else 0.5 * self._lengths[link.length] if link.length else 0.0)
-                bodies[link.name] = self.body(
-                    values[group + 'mass'], cg_along=along, cg_across=values[group + 'cg_across'],
-                    inertia=values[group + 'inertia'] if 'inertia' in fields else 0.0)
-        return bodies
-
-    def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
-        from fourbar_ros.mechanics.bodies import flat_bar, round_rod  # only for scenes with rods
-        make: Callable[..., Body] = round_rod if self._section == SECTIONS[0] else flat_bar
-        return make(length, density, *section)
+    round_section, flat_section = SECTIONS
+    section = flat_section if any(has(RODS + field) for field in flat_section) else round_section
+    of_rods = [RODS + field for field in ('density', *section)]     # their parameters
+    has_rods = any(map(has, ROD_PARAMETERS))
+    if section == flat_section and has(RODS + 'radius'):
+        raise InvalidParameter(RODS + 'radius', values[RODS + 'radius'],
+                               'give either the radius of round rods or width and thickness')
+    for name in of_rods if has_rods else ():
+        if not has(name):
+            raise InvalidParameter(name, None, 'must be given: rods have density and radius, or '
+                                   'density, width and thickness')
+    if not has_rods and not any(has(f'bodies.{link.name}.mass') for link in links):
+        return None
+    bodies: dict[str, Body] = {}
+    for link in links:
+        group = f'bodies.{link.name}.'
+        fields = [field for field in FIELDS_OF_BODY if has(group + field)]
+        if has_rods and link.length and 'mass' not in fields:
+            if fields:
+                raise InvalidParameter(group + fields[0], values[group + fields[0]], 'needs the '
+                                       'mass of the link: it is a rod (bodies.rods)')
+            bodies[link.name] = make_rods[section](lengths[link.length],
+                                                   *(values[name] for name in of_rods))
+        elif fields or are_all_needed:
+            for field in ('mass', 'inertia') if link.turns else ('mass',):
+                if field not in fields:
+                    raise InvalidParameter(
+                        group + field, None, 'must be given: loads need mass'
+                        f'{" and inertia" if link.turns else ""} of the {link.name}')
+            along = (values[group + 'cg_along'] if 'cg_along' in fields
+                     else 0.5 * lengths[link.length] if link.length else 0.0)
+            bodies[link.name] = make_body(
+                values[group + 'mass'], cg_along=along, cg_across=values[group + 'cg_across'],
+                inertia=values[group + 'inertia'] if 'inertia' in fields else 0.0)
+    return bodies
 
 
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------

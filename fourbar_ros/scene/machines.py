@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The machine of dyads that the parameters of a scene describe."""
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from math import isnan
 from typing import Any
@@ -68,17 +66,29 @@ def machine_of(values: ParameterValues) -> Machine:
     return machine
 
 
-def lengths_of(machine: Machine, values: ParameterValues,
-               arithmetic: NumberType) -> tuple[DyadLengths, ...]:
+def lengths_of(machine: Machine, values: ParameterValues, n: NumberType
+               ) -> tuple[DyadLengths, ...]:
     """
-    Return the lengths, points and directions of all dyads of a machine, in any arithmetic.
+    Return lengths, points and directions of all dyads of a machine, in the arithmetic ``n``.
 
-    With it a study computes many machines at once. ``machine`` has the same dyads. ``values``
-    holds all parameters; those that vary may be arrays of the ``arithmetic``.
+    With it a study computes many machines at once. ``machine`` has the same dyads; a cylinder is
+    one of rod and tube. ``values``: all parameters; those that vary may be arrays. The points are
+    (along, across) [m] on the links where a dyad hangs.
     """
-    cylinder = machine.cylinder and machine.stages[0]
-    return tuple([_lengths(dyad, values, arithmetic, dyad is cylinder)
-                  for dyad in machine.stages])
+    lengths = []
+    for dyad in machine.stages:
+        prefix, ends = (('cylinder.', ('pin', 'base'))
+                        if machine.cylinder and dyad is machine.stages[0]
+                        else (f'dyads.{dyad.name}.', ('first', 'second')))
+        p, q = [hanging_point(f'{prefix}{end}', values, n)[1:] for end in ends]
+        sizes: list[Scalar] = []
+        for name in OF_KIND[dyad.kind]:
+            value = values.get(prefix + name)
+            if value is None or isinstance(value, float) and isnan(value):
+                value = getattr(dyad, name)      # the default of an offset
+            sizes += direction_in(n, value) if name in ANGLES else (value,)
+        lengths.append(DyadLengths(p, q, tuple(sizes)))
+    return tuple(lengths)
 
 
 def with_named_points(machine: Mechanism, values: ParameterValues, n: NumberType,
@@ -112,25 +122,6 @@ def slides_in(machine: Mechanism, lengths: Sequence[DyadLengths] = ()
 def bodies_of(machine: Machine, bodies: dict[str, Body] | None) -> Any:
     """Return the bodies of all links, massless where there is none; None for None."""
     return by_link('bodies', bodies, Body, machine.BODIES, NO_BODY)
-
-
-def _lengths(dyad: Dyad, values: ParameterValues, n: NumberType,
-             is_cylinder: bool) -> DyadLengths:
-    """
-    Return the lengths of a dyad, or of the cylinder: a dyad of rod and tube.
-
-    They are the points (along, across) [m] of the links where it hangs and its dimensions.
-    """
-    prefix, ends = (('cylinder.', ('pin', 'base')) if is_cylinder else
-                    (f'dyads.{dyad.name}.', ('first', 'second')))
-    p, q = [hanging_point(f'{prefix}{end}', values, n)[1:] for end in ends]
-    sizes: list[Scalar] = []
-    for name in OF_KIND[dyad.kind]:
-        value = values.get(prefix + name)
-        if value is None or isinstance(value, float) and isnan(value):
-            value = getattr(dyad, name)      # the default of an offset
-        sizes += direction_in(n, value) if name in ANGLES else (value,)
-    return DyadLengths(p, q, tuple(sizes))
 
 
 def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> Point:

@@ -6,14 +6,11 @@ Which value goes into which message field, for the node and for recomputing a ba
 A value is named by its field in the mechanism's motion or loads, by ``NAME.FIELD`` in the motion
 of a point, or by ``link NAME.FIELD`` in the motion of a link.
 """
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from math import nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms.curves import LinkFields, PointMotion
-from fourbar_ros.mechanisms.load_table import LOADS
+from fourbar_ros.mechanisms import curves, load_table
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
 from fourbar_ros.numerics.arrays import Array
@@ -90,13 +87,13 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
         'output': dict(zip(MOTION, output)),
         'state': {'velocity_ratio': ratio, **renamed,
                   **{name: name for name in STATE_FIELDS if name in known}},
-        'loads': {name: name for name in LOADS if name in known},
+        'loads': {name: name for name in load_table.LOADS if name in known},
         'shaking_wrench': dict(zip(WRENCH, ('shaking_force_x', 'shaking_force_y',
                                             'shaking_moment'))),
         **{f'reactions/{reaction.joint}': dict(zip(WRENCH, filter(None, (
             reaction.x, reaction.y, reaction.couple)))) for reaction in mechanism.REACTIONS}}
     absent = {'state': tuple(name for name in STATE_FIELDS if name not in fields['state']),
-              'loads': tuple(name for name in LOADS if name not in known)}
+              'loads': tuple(name for name in load_table.LOADS if name not in known)}
     names = list(known)         # of the values of a sample, in their order
     end_of_motion = len(mechanism.MOTION._fields)
     groups = {'motion': slice(end_of_motion), 'loads': slice(end_of_motion, len(known))}
@@ -108,10 +105,10 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
         names.extend(sources.values())
 
     for point in points:
-        add(f'points/{point}', {name: f'{point}.{name}' for name in PointMotion._fields})
+        add(f'points/{point}', {name: f'{point}.{name}' for name in curves.PointMotion._fields})
     for link in mechanism.LINKS if 'links' in outputs else ():
         add(f'links/{link.name}',
-            {name: f'link {link.name}.{name}' for name in LinkFields._fields})
+            {name: f'link {link.name}.{name}' for name in curves.LinkFields._fields})
     if 'equation' in outputs:
         add('equation', {name: f'equation {name}' for name in EQUATION})
         fields['equation'] = {**dict(zip(MOTION[:2], driven)), **fields['equation']}

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Find the parameters of a scene in the table, and check their values; imports no ROS."""
-from __future__ import annotations
-
 from array import array
 from collections.abc import Iterable
 from functools import lru_cache
@@ -11,9 +9,7 @@ import re
 from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest, one_of
-from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms import curves, kinds, parts
 from fourbar_ros.scene import settings
 from fourbar_ros.scene.settings import Parameter, PARAMETERS, ParameterValues
 from fourbar_ros.scene.units import quantity, WrongQuantity
@@ -70,8 +66,14 @@ def names_in(family: str, values: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(member for group, member, _ in members if group == family))
 
 
-def point_in(name: str, values: ParameterValues) -> Point:
-    return Point(*(values[f'{name}.{field}'] for field in Point._fields))
+def point_in(name: str, values: ParameterValues) -> curves.Point:
+    return curves.Point(*(values[f'{name}.{field}'] for field in curves.Point._fields))
+
+
+def require_choice(name: str, value: str, choices: Iterable[str], some: bool = False) -> None:
+    """Raise InvalidParameter for a value that is none of the choices; ``some`` as of one_of."""
+    if value not in (choices := tuple(choices)):
+        raise InvalidParameter(name, value, one_of(choices, value, some))
 
 
 def _parameters_of(family: str, member: str) -> list[Parameter]:
@@ -94,7 +96,7 @@ def check(values: ParameterValues) -> dict[str, Any]:
                           for parameter in _parameters_of(family, name)}
     for name in [f'dyads.{dyad}.{end}' for dyad in names_in('dyads', every)
                  for end in ('first', 'second')]:
-        by_link = [f'{name}.{field}' for field in Point._fields]
+        by_link = [f'{name}.{field}' for field in curves.Point._fields]
         for field in by_link if values.get(name) else ():
             if field in values:
                 raise InvalidParameter(field, values[field], f'stands twice: {name} names the '
@@ -115,6 +117,7 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
+    """Return the reason why a scene, perhaps of a machine, has no parameter of this name."""
     family, *rest = name.replace('linkage.points', 'points', 1).split('.')
     member = member_of(name)
     # springs.2nd.stiffness
@@ -153,7 +156,7 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
         mentioned['dyads'] = _names(values.get('linkage.dyads'))
         links = _links_of_machine(values)
     else:
-        kind = KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
+        kind = kinds.KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
         links = [link.name for link in kind.LINKS] if kind else []
     mentioned.update(dict.fromkeys(settings.OF_LINKS, links))
     return [(family, name) for family, names in mentioned.items()
@@ -175,10 +178,11 @@ def _links_of_machine(values: ParameterValues) -> list[str]:
         links += _names([values.get('cylinder.base.link')])
     elif driver != 'slide':
         links += _names([values.get('linkage.carrier')])
-    return [link for link in links if link != GROUND]
+    return [link for link in links if link != parts.GROUND]
 
 
 def _names(value: Any) -> list[str]:
+    """Return the valid names in a list that is not checked yet; [] of anything else."""
     return ([item for item in value
              if isinstance(item, str) and re.fullmatch(r'[A-Za-z]\w*', item)]
             if isinstance(value, (list, tuple)) else [])
@@ -203,9 +207,10 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
         raise InvalidParameter(name, value, f'must be {_wanted(parameter, value)}')
     if parameter.type == 'strings':
         for item in value:
-            if not isinstance(item, str) or (choices and item not in choices):
-                raise InvalidParameter(name, item, one_of(choices, item, some=True)
-                                       if choices else 'must be a text')
+            if choices:
+                require_choice(name, item, choices, some=True)
+            elif not isinstance(item, str):
+                raise InvalidParameter(name, item, 'must be a text')
     elif parameter.type == 'doubles':
         # angles or lengths: a text stays until the mechanism tells which, but of the input
         units = ([unit_in(parameter, values)] if name == 'linkage.range'
@@ -216,8 +221,8 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
                 raise InvalidParameter(name, item, 'must hold finite numbers')
         value = [item if len(units) > 1 and isinstance(item, str) else number
                  for item, number in zip(value, numbers)]
-    elif choices and value not in choices:
-        raise InvalidParameter(name, value, one_of(choices, value))
+    elif choices:
+        require_choice(name, value, choices)
     # NaN may stand for "not given"
     if kind in (float, int) and not (isnan(value) and isinstance(parameter.default, float)
                                      and isnan(parameter.default)):
@@ -233,6 +238,7 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
 
 
 def _wanted(parameter: Parameter, value: Any) -> str:
+    """Return in words of which type a value must be, to be said of one that is of another."""
     if parameter.words:
         return 'one of ' + ', '.join(f'{value} or {word}'
                                      for word, value in parameter.words.items())

@@ -5,8 +5,6 @@ A scene whose parameters are of any arithmetic: columns of many designs, operati
 
 The formulas of motion and loads are those of every scene, made for such values.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
@@ -15,15 +13,14 @@ from math import inf
 from typing import Any, TypeVar
 
 from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers, unchecked
+from fourbar_ros.mechanisms import curves, mechanism
 from fourbar_ros.mechanisms import elements as acting
-from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.evaluation import Constants
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, direction_in, NumberType, Scalar
 from fourbar_ros.scene.elements import ACTS, element_names
-from fourbar_ros.scene.linkage import BodiesOfLinks, external_of, SECTIONS
+from fourbar_ros.scene.linkage import bodies_of_links, external_of, SECTIONS
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
 import numpy as np
@@ -32,16 +29,6 @@ NEARLY = 1e-12      # sums of lengths that agree to this, relative to their sum,
 
 
 _Record = TypeVar('_Record')
-
-
-class _UncheckedBodies(BodiesOfLinks):
-    """The ``bodies.*`` of a scene whose values are of any arithmetic."""
-
-    body = staticmethod(partial(unchecked, Body))
-
-    def rod(self, length: Scalar, density: Scalar, *section: Scalar) -> Body:
-        fields = rod_numbers if self._section == SECTIONS[0] else bar_numbers
-        return unchecked(Body, *fields(length, density, *section))
 
 
 def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -> Constants:
@@ -54,26 +41,30 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
             field: values[f'friction.{name}.{field}'] for field in vars(friction)
             if field != 'length' or friction.length < inf})
             for name, friction in linkage.friction]))
+    group = 'dyads' if scene.kind == MACHINE else 'linkage'
+    bodies = bodies_of_links(
+        values, linkage.LINKS,
+        {link.length: values[f'{group}.{link.length}'] for link in linkage.LINKS if link.length},
+        scene.kind != MACHINE, partial(unchecked, Body), dict(zip(SECTIONS, (
+            lambda *sizes: unchecked(Body, *rod_numbers(*sizes)),
+            lambda *sizes: unchecked(Body, *bar_numbers(*sizes))))))
     if scene.kind != MACHINE:
-        lengths = {name: values[f'linkage.{name}'] for name in linkage.length_names}
-        bodies = _UncheckedBodies(values, linkage.LINKS, lengths)
         return constants._replace(
-            lengths=tuple(lengths.values()), elements=elements_of(scene, values, n),
-            bodies=linkage.BODIES(**bodies.made(True)) if bodies.are_given else None)
+            lengths=tuple([values[f'linkage.{name}'] for name in linkage.length_names]),
+            elements=elements_of(scene, values, n),
+            bodies=None if bodies is None else linkage.BODIES(**bodies))
     from fourbar_ros.machine import Machine
     from fourbar_ros.scene import machines
     assert isinstance(linkage, Machine)
-    bodies = _UncheckedBodies(values, linkage.LINKS, {
-        link.length: values[f'dyads.{link.length}'] for link in linkage.LINKS if link.length})
-    lengths_of_dyads = machines.lengths_of(linkage, values, n)
+    lengths = machines.lengths_of(linkage, values, n)
     return constants._replace(
-        lengths=lengths_of_dyads,
-        elements=elements_of(scene, values, n, machines.slides_in(linkage, lengths_of_dyads)),
-        bodies=machines.bodies_of(linkage, bodies.made(False) if bodies.are_given else None))
+        lengths=lengths,
+        elements=elements_of(scene, values, n, machines.slides_in(linkage, lengths)),
+        bodies=machines.bodies_of(linkage, bodies))
 
 
 def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
-                slides: Iterable[tuple[str, Point, tuple[Scalar, Scalar]]] = ()
+                slides: Iterable[tuple[str, curves.Point, tuple[Scalar, Scalar]]] = ()
                 ) -> tuple[acting.Element, ...]:
     """Return springs and forces in any arithmetic; ``slides`` as :func:`.slides_in`."""
     def made(record: _Record, name: str, *fields: str, **derived: Any) -> _Record:
@@ -142,7 +133,7 @@ def _with(record: _Record, **changed: Any) -> _Record:
     return copied
 
 
-def margin_signs(linkage: Mechanism) -> Array | None:
+def margin_signs(linkage: mechanism.Mechanism) -> Array | None:
     """Return the signs of |lengths| in the margins, (margins, lengths); None if no such sums."""
     signs, sizes = np.array(linkage.MARGIN_SIGNS, float), np.abs(linkage.lengths)
     are_sums = signs.size and np.allclose(signs @ sizes, linkage.margins, 0.0,
@@ -150,7 +141,7 @@ def margin_signs(linkage: Mechanism) -> Array | None:
     return signs if are_sums else None
 
 
-def point_quantities_of(scene: Scene, values: ParameterValues, parametric: Mechanism
+def point_quantities_of(scene: Scene, values: ParameterValues, parametric: mechanism.Mechanism
                         ) -> dict[str, Asked]:
     """Return {name: speed or acceleration of a point} of a mechanism :func:`.with_any_lengths`."""
     quantities: dict[str, Asked] = {}

@@ -10,21 +10,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 import json
 from math import inf, isfinite, isnan, tau
 from pathlib import Path
 from typing import Any, NoReturn, TYPE_CHECKING
 import warnings
 
-from fourbar_ros.errors import FourBarError, InvalidParameter, one_of, OutOfRange, SceneWarning
+from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, SceneWarning
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.parts import NamedFields, record_type
 from fourbar_ros.notebook import as_html, from_lab, short_repr
-from fourbar_ros.scene import groups, parameters, topics
+from fourbar_ros.scene import parameters, topics
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
-from fourbar_ros.scene.settings import MACHINE, ParameterValues, SOURCES
+from fourbar_ros.scene.settings import MACHINE, PARAMETERS, ParameterValues, SOURCES
 from fourbar_ros.scene.topics import Topic
 
 if TYPE_CHECKING:      # imported where a scene needs them
@@ -48,22 +49,22 @@ class Scene:
 
     ``kind`` is linkage.kind; ``linkage`` the mechanism with all that acts on it; ``points`` by
     their names; ``dynamics`` where the motion follows from torque; ``values``: every parameter by
-    name; ``name``: of its file.
+    name; ``name``: of its file. Groups are records of the parameters of :mod:`.settings`:
+    ``drive.speed`` is drive.speed.
     """
 
     kind: str
     linkage: Mechanism
     points: dict[str, Point]
-    wrenches: groups.WrenchSettings
-    base: groups.BaseSettings
-    drive: groups.DriveSettings
+    wrenches: NamedFields             # external.*, and ``links`` whose wrench a topic sends
+    base: NamedFields                 # base.*, and ``carried`` with base.carried.*
+    drive: NamedFields
     outputs: tuple[str, ...]
     frame_id: str
-    frame: groups.FrameSettings
+    frame: NamedFields
     joint_names: tuple[str, ...]      # with their prefix
-    joint_states: groups.JointStates
-    node: groups.NodeSettings
-    recording: groups.RecordingSettings
+    joint_states: NamedFields         # ratios and offsets of every joint, whether given or not
+    recording: NamedFields
     dynamics: Dynamics | None
     values: ParameterValues
     name: str = ''
@@ -182,13 +183,14 @@ class Scene:
         inputs = [topic for topic in (*topics.INPUTS.values(), topics.TORQUE)
                   if topic.name == self.drive.source]
         return [*self.acting_received, *inputs,
-                *(topics.TRAJECTORIES[name] for name in topics.ANSWERS if self.node.trajectories)]
+                *(topics.TRAJECTORIES[name] for name in topics.ANSWERS
+                  if self.values['trajectories'])]
 
     @property
     def published(self) -> list[Topic]:
         """Return the topics on which the node sends, except those of every ROS node."""
         answers = [topic for name, topic in topics.TRAJECTORIES.items()
-                   if self.node.trajectories and name not in topics.ANSWERS]
+                   if self.values['trajectories'] and name not in topics.ANSWERS]
         states = [topics.DRIVE_STATE] if self.dynamics else []
         return [*map(topics.applied_topic, self.acting), *states, *answers, topics.DRIVEN,
                 topics.SCENE, *self.topics.values(), *self.pictures.values()]
@@ -294,37 +296,32 @@ def from_values(values: ParameterValues) -> Scene:
 
 def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
            name: str = '') -> Scene:
+    """Return the Scene of all parameters, each of which is checked; check them together."""
     mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
     links, joints = [link.name for link in mechanism.LINKS], mechanism.JOINTS
     families = {name.partition('.')[0] for name in values}
     points = {name: parameters.point_in(f'points.{name}', values)
               for name in (parameters.names_in('points', values) if 'points' in families else ())}
-    for name, point in points.items():
-        if point.link not in links:
-            raise InvalidParameter(f'points.{name}.link', point.link, one_of(links, point.link))
-    base = groups.read(groups.BaseSettings, 'base', values,
-                       carried=groups.read(groups.CarriedBody, 'base.carried', values))
-    wrenches = groups.read(groups.WrenchSettings, 'external', values, links=tuple(
+    for point_name, point in points.items():
+        parameters.require_choice(f'points.{point_name}.link', point.link, links)
+    base = _group('base', values, carried=_group('base.carried', values))
+    wrenches = _group('external', values, links=tuple(
         link for link in mechanism.EXTERNAL._fields if values[f'external.{link}.from_topic']))
     offsets = values['joint_states.offsets']
     if str in map(type, offsets) and len(offsets) == len(joints):       # 90deg, or 5mm of a slide
         offsets = [parameters.as_number('joint_states.offsets', offset, joint.coordinate.unit)
                    for offset, joint in zip(offsets, joints)]
         values = {**values, 'joint_states.offsets': offsets}
-    joint_states = groups.read(
-        groups.JointStates, 'joint_states', values,
-        ratios=values['joint_states.ratios'] or [1.0] * len(joints),
-        offsets=offsets or [0.0] * len(joints))
+    joint_states = _group('joint_states', values,
+                          ratios=values['joint_states.ratios'] or [1.0] * len(joints),
+                          offsets=offsets or [0.0] * len(joints))
     joint_names = values['joint_names'] or [joint.name or joint.place for joint in joints]
-    node = groups.NodeSettings(values['services'], values['trajectories'],
-                               values['trajectory_fields'], values['pictures.rate'])
-    if families & {'forces', 'springs', 'torsion_springs'}:
-        from fourbar_ros.scene.elements import elements_of  # few scenes have any
-        mechanism = mechanism.with_elements(*elements_of(values, mechanism))
-    if 'friction' in families:
-        from fourbar_ros.scene.friction import friction_of  # nor friction
-        mechanism = mechanism.with_friction(friction_of(values, mechanism))
+    if families & {'forces', 'springs', 'torsion_springs', 'friction'}:
+        from fourbar_ros.scene import elements  # few scenes have any
+        mechanism = mechanism.with_elements(*elements.elements_of(values, mechanism))
+        if 'friction' in families:
+            mechanism = mechanism.with_friction(elements.friction_of(values, mechanism))
     dynamics = None
     if values['drive.source'] in SOURCES:
         from fourbar_ros.dynamics.system import SLIP_SPEED  # nor torque
@@ -333,16 +330,25 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
         dynamics = of_values(values, mechanism)
     scene = Scene(
         kind=kind, linkage=mechanism, points=points, wrenches=wrenches, base=base,
-        drive=groups.read(groups.DriveSettings, 'drive', values), outputs=outputs,
-        frame_id=values['frame_id'],
-        frame=groups.read(groups.FrameSettings, 'frame', values,
-                          xyz=values['frame.xyz'] or [0.0] * 3,
-                          rpy=values['frame.rpy'] or [0.0] * 3), joint_states=joint_states,
-        joint_names=tuple(joint_states.prefix + name for name in joint_names), node=node,
-        recording=groups.read(groups.RecordingSettings, 'recording', values),
-        dynamics=dynamics, values=values, name=name)
+        drive=_group('drive', values), outputs=outputs, frame_id=values['frame_id'],
+        frame=_group('frame', values, xyz=values['frame.xyz'] or [0.0] * 3,
+                     rpy=values['frame.rpy'] or [0.0] * 3), joint_states=joint_states,
+        joint_names=tuple(joint_states.prefix + name for name in joint_names),
+        recording=_group('recording', values), dynamics=dynamics, values=values, name=name)
     _check_together(scene)
     return scene
+
+
+@cache
+def _fields_of(group: str) -> tuple[str, ...]:
+    names = [name.removeprefix(f'{group}.') for name in PARAMETERS if name.startswith(f'{group}.')]
+    return tuple(name for name in names if '.' not in name)
+
+
+def _group(name: str, values: ParameterValues, **derived: Any) -> NamedFields:
+    """Return the parameters NAME.* as a record; ``derived``: fields with other values, or more."""
+    fields = {field: values[f'{name}.{field}'] for field in _fields_of(name)} | derived
+    return record_type(name.rpartition('.')[2].title(), tuple(fields))(*fields.values())
 
 
 def load(path: str | Path) -> Scene:
@@ -383,6 +389,7 @@ def give_warnings(scene: Scene, path: str | Path) -> None:
 # --- checks of the scene as a whole --------------------------------------------------------------
 
 def _check_together(scene: Scene) -> None:
+    """Refuse parameters that are allowed, but not with others of the scene."""
     def refuse(name: str, why: str) -> NoReturn:
         value = scene.values[name]
         raise InvalidParameter(name, value if value == value else None, why)    # NaN: not given
@@ -412,9 +419,7 @@ def _check_together(scene: Scene) -> None:
     shown = scene.joint_states
     without_prefix = [name.removeprefix(shown.prefix) for name in names]
     for name in shown.leave_out:
-        if name not in without_prefix:
-            raise InvalidParameter('joint_states.leave_out', name,
-                                   one_of(without_prefix, name, some=True))
+        parameters.require_choice('joint_states.leave_out', name, without_prefix, some=True)
     if shown.leave_out and 'joint_states' in scene.outputs and not scene.joints_shown:
         refuse('joint_states.leave_out', 'leaves no joint: leave joint_states out of outputs')
     for name, scales in (('ratios', shown.ratios), ('offsets', shown.offsets)):
@@ -445,11 +450,11 @@ def _check_together(scene: Scene) -> None:
     if scene.base.rotation:
         from fourbar_ros.scene.base import rotation_of
         rotation_of(scene.base.rotation)
-    if scene.node.trajectories and scene.base.topic:
+    if scene.values['trajectories'] and scene.base.topic:
         refuse('trajectories', f'{scene.linkage.why_no_loads}: their effort would be wrong')
     if scene.drive.source == 'joint_state' and not scene.drive.joint:
         refuse('drive.joint', 'must name the joint that is the input')
-    if scene.node.trajectories:
+    if scene.values['trajectories']:
         output = scene.linkage.outputs[0].coordinate
         coordinates = [joint.coordinate for joint in scene.linkage.JOINTS]
         if output not in coordinates:

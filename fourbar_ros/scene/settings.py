@@ -7,8 +7,6 @@ They feed the declaration in the node, the check of scene files, the manual and 
 :mod:`fourbar_ros.scene.parameters` finds and checks them. Families are groups of which a scene may
 have any number: in ``points.NAME.link`` NAME is free.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from math import inf, isfinite, nan
 from types import MappingProxyType
@@ -19,8 +17,7 @@ from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS
 from fourbar_ros.mechanisms.parts import GROUND, JOINT_A, Length, SLIDE
 from fourbar_ros.numerics.arguments import FARTHEST, FASTEST, quantities_of
-from fourbar_ros.scene import topics
-from fourbar_ros.scene.units import UNITS
+from fourbar_ros.scene import topics, units
 
 ParameterValues = Mapping[str, Any]       # {name: value}; their types stand in the table
 
@@ -32,8 +29,8 @@ TIMER, MESSAGES = 'timer', tuple(topics.INPUTS)
 # of drive.source, with which the motion follows from torque
 SOURCES = (topics.TORQUE.name, 'motor')
 # {unit: its size in SI} of both columns of a table of forces
-POSITION_UNITS = {**UNITS['rad'], **UNITS['m']}
-FORCE_UNITS = {**UNITS['N'], **UNITS['N m'], **UNITS['Pa']}
+POSITION_UNITS = {**units.UNITS['rad'], **units.UNITS['m']}
+FORCE_UNITS = {**units.UNITS['N'], **units.UNITS['N m'], **units.UNITS['Pa']}
 
 
 class Parameter(NamedTuple):

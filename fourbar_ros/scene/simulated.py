@@ -11,8 +11,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 from fourbar_ros.dynamics.sources import ConstantTorque
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.quantities import known_quantities
-from fourbar_ros.numerics.arguments import finite
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics import arguments, arrays
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import SOURCES
 from fourbar_ros.scene.topics import TORQUE
@@ -54,7 +53,7 @@ class SimulatedScene(NamedTuple):
             before = time
 
     @property
-    def states(self) -> Array:
+    def states(self) -> arrays.Array:
         """
         Return the states of the samples as the node's Mover has them, shape (5, n).
 
@@ -76,7 +75,7 @@ class SimulatedScene(NamedTuple):
         per_second = f'{mechanism.input_coordinate.unit}/s'
         force = 'N' if mechanism.is_driven_by_slide else 'N m'
         quantities = known_quantities(mechanism, mechanism.input)
-        rows: list[tuple[str, str, Array]] = [
+        rows: list[tuple[str, str, arrays.Array]] = [
             ('speed of the input', per_second, run.rate),
             ('acceleration of the input', f'{per_second}^2', run.acceleration),
             ('torque on the input', force, run.torque),
@@ -126,7 +125,7 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
         name = scene.acting[0]
         raise InvalidParameter('base.topic' if name == 'base' else f'external.{name}.from_topic',
                                True, 'what acts by topic is known to the node alone')
-    until = finite('until', until, 'must be a positive number', above=0.0)
+    until = arguments.finite('until', until, 'must be a positive number', above=0.0)
     count = int(until * scene.drive.rate * (1.0 + 1e-12))     # 0.29 s * 100 Hz = 28.99... is 29
     if count < 1:
         raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '

@@ -6,8 +6,6 @@ The single table of topics and services of the node: names, types, quality of se
 Names starting with ``~/`` are below the node's name; the others are relative to its namespace.
 Imports no ROS.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 

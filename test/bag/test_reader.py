@@ -55,7 +55,7 @@ def whole(tmp_path_factory):
             writer.write(1, text(f'number {k}'))
             writer._flush()
     writer._finish('stopped')
-    writer._part.file.close()
+    writer._file.stream.close()
     return writer.path
 
 

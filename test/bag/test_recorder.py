@@ -184,7 +184,7 @@ class SlowDisk:
 
     def __init__(self, writer):
         self.released, self.held = threading.Event(), threading.Event()
-        file = writer._part.file
+        file = writer._file.stream
         write = file.write
 
         def slow(data):
@@ -347,7 +347,7 @@ def test_files_of_splits_do_not_stay_open_until_the_next_sync(tmp_path, monkeypa
     for k in range(8):
         writer.write(0, motion(k))
         until(lambda: not writer.waiting, 'a flush')
-    until(lambda: writer._part.path.name == 'run_7.mcap', 'the splits')
+    until(lambda: writer._file.path.name == 'run_7.mcap', 'the splits')
     assert len(writer._ended) <= 2
     assert numbers(writer.close()) == list(range(8))
 

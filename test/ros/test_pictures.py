@@ -10,7 +10,7 @@ from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.description.formats import describe
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.ros.node import traces
+from fourbar_ros.ros.node import markers as made
 from fourbar_ros.ros.schemas import type_hash
 from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values, load
@@ -134,7 +134,7 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
 @pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])
 def test_labels_of_extrema_stand_apart_beside_the_mechanism(name):
     scene = load(ROOT / f'config/{name}.yaml')
-    markers = [marker for marker in traces.message(scene).markers if marker.ns == 'extrema']
+    markers = [marker for marker in made.traces(scene).markers if marker.ns == 'extrema']
     assert len({marker.id for marker in markers}) == len(markers)
     labels = [marker for marker in markers if marker.text]
     dots = [marker for marker in markers if marker.type == Marker.SPHERE_LIST]

@@ -15,7 +15,7 @@ import time
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_msgs.msg import LinkageState, Motion
-from fourbar_ros.ros.node.sequence import SequenceNumbers
+from fourbar_ros.ros.node.entities import SequenceNumbers
 import pytest
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, ReliabilityPolicy

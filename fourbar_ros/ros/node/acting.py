@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """What acts as topics say: external wrenches on links, and the motion of the base."""
-from __future__ import annotations
-
 from functools import partial
 from math import hypot
 from typing import Any
@@ -61,6 +59,7 @@ class ActingInputs:
                 self._be_silent(name)
 
     def _take(self, name: str, message: Message) -> None:
+        """Let a wrench on the link ``name``, or a motion of the base, act if its frame is ours."""
         topic, is_base = self._topics[name], name == BASE.name
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
@@ -104,6 +103,7 @@ class ActingInputs:
         return base
 
     def _watch(self) -> None:
+        """Look which topics are silent for longer than their scene allows; let others act then."""
         now, scene = self._time(), self._stream.scene
         for name, last in list(self._received.items()):
             is_base = name == BASE.name

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Drive the input at constant speed, on the wall clock or on simulated time."""
-from __future__ import annotations
-
 from math import nan
 from traceback import format_exc
 from typing import Any

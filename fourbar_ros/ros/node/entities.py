@@ -1,11 +1,11 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers, subscriptions, clock, troubles and threads of a node, as all its parts have them."""
+"""Publishers, subscriptions, clock, troubles and threads, as all files of the node use them."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
+from functools import cache, wraps
 from queue import Full, Queue
 import threading
 import time
@@ -67,6 +67,82 @@ def subscription(node: Node, topic: Topic, take: Callable[..., None], troubles: 
             qos_overriding_options=_overrides(node, 'subscription', topic))
 
 
+class SequenceNumbers:
+    """
+    Counts the messages that were lost on one topic, by gaps in their sequence numbers.
+
+    Every publisher counts its messages, but a message does not name its publisher. So the next
+    number of each publisher is kept; a number that fits none leaves a gap behind the nearest
+    below. With several publishers a gap may be counted for the wrong publisher; the sum is right.
+    ``publishers()`` returns how many there are. ``is_numbered`` is False with a middleware that
+    gives no sequence numbers: then nothing is known.
+    """
+
+    def __init__(self, publishers: Callable[[], int]) -> None:
+        self._publishers = publishers
+        self._next: list[int] = []       # the number that each publisher will give next
+        self._heard: set[int] = set()    # indices there of those that sent lately
+        self.is_numbered = True
+
+    def forget(self) -> None:
+        """Start anew: publishers have come or gone."""
+        self._next, self._heard = [], set()
+
+    def heard(self) -> int:
+        heard, self._heard = self._heard, set()
+        return len(heard)
+
+    def lost_before(self, sequence: int | None) -> int:
+        """Return how many were lost before a message with a number, None if it has none."""
+        if sequence is None:
+            self.is_numbered = False
+            return 0
+        lost = 0
+        expected = self._next
+        if sequence in expected:
+            publisher = expected.index(sequence)
+        elif len(expected) < self._publishers():
+            publisher = len(expected)                    # its first message
+            expected.append(sequence)
+        elif before := [due for due in expected if due < sequence]:
+            lost = sequence - max(before)                # 5, 6, 9: 7 and 8 are lost
+            publisher = expected.index(max(before))
+        else:
+            publisher, self._next = 0, [sequence]        # a publisher that has started again
+            self._heard.clear()
+        self._next[publisher] = sequence + 1
+        self._heard.add(publisher)
+        return lost
+
+
+def counted_subscription(
+        node: Node, topic: Topic, take: Callable[[bytes, int], None], troubles: Troubles,
+        is_reliable: bool = False, deadline: Callable[[Any], None] | None = None
+        ) -> tuple[Subscription, SequenceNumbers]:
+    """
+    Return a subscription as of :func:`subscription`, and its sequence numbers.
+
+    ``take`` is called with each message and how many were lost since the one before; ``deadline``
+    with the event of a missed deadline, which not every middleware knows.
+    """
+    sequence = SequenceNumbers(lambda: made.get_publisher_count())
+    events = SubscriptionEventCallbacks(matched=lambda _: sequence.forget())
+    if deadline:
+        events.deadline = deadline
+
+    def receive(data: bytes, info: dict[str, Any]) -> None:
+        take(data, sequence.lost_before(info['publication_sequence_number']))
+
+    # rclpy sees by the signature of receive that it wants the info. Its EventsExecutor then passes
+    # both as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
+    @wraps(receive)
+    def from_any_executor(*arguments: Any) -> None:
+        receive(*(arguments if len(arguments) == 2 else arguments[0]))
+
+    made = subscription(node, topic, from_any_executor, troubles, is_reliable, events)
+    return made, sequence
+
+
 def check_qos_overrides(node: Node, scene: Scene) -> None:
     """Refuse overrides of topics that the node has not, and of policies that ROS does not know."""
     later = [topic for name, topic in {**OUTPUTS, **PICTURES}.items() if name not in FAMILIES]
@@ -103,6 +179,7 @@ def reader(topic: Topic, take: Callable[[Message], object], refuse: Callable[[st
 
 @contextmanager
 def _refused(node: Node, topic: Topic) -> Iterator[None]:
+    """Name the overrides of a topic in one line where ROS refuses to create it with them."""
     prefix = f'{OVERRIDES}{node.resolve_topic_name(topic.topic)}.'
     try:
         yield

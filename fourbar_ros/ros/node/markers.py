@@ -1,20 +1,22 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-RViz markers of one pose: links, joints, points, and forces and moments to scale.
+RViz markers: of each pose, with forces and moments to scale, and traces, which do not move.
 
 The largest force since the scene was applied is an arrow of 0.4 times the mechanism, and so is the
-largest moment, which points along z, its axis.
+largest moment, which points along z, its axis. Traces are paths of points; toggles and dead points
+as pale poses; and extrema of the output's rate and acceleration, at the scene's speed: dots at the
+first moving joint with labels beside the mechanism.
 """
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Sequence
-from math import atan2, cos, isnan, sin
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import atan2, cos, inf, isnan, sin
 from typing import Union
 
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms import picture as pictures
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.ros.messages import Stamp
 from fourbar_ros.scene.scene import Scene
@@ -78,16 +80,18 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     return markers
 
 
-def scale_of(largest: dict[str, float], kind: str, sizes: Iterable[float], longest: float
-             ) -> float:
-    """Return the scale at which the largest so far, kept, is ``longest`` [m]; 0 for zeros."""
-    largest[kind] = max(largest.get(kind, 0.0), *sizes)
-    return longest / largest[kind] if largest[kind] != 0.0 else 0.0
-
-
 def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest: dict[str, float]
            ) -> list[Marker]:
-    """Return the arrows of forces and moments; none at a toggle, where loads are NaN."""
+    """
+    Return the arrows of forces and moments; none at a toggle, where loads are NaN.
+
+    ``largest``: of 'force' [N] and 'moment' [N m] so far, kept here: its arrow is the longest.
+    """
+    def scale_of(kind: str, sizes: Iterable[float]) -> float:
+        """Return the length of an arrow [m] for 1 N or 1 N m; 0.0 while all were zero."""
+        largest[kind] = max(largest.get(kind, 0.0), *sizes)
+        return LONGEST * size / largest[kind] if largest[kind] != 0.0 else 0.0
+
     frame, size = scene.frame_id, size_of(scene.linkage)
     forces = [*(force._replace(name=f'force {force.name}')
                 for force in pictures.forces_of(diagram, loads)),
@@ -97,9 +101,9 @@ def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest:
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
     if any(np.isnan(force.vector).any() for force in forces):
         return []
-    longest, width = LONGEST * size, 0.6 * WIDTH * size
-    per_force = scale_of(largest, 'force', (force.size for force in forces), longest)
-    per_moment = scale_of(largest, 'moment', (abs(value) for _, value in moments), longest)
+    width = 0.6 * WIDTH * size
+    per_force = scale_of('force', (force.size for force in forces))
+    per_moment = scale_of('moment', (abs(value) for _, value in moments))
     scale = width, 2.0 * width, 3.0 * width          # of the shaft, of the head, its length
     markers = [marker(frame, force.name, 0, Marker.ARROW, FORCE, scale,
                       [force.point, force.point + per_force * force.vector]) for force in forces]
@@ -133,3 +137,82 @@ def spheres(frame: str, group: str, index: int, points: Iterable[MarkerPoint], s
 
 def point(x: float, y: float, z: float = 0.0) -> Point:
     return Point(x=float(x), y=float(y), z=float(z))
+
+
+# --- traces: what does not move ------------------------------------------------------------------
+
+SAMPLES = 361          # of a path over one range of the input
+INSIDE = 1e-9          # share of the range by which a toggle is drawn inside, where a pose exists
+TEXT = 0.05            # height of a label over the size of the mechanism
+LETTER, SPACING = 0.6, 1.5      # width of a letter and distance of lines, over that height
+
+
+def traces(scene: Scene) -> MarkerArray:
+    """Return the latched markers: paths of points, toggles, dead points and extrema."""
+    return MarkerArray(markers=[*paths(scene), *limits(scene), *extrema(scene)])
+
+
+def paths(scene: Scene) -> Iterator[Marker]:
+    """Yield the path of each point over each range, or the period, of the input."""
+    mechanism, width = scene.linkage, 0.3 * WIDTH * size_of(scene.linkage)
+    for name, point in scene.points.items():
+        for index, (low, high) in enumerate(mechanism.input_ranges):
+            low, high = mechanism.range_around(0.5 * (low + high))
+            motion = mechanism.motion(np.linspace(low, high, SAMPLES))
+            path = point_motion(mechanism, motion, *point).place
+            yield marker(scene.frame_id, f'path of {name}', index, Marker.LINE_STRIP, POINT,
+                         (width, 0.0, 0.0), path[~np.isnan(path).any(axis=1)])
+
+
+def limits(scene: Scene) -> Iterator[Marker]:
+    """Yield the pose at each end of the input (unless it turns fully) and at each dead point."""
+    mechanism = scene.linkage
+    ends = [] if mechanism.turns_fully else [
+        ('toggle', position) for low, high in mechanism.input_ranges
+        for position in (low + INSIDE * (high - low), high - INSIDE * (high - low))]
+    dead = [('dead point', point[0]) for point in mechanism.dead_points]
+    width = 0.4 * WIDTH * size_of(mechanism)
+    for index, (kind, position) in enumerate([*ends, *dead]):
+        try:
+            diagram = pictures.diagram_of(mechanism, mechanism.motion(float(position)))
+        except FourBarError:         # no pose there within rounding
+            continue
+        yield lines(scene.frame_id, f'{kind}s', index, [bar[:2] for bar in diagram.bars], width,
+                    TOGGLE, 0.4)
+
+
+def extrema(scene: Scene) -> Iterator[Marker]:
+    """
+    Yield a dot and a label for each extremum of the output's rate and acceleration.
+
+    The labels are a column right of all joints, sorted by the heights of their dots, so that none
+    overlap; a line joins each to its dot.
+    """
+    from fourbar_ros.extrema.find import find_extrema  # markers alone do not need it
+    mechanism, output, frame = scene.linkage, scene.linkage.outputs[0].coordinate, scene.frame_id
+    try:
+        every = find_extrema(mechanism, (output.rate, output.acceleration), scene.drive.speed)
+    except FourBarError:
+        return
+    labels, right = list[tuple[Array, str]](), -inf     # (dot [m], text); x of the joint rightmost
+    for extremum in every:
+        try:
+            diagram = pictures.diagram_of(mechanism, mechanism.motion(extremum.input))
+        except FourBarError:
+            continue
+        dot = next(joint for name, joint in diagram.joints.items() if name not in diagram.ground)
+        labels.append((dot, f'{extremum.kind} {extremum.quantity} {extremum.value:.4g}'))
+        right = max(right, *(float(joint[0]) for joint in diagram.joints.values()))
+    height, width = TEXT * size_of(mechanism), WIDTH * size_of(mechanism)
+    labels.sort(key=lambda label: -label[0][1])
+    top = (sum(dot[1] for dot, _ in labels) / max(len(labels), 1)
+           + 0.5 * SPACING * height * (len(labels) - 1))
+    for row, (dot, text) in enumerate(labels):
+        y, start = top - row * SPACING * height, right + SPACING * height
+        middle = start + 0.5 * LETTER * height * len(text)       # RViz centres a text
+        yield spheres(frame, 'extrema', 3 * row, [dot], 2.0 * width, EXTREMUM)
+        label = marker(frame, 'extrema', 3 * row + 1, Marker.TEXT_VIEW_FACING, EXTREMUM,
+                       (0.0, 0.0, height))
+        label.pose.position, label.text = point(middle, y, 3.0 * width), text
+        yield label
+        yield lines(frame, 'extrema', 3 * row + 2, [(dot, (start, y))], 0.2 * width, EXTREMUM, 0.5)

@@ -52,7 +52,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
         for warning in linkage.warnings_of(scene):
             self.get_logger().warning(warning)
         # long answers have threads of their own; changes of parameters always, of any node
-        wanted = {worker for service in scene.node.services
+        wanted = {worker for service in scene.values['services']
                   for worker in topics.SERVICES[service].workers}
         self.workers = {worker: entities.Worker(worker, self.get_logger().error)
                         for worker in {*wanted, rclpy_guard.CHANGES}}
@@ -71,11 +71,11 @@ class FourBarNode(rclpy_guard.GuardedNode):
         if scene.acting:
             from fourbar_ros.ros.node.acting import ActingInputs  # where a scene needs it
             self.acting = ActingInputs(self, self.stream, self.troubles)
-        if scene.node.trajectories:
+        if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
             self.trajectories = Trajectories(self, self.stream, self.troubles)
         watch(self, lambda: self.stream.scene, self.apply)
-        if scene.node.services:
+        if scene.values['services']:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
         diagnostics.Diagnostics(self, self.stream, self.input, recording, self.troubles)
@@ -85,6 +85,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
                                f'driven by {scene.drive.source}')
 
     def _check(self, scene: Scene) -> None:
+        """Refuse a scene that receives on a topic on which the node publishes its answers."""
         received = {self.resolve_topic_name(topic.topic): topic for topic in scene.received}
         for topic in scene.published:
             name = self.resolve_topic_name(topic.topic)
@@ -203,24 +204,20 @@ def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], Non
     A refused change says why and changes nothing, even if only ``apply`` finds out, or if an error
     is ours. ``current()`` returns the scene in force.
     """
-    def change(parameters: Sequence[RosParameter]) -> None:
-        changes = {}
-        for parameter in parameters:
-            name, value = parameter.name, parameter.value
-            if find_parameter(name):
-                changes[name] = value
-            elif value != node.get_parameter(name).value:    # of rclpy, as use_sim_time
-                raise InvalidParameter(name, value, 'only at start')
-        if changes:
-            with naming_nan(changes):
-                apply(current().with_values(changes, let_inputs_pass))
-
     # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
     # parameters cannot refuse any more. No other callback can refuse these parameters.
     def answer(parameters: Sequence[RosParameter]) -> msg.SetParametersResult:
-        before = current()
+        before, changes = current(), {}
         try:
-            change(parameters)
+            for parameter in parameters:
+                name, value = parameter.name, parameter.value
+                if find_parameter(name):
+                    changes[name] = value
+                elif value != node.get_parameter(name).value:    # of rclpy, as use_sim_time
+                    raise InvalidParameter(name, value, 'only at start')
+            if changes:
+                with naming_nan(changes):
+                    apply(before.with_values(changes, let_inputs_pass))
         except Exception as error:
             if current() is not before:      # it failed after the scene was swapped
                 apply(before)

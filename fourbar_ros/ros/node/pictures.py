@@ -31,16 +31,16 @@ def drawn_of(scene: Scene) -> tuple[dict[str, Make], dict[str, bytes]]:
         latched[topics.FRAME.name] = static_frame(scene)
     if 'tf' in scene.pictures:
         makers['tf'] = frames_maker(scene)
-    if 'markers' in scene.pictures:
+    if {'markers', 'traces'} & scene.pictures.keys():
         from fourbar_ros.ros.node import markers
-        makers['markers'] = markers.maker(scene)
+        if 'markers' in scene.pictures:
+            makers['markers'] = markers.maker(scene)
+        if 'traces' in scene.pictures:
+            latched['traces'] = markers.traces(scene)
     if 'robot_description' in scene.pictures:
         from fourbar_ros.description.formats import describe
         from std_msgs.msg import String
         latched['robot_description'] = String(data=describe(scene))
-    if 'traces' in scene.pictures:
-        from fourbar_ros.ros.node import traces
-        latched['traces'] = traces.message(scene)
     return makers, {name: serialize_message(message) for name, message in latched.items()}
 
 

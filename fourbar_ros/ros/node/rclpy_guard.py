@@ -11,13 +11,12 @@ All that rclpy's node and its EventsExecutor do not survive, or do not do (rclpy
   GuardedNode.create_service.
 * An event of a publisher that is gone ends the process, and publishing takes twice the time that
   it must: TopicPublisher.
-* The executor passes a message and its info as one argument: with_info.
+* The executor passes a message and its info as one argument: entities.counted_subscription.
 * It waits by the system clock, for hours if that is set back: spin.
 """
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import wraps
 import threading
 import time
 from traceback import format_exc
@@ -122,6 +121,7 @@ class GuardedNode(Node):
 
 
 def _without_answer(request: Message, response: Message, result: str, why: str) -> Message:
+    """Fill the response of any service with a reason; ``result``: its constant, if it has one."""
     refused = SetParametersResult(reason=why)
     if isinstance(response, SetParameters.Response):
         response.results = [refused] * len(request.parameters)
@@ -191,20 +191,8 @@ class TopicPublisher:
             self._changed()
 
 
-def with_info(receive: Callable[[bytes, dict[str, Any]], None]) -> Callable[..., None]:
-    """
-    Return a callback of a subscription that gets a message and the info about it.
-
-    rclpy sees by the signature that a callback wants the info. Its EventsExecutor then passes both
-    as one tuple (rclpy 7.1.5), other executors, and later ones, as two arguments.
-    """
-    @wraps(receive)
-    def from_any_executor(*arguments: Any) -> None:
-        receive(*(arguments if len(arguments) == 2 else arguments[0]))
-    return from_any_executor
-
-
 def spin(nodes: Sequence[Node], signals: Sequence[int]) -> None:
+    """Run the callbacks of nodes until ``signals``, a list that a handler fills, has one."""
     executor, ended = EventsExecutor(), False
     for node in nodes:
         executor.add_node(node)

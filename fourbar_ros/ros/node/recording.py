@@ -11,9 +11,8 @@ from pathlib import Path
 import platform
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros import __version__
+from fourbar_ros import __version__, optional
 from fourbar_ros.errors import BagError, FourBarError
-from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
 from rclpy.node import Node
@@ -67,7 +66,7 @@ class Recording:
         try:
             from fourbar_ros.bag.recorder import BagWriter
         except ModuleNotFoundError as error:
-            raise MissingPackage('recording', error) from None
+            raise optional.MissingPackage('recording', error) from None
         from fourbar_ros.ros.schemas import channel
 
         if self._bag:

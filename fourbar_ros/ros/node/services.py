@@ -31,7 +31,7 @@ def create(node: FourBarNode, stream: Stream, workers: Mapping[str, Worker]) -> 
 
     handlers = {'find_extrema': find_extrema, 'evaluate': evaluate_one,
                 'start_recording': start_recording, 'stop_recording': stop_recording}
-    for name in stream.scene.node.services:
+    for name in stream.scene.values['services']:
         service = SERVICES[name]
 
         def worker_for(request: Message, names: Sequence[str] = service.workers) -> Worker:
@@ -83,6 +83,7 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
 
 def _with_values(scene: Scene, stamp: Stamp, response: Message, mode: int, status: int,
                  values: Sequence[float]) -> Message:
+    """Fill state, loads and named values of a response to Evaluate; return it."""
     for output in ('state', 'loads'):
         message = getattr(response, output)
         set_constants(output, message, scene)
@@ -175,6 +176,7 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
 
 
 def _message(extremum: Extremum) -> Message:
+    """Return an extremum as a message fourbar_msgs/Extremum."""
     message = resolve('fourbar_msgs/msg/Extremum')()
     message.quantity, message.unit = extremum.quantity, extremum.unit
     message.mode = mode_number(extremum.mode)

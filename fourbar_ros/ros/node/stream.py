@@ -311,12 +311,12 @@ class RunningScene:
             from fourbar_ros.ros.node.pictures import drawn_of  # and their messages
             self.makers, pictures = drawn_of(scene)
             self.latched |= pictures
-            self.markers_rate: float = scene.node.pictures_rate
+            self.markers_rate: float = scene.values['pictures.rate']
         self.mover = scene.mover if scene.dynamics else None
         if self.mover:
             self.mover.prepare()             # now, not in the first step
         self.conversion = None
-        if scene.node.trajectories:
+        if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Conversion  # and its messages
             self.conversion = Conversion(scene)
         pause()

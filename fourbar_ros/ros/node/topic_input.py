@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Drive the input by the messages of a topic; missing rates are estimated."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isnan
 from traceback import format_exc
@@ -11,7 +9,7 @@ from typing import Any
 from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints, rate_estimator
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
-from fourbar_ros.ros.node import clock_input, entities, sequence
+from fourbar_ros.ros.node import clock_input, entities
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
 from fourbar_ros.scene.topics import INPUTS
@@ -59,7 +57,7 @@ class TopicInput:
         self._shown = scene.names_shown
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
-        self._subscription, self._sequence = sequence.subscribe(
+        self._subscription, self._sequence = entities.counted_subscription(
             node, self._topic, self._receive, troubles,
             deadline=self._deadline_missed if has_deadline else None)
         self._timer = node.create_timer(WATCH, self._watch, clock=clock)
@@ -143,6 +141,7 @@ class TopicInput:
         self._troubles.count('malformed', why)
 
     def _take(self, message: Message) -> None:
+        """Step to the input of a message, with its turns and rates completed; record it."""
         motion = driven_of(message, self._settings.joint)
         if motion is None and self._is_relay:    # from ourselves, or another part of the robot
             self._note_other_joints(message)
@@ -189,6 +188,7 @@ class TopicInput:
 
     def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
                  ) -> tuple[float, float, float]:
+        """Return a motion with the turns that its position has made, if that wraps."""
         wrapped = self._counter.wraps
         position, is_in_doubt = self._counter.counted(stamp, position, velocity)
         whose = f'joint {self._settings.joint!r}' if self._settings.joint else 'the input'
@@ -202,6 +202,7 @@ class TopicInput:
         return position, velocity, acceleration
 
     def _note_other_joints(self, message: Message) -> None:
+        """Count a message without the driven joint; log once if the first ones all lack it."""
         self._troubles.count('of_other_joints')
         if message.name != self._shown:      # not our own answer
             self._others_are_heard = True
@@ -243,6 +244,7 @@ class TopicInput:
         return sec_nanosec(stamp), stamp
 
     def _watch(self) -> None:
+        """Tell the stream when no input has come for ``drive.timeout``, once in a silence."""
         self._horizon = 0                                # the clock may have been set
         if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
             self._received = self._time()

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Move the input by torque, of a topic or of a motor, on the grid of the clock."""
-from __future__ import annotations
-
 from functools import partial
 from math import inf, isfinite, isnan, nan
 

@@ -5,8 +5,6 @@ JointTrajectory messages of the output joint converted to the driven joint, and 
 
 Positions are taken as written: from 3.0 to -3.1 rad is a motion backwards.
 """
-from __future__ import annotations
-
 from contextlib import suppress
 from functools import partial
 
@@ -14,7 +12,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.pipeline.joints import Scale
 from fourbar_ros.ros.messages import Message
-from fourbar_ros.ros.node import entities, sequence
+from fourbar_ros.ros.node import entities
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import ANSWERS, INPUT_DEPTH, TRAJECTORIES
@@ -43,7 +41,7 @@ class Conversion:
             self._joints[side] = (scene.joint_names[joint],
                                   Scale(shown.ratios[joint], shown.offsets[joint]))
         self._transmission = scene.transmission
-        self._fields: list[str] = scene.node.trajectory_fields     # beside positions
+        self._fields: list[str] = scene.values['trajectory_fields']    # beside positions
 
     def answer(self, method: str, message: Message) -> Message:
         """Return the trajectory of the other joint by a method of the Transmission."""
@@ -69,6 +67,7 @@ class Conversion:
         return JointTrajectory(header=message.header, joint_names=[name], points=points)
 
     def _read(self, message: Message, joint: str, scale: Scale) -> Trajectory:
+        """Return the trajectory of a joint in a JointTrajectory, in its coordinate's units."""
         if joint not in message.joint_names:
             raise InvalidParameter('joint_names', list(message.joint_names),
                                    f'must hold {joint}')
@@ -128,6 +127,7 @@ class Trajectories:
             self._listen(node, name)
 
     def _listen(self, node: Node, name: str) -> None:
+        """Answer trajectories of the topic ``name``, in the thread of the worker."""
         read = entities.reader(TRAJECTORIES[name], partial(self._answer, name),
                                partial(self._refuse, 'trajectories_refused'))
 
@@ -137,13 +137,15 @@ class Trajectories:
             if not self._worker.do(partial(read, data)):
                 self._refuse('trajectories_lost', f'{TRAJECTORIES[name].topic}: {INPUT_DEPTH} '
                              'others wait for an answer')
-        sequence.subscribe(node, TRAJECTORIES[name], take, self._troubles, is_reliable=True)
+        entities.counted_subscription(node, TRAJECTORIES[name], take, self._troubles,
+                                      is_reliable=True)
 
     def stop(self, patience: float) -> None:
         """Answer no more; wait up to ``patience`` [s] for the answer in work."""
         self._worker.stop(patience)
 
     def _answer(self, name: str, message: Message) -> None:
+        """Publish the converted trajectory, or why there is none."""
         answer_topic, method = ANSWERS[name]
         conversion = self._stream.run.conversion
         assert conversion is not None            # this node's scenes have one
