@@ -15,7 +15,7 @@ from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.mechanisms.curves import Point, point_of, vector
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
-from fourbar_ros.mechanisms.machine.structure import BASE, SLIDES
+from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, SLIDES, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND, NamedFields, SLIDE
 from fourbar_ros.mechanisms.points import point_motion
@@ -24,6 +24,7 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.machine.description import Dyad
     from fourbar_ros.mechanisms.machine.machine import Machine
 
 ORIGIN = np.zeros(2)      # O1, and the pole of polygons
@@ -203,64 +204,68 @@ RODS = {'RRR': {'first': 0, 'second': 1}, 'RRP': {'first': 0}, 'RPR': {'second':
         'RPP': {'second': 1}, 'PRP': {}}
 
 
+class DyadPoints(NamedTuple):
+    """Points of a dyad's links at its joints, with lengths that know their parameters."""
+
+    first: tuple[Point, Point]      # of its link there, of the link on which that hangs
+    inner: tuple[Point, ...]        # of its first link, of its second; of a slide of the block
+    second: tuple[Point, Point]
+
+
+def points_of_dyad(stage: Stage, dyad: Dyad) -> DyadPoints:
+    group, ends = f'dyads.{dyad.name}', ('first', 'second')
+    if stage.name == CYLINDER:
+        group, ends = 'cylinder', ('pin', 'base')
+    held = [Point(point.link, SceneLength(f'{group}.{end}.along', point.along),
+                  SceneLength(f'{group}.{end}.across', point.across))
+            for end, point in zip(ends, (dyad.first, dyad.second))]
+    length_1, length_2 = (SceneLength(f'{group}.{name}', getattr(dyad, name) or 0.0)
+                          for name in ('length_1', 'length_2'))
+    first, second = [Point(link) for link in stage.links]
+    inner = {'RRR': (first._replace(along=length_1), second._replace(along=length_2)),
+             'RRP': (first._replace(along=length_1), second), 'PRP': (first, second)}
+    return DyadPoints((first, held[0]), inner.get(stage.kind, (first,)), (second, held[1]))
+
+
 @singledispatch
 def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     """Return what is drawn of a mechanism; only the side of a bar with a block is of the pose."""
     # Each kind has a function below. This one draws machines: bars from joint to joint of each
-    # link, plates, blocks on slides.
+    # link, plates of links with three joints and more, blocks on slides.
     machine = cast('Machine', mechanism)
     layout, ground = machine.layout, machine.layout.ground      # its index among the links
     base = Point(layout.driven)
-    joints: dict[str, tuple[Point, ...]] = {BASE: (base,)}
-    pivots = list[str]()
-    if machine.input != SLIDE and ground == 0:
-        joints, pivots = {BASE: (base, Point(GROUND))}, [BASE]
-    bars, blocks = list[tuple[Point, Point, float]](), list[Slide]()
-    # points of each link, by which it is stated, and where they are on it
+    is_pinned = machine.input != SLIDE and ground == 0
+    joints: dict[str, tuple[Point, ...]] = {BASE: (base, Point(GROUND)) if is_pinned else (base,)}
+    pivots, bars, blocks = [BASE] * is_pinned, list[tuple[Point, Point, float]](), list[Slide]()
+    # {link: its corners, each by the point that is drawn, of any link there, and by its own}
     corners: dict[str, list[tuple[Point, Point]]] = {link: [] for link in layout.links}
 
-    def corner(link: str, stated: Point, along: float = 0.0, across: float = 0.0) -> None:
+    def add_corner(drawn: Point, link: str, along: float = 0.0, across: float = 0.0) -> None:
         size = hypot(along, across) + machine.input_unit
-        if all(hypot(along - on.along, across - on.across) > SAME * size
-               for _, on in corners[link]):
-            corners[link].append((stated, Point(link, along, across)))
+        if all(hypot(along - known.along, across - known.across) > SAME * size
+               for _, known in corners[link]):
+            corners[link].append((drawn, Point(link, along, across)))
 
-    corner(layout.driven, base)
+    add_corner(base, layout.driven)
     for stage, dyad in zip(layout.stages, machine.stages):
-        names, slides, (first, second) = dict(stage.joints()), SLIDES[stage.kind], stage.links
-        joints |= dict.fromkeys(names.values(), ())         # in their order
-        group, ends = f'dyads.{dyad.name}', {'first': 'first', 'second': 'second'}
-        if dyad not in machine.dyads:
-            group, ends = 'cylinder', {'first': 'pin', 'second': 'base'}
-        lengths = [SceneLength(f'{group}.length_{i}', length or 0.0)
-                   for i, length in enumerate((dyad.length_1, dyad.length_2), 1)]
+        names, slides = dict(stage.joints()), SLIDES[stage.kind]
+        points = points_of_dyad(stage, dyad)
+        joints |= {name: getattr(points, joint)[:1 if joint in slides else 2]
+                   for joint, name in names.items()}
         pivots += [names[joint] for joint in ('first', 'second', 'inner')
                    if joint not in slides and ground in stage.ends(joint)]
-        for joint, link in zip(('first', 'second'), stage.links):
-            carrier = getattr(dyad, joint)
-            held = Point(carrier.link, *(
-                SceneLength(f'{group}.{ends[joint]}.{field}', getattr(carrier, field))
-                for field in ('along', 'across')))
+        for joint, carrier in (('first', dyad.first), ('second', dyad.second)):
+            drawn, held = getattr(points, joint)
             if joint in slides:
-                joints[names[joint]] = (Point(link),)
-                corner(carrier.link, held, carrier.along, carrier.across)
-                continue
-            # the first joint of its link follows all lengths
-            joints[names[joint]] = (Point(link), held)
-            corner(link, Point(link))
-            corner(carrier.link, Point(link), carrier.along, carrier.across)
-        along = 0.0 if stage.kind == 'PRP' else lengths[0]
-        inner = [Point(first, along), Point(second)]
-        if stage.kind == 'RRR':
-            inner[1] = Point(second, lengths[1])
-        if 'inner' in slides:
-            inner = [Point(stage.links[slides['inner']])]
-        else:
-            corner(first, inner[0], along)
-            if stage.kind == 'RRR':
-                corner(second, inner[1], lengths[1])
-        joints[names['inner']] = tuple(inner)
-        bars += [(joints[names[joint]][0], inner[i % len(inner)], 1.0)
+                drawn = held        # where the slide begins on the link that carries it
+            else:
+                add_corner(drawn, drawn.link)
+            add_corner(drawn, carrier.link, carrier.along, carrier.across)
+        if 'inner' not in slides:
+            for point in points.inner[:2 if stage.kind == 'RRR' else 1]:
+                add_corner(point, point.link, point.along)
+        bars += [(joints[names[joint]][0], points.inner[i % len(points.inner)], 1.0)
                  for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
         blocks += [Slide(names[joint], stage.links[i],
                          is_guided=joint != 'first' and ground in stage.ends(joint))
@@ -268,7 +273,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     if machine.input == SLIDE:
         blocks.append(Slide(BASE, layout.driven, is_guided=True))
     del corners[GROUND]
-    plates = [tuple([stated for stated, _ in points]) for points in corners.values()]
+    plates = [tuple([drawn for drawn, _ in of_link]) for of_link in corners.values()]
     bars += [(*plate, 1.0) for plate in plates if len(plate) == 2]
     first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
                     for link in machine.LINKS}
