@@ -169,15 +169,18 @@ def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
 def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
                   within: tuple[float, float] | None) -> Ranges:
     from fourbar_ros.mechanisms.pieces import samples_of_range  # pieces ask for friction too
+    # within: two inputs; those ranges alone that overlap with the range between them
     ranges = list[tuple[float, float]]()
     for low, high in mechanism.input_ranges:
         # next to a toggle all forces grow, so that it locks before
         x = (np.linspace(low, high, SAMPLES + 1) if mechanism.turns_fully
              else samples_of_range(low, high))
         is_locked = np.asarray(_is_locked(mechanism, x, rate, acceleration))
+        # the ends, each between a free input and a locked one
         before = np.flatnonzero(is_locked[1:] != is_locked[:-1])
-        free, locked = (np.where(is_locked[before] == state, x[before], x[before + 1])
-                        for state in (False, True))
+        begins_locked = is_locked[before]
+        free = np.where(begins_locked, x[before + 1], x[before])
+        locked = np.where(begins_locked, x[before], x[before + 1])
         for _ in range(HALVINGS):
             middle = 0.5 * (free + locked)
             locks = np.asarray(_is_locked(mechanism, middle, rate, acceleration))

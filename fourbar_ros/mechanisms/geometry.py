@@ -113,8 +113,8 @@ class MechanismGeometry(StatedMechanism):
 
     def range_around(self, position: float) -> tuple[float, float]:
         """Return the range of the input that holds a position, moved there by whole turns."""
-        # Of an input that turns fully the stroke, or half a period to both sides. OutOfRange
-        # outside all ranges.
+        # Of an input that turns fully the stroke, which may be infinite, or else half a period to
+        # both sides. OutOfRange outside all ranges.
         if self.turns_fully:
             low, high = self.stroke_around(position)
             reach = 0.5 * self.period if self.stroke is None else inf

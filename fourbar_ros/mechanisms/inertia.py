@@ -69,7 +69,9 @@ def held_rigid(mechanism: Mechanism, motion: NamedFields) -> Rigid:
 
 
 def mean_rigid(mechanism: Mechanism) -> Rigid:
-    """Return the mean over the input of the mass matrices of a mechanism held rigid."""
+    """Return the mean over the input of a mechanism held rigid, as one rigid body."""
+    # Its mass matrix about O1 is linear in mass, first moments and moment of inertia about O1, so
+    # these are averaged; the mean about the centre of gravity follows.
     def moments(x: Array) -> Array:
         held = held_rigid(mechanism, mechanism.motion(x))
         about_o1 = held.inertia + held.mass * (held.x * held.x + held.y * held.y)

@@ -210,7 +210,8 @@ class Mechanism(MechanismGeometry):
                 return self.motion(position, rate, acceleration)
             from fourbar_ros.mechanisms.batches import evaluate  # nodes take one sample at a time
             return self.MOTION._make(evaluate(self, (position, rate, acceleration), None, False))
-        # inf and nan times 0 are nan: what is not finite, or so large that the motion overflows
+        # inf and nan times 0 are nan: so one sum finds an input that is not finite, or so large
+        # that the motion overflows
         if (position * self.overflowing + rate * rate + acceleration) * 0.0 != 0.0:
             self._refuse(position, rate, acceleration)
         try:
@@ -257,7 +258,7 @@ class Mechanism(MechanismGeometry):
         return kind(
             n, self.layout, dict(zip(joints, constants.friction)),
             {joint: friction.length < inf for joint, (_, friction) in zip(joints, self.friction)
-             if joint != DRIVE and friction.coefficient}, rate,
+             if joint != DRIVE and friction.coefficient}, rate,      # dry: does its block tilt
             direction_of(n, rate, self.slip_speed_in(constants)), unit,
             [] if reports is None else reports)
 

@@ -53,7 +53,8 @@ def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Rang
 
 def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array, Array]:
     """Return inputs and weights of a mean over the input, ``points`` in each of its ranges."""
-    # ranges: parts of the input [rad or m] instead, each without a toggle inside.
+    # At most MOST_OF_RANGE, and fewer in each of many pieces between ends of forces. ranges: parts
+    # of the input [rad or m] instead, each without a toggle inside.
     if mechanism.turns_fully and not ranges and not (mechanism.pieces and mechanism.pieces.ends):
         start = 0.5 if mechanism.flat_inputs else 0.0       # beside their poles
         return (mechanism.cycle * (np.arange(points) + start) / points,
@@ -74,9 +75,9 @@ def mean_over_input(mechanism: Mechanism, values_at: Callable[[Array], Array],
     """Return the means of k functions over the input, shape (k,); NaN if they do not settle."""
     # values_at: inputs [rad or m], shape (n,) -> values, shape (k, n); ranges: as of nodes().
     # Means settle to 1e-12 of the mean size of each function, or of least_size where it is
-    # smaller, jumps and narrow peaks included; those of functions that grow as one over the
-    # distance from a toggle, or faster, and those of rounding noise do not.
-    points, mean = POINTS, np.array(np.nan)
+    # smaller, jumps and narrow peaks included, by _mean_by_parts(); those of functions that grow
+    # as one over the distance from a toggle, or faster, and those of rounding noise do not.
+    points, mean = POINTS, np.array(np.nan)     # which agrees with no first mean
     while points <= MOST:
         x, weights = nodes(mechanism, points, ranges)
         values = values_at(x)

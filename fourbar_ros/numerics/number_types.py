@@ -199,6 +199,7 @@ def numbers_of(record: Any) -> list[float]:
     values: list[float] = []
 
     def collect(piece: Any) -> None:
+        """Append the numbers of a record, or a number that is none of a record."""
         kind: Any = type(piece)
         names = _names_of(kind)
         if isinstance(piece, tuple) or names:

@@ -252,8 +252,9 @@ class Trace:
 
     def constants(self, data: Sequence[float],
                   indices: Iterable[int] | None = None) -> list[float | None]:
-        """Return, by index, the values that depend on data alone, for some data; else None."""
-        # indices: of those that are computed, in order; by default all.
+        """Return, by index, the values of what depends on data alone; None of all others."""
+        # indices: of those that are computed, in order; by default all. Before them are the inputs
+        # and the data.
         values = self.numbers(data)
         for index in range(len(values)) if indices is None else indices:
             if index >= self.count + self.size and index not in self.varies:

@@ -72,7 +72,8 @@ def lines_of(trace: Trace, zeros: Collection[int], name: str
     functions = list[Function]()                  # that are no formulas, as a table of forces
     results = flat(trace.results)
     needed = trace.needed(results, with_refusals=True)
-    uses, kept = Counter(results), set(results)     # how often; by what inputs change, or at last
+    # how often each is used, and whether by a step that changes with the inputs, or as a result
+    uses, kept = Counter(results), set(results)
     for index in needed:
         uses.update(trace.steps[index].arguments)
         if index in trace.varies:

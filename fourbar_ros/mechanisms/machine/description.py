@@ -363,8 +363,8 @@ def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> st
     except CycleError as error:
         in_cycle, *_ = error.args[1]
         for _ in dyads:             # then also those on which these hang, and so on
-            supports = {name: known.union(*[supports[support] for support in known])
-                        for name, known in supports.items()}
+            supports = {name: direct.union(*[supports[support] for support in direct])
+                        for name, direct in supports.items()}
         group = [link for dyad in dyads for link in dyad.links
                  if in_cycle in supports[dyad.name] and dyad.name in supports[in_cycle]]
         return (f'is a link of dyad {owner.name}, but no order of dyads works: the links '
@@ -374,11 +374,12 @@ def _why_not_there(dyads: Sequence[Dyad], link: str, known: Sequence[str]) -> st
 
 
 def _require_new(where: str, links: Sequence[str], owners: dict[str, str]) -> None:
-    """Refuse names of links that are equal or taken; ``owners``: {link: what it is, in words}."""
+    """Refuse names of links that are equal or taken."""
+    # owners: {link: what it is, in words}; the frame has none
     if links[0] == links[1]:
         raise InvalidParameter(f'{where}.links', tuple(links), 'must be two names')
     for link in links:
-        if link == GROUND and not owners.get(GROUND, 'no frame'):
+        if link == GROUND and owners.get(GROUND) == '':
             raise InvalidParameter(f'{where}.links', tuple(links), 'the ground is no link of a '
                                    'dyad, unless cylinder.base is a point of a moving link, or '
                                    'linkage.carrier is one')

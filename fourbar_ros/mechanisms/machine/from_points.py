@@ -77,10 +77,12 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
         lengths: dict[str, Any] = {'length_1': add(names[0], first, p, inner)}
         if second:
             lengths['length_2'] = add(names[1], second, q, inner)
+            # sine of the turn from the first rod to the second, times the length of the first
             side = (rod.conjugate() * (drawn[inner] - drawn[q])).imag / lengths['length_2']
             hangs = joints[p], joints[q]
         else:
             lengths['direction_2'] = slides[inner]
+            # how far the rod points along the slide
             side = (rod.conjugate() * rect(1.0, slides[inner])).real
             hangs = joints[p], Point(GROUND, drawn[inner].real, drawn[inner].imag)
         if abs(side) < FLAT * lengths['length_1'] and inner not in modes:
@@ -90,14 +92,17 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
                           mode=modes.get(inner, OPEN if side > 0.0 else CROSSED), **lengths))
         ends |= {f'{inner}.first': p} | ({f'{inner}.second': q} if second else {})
         waiting = [link for link in waiting if link not in (first, second)]
-    for i, dyad in enumerate(dyads):        # a pair that lies flat has the mode of its branch
-        if dyad.name in modes:
-            continue
-        for dyads[i] in dyad, replace(dyad, mode=OPEN + CROSSED - dyad.mode):
-            if _is_as_drawn(Machine(tuple(dyads[:i + 1])), start, dyad, drawn):
-                break
-        else:
-            raise InvalidParameter('points', dyad.name, 'the links do not close where it is drawn')
+    # The mode of a change point is that of its branch, which may have the other side where it is
+    # drawn: of both modes that which has the drawn pose.
+    for i, dyad in enumerate(dyads):
+        if dyad.name not in modes:
+            modes_of_dyad = dyad, replace(dyad, mode=OPEN + CROSSED - dyad.mode)
+            as_drawn = next((each for each in modes_of_dyad if _is_as_drawn(
+                Machine((*dyads[:i], each)), start, dyad, drawn)), None)
+            if as_drawn is None:
+                raise InvalidParameter('points', dyad.name,
+                                       'the links do not close where it is drawn')
+            dyads[i] = as_drawn
     return Drawing(Machine(tuple(dyads), **options), start, joints, ends)
 
 

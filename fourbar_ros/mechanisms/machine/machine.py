@@ -257,7 +257,9 @@ class Machine(Mechanism):
 
     @cached_by_lengths
     def _ranges(self) -> ranges.DyadRanges:
-        """Return where all dyads close; of a slide searched twice as far as lengths and stroke."""
+        """Return where all dyads close."""
+        # Inputs of a slide are searched within twice the sum of all lengths, or twice the stroke.
+        # An end of a range that is this bound means that no dyad limits the slide.
         size = sum(map(abs, self.lengths))
         stroke = () if self.stroke is None else checks.two_numbers('stroke', self.stroke,
                                                                    checks.STROKE)
@@ -314,7 +316,7 @@ class Machine(Mechanism):
         except InvalidParameter:        # no dyad limits the slide
             assert self.stroke is not None
             low, high = self.stroke
-            reach = 4.5 * (high - low)
+            reach = 4.5 * (high - low)      # on both sides
             return replace(self, stroke=(low - reach, high + reach))
 
     @property
@@ -354,11 +356,12 @@ class Machine(Mechanism):
             return ()
         dyad = self.stages[index]
         ends = {dyad.first.link: dyad.first, dyad.second.link: dyad.second}
-        # RRR between crank and ground, away from O1: it can turn the crank
+        # Only RRR between crank and ground turns the crank, if it hangs on neither at O1.
         if (dyad.kind != 'RRR' or set(ends) != {self.layout.driven, GROUND}
-                or not all(any(end[1:]) for end in ends.values())):
+                or not all(end.along or end.across for end in ends.values())):
             return ()
-        # another pair that lies flat counts the turns of the crank, which are not known there
+        # Another pair of crank and ground that lies flat somewhere has its side by the turns of
+        # the crank, which are not known where the other link is driven.
         if any(PairRange(stage, lengths).flats
                for i, (stage, lengths) in enumerate(zip(self.layout.stages, self.dyad_lengths))
                if i != index and stage.pair and {stage.first, stage.second} == {0, 1}):

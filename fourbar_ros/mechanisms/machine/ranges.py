@@ -276,8 +276,8 @@ class _Search:
 
     def _decided(self, dyad: int, x: float) -> tuple[float, ...]:
         """Return the limits of the input beside a minimum of a margin near x by (X4)."""
-        # None if it is positive, twice the same for a double root, else two roots, each rounded to
-        # the side on which the dyad closes.
+        # No limit if it is positive, twice the same for a double root, else two roots: between
+        # them the dyad does not close, and each is rounded outward, to where it does.
         layout, dyad_lengths, signs = self._machine
         data, h = tuple(dyad_lengths), STEP_OF_DECIMALS
         trace = Trace(lambda n, converted: make_along(
@@ -304,16 +304,17 @@ class _Search:
             if least > -NO_MARGIN:
                 return float(lowest), float(lowest)
             limits = []
-            for half, side in ((-(-least / c2).sqrt(), -inf), ((-least / c2).sqrt(), inf)):
-                root = lowest + half
+            apart = (-least / c2).sqrt()
+            for way, outward in ((-apart, -inf), (apart, inf)):
+                root = lowest + way
                 for _ in range(NEWTON_STEPS):
                     c0, c1, _ = terms(root)
                     root -= c0 / c1
                     if abs(c0) < NO_MARGIN * abs(c1):
                         break
                 limit = float(root)
-                is_beyond = Decimal(limit) >= root if half > 0 else Decimal(limit) <= root
-                limits.append(limit if is_beyond else nextafter(limit, side))
+                is_beyond = Decimal(limit) >= root if way > 0 else Decimal(limit) <= root
+                limits.append(limit if is_beyond else nextafter(limit, outward))
             return tuple(limits)
 
     def _resolved(self, measure: margins.Measure, path: _Path, dyad: int) -> _Sampled:

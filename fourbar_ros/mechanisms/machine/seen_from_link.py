@@ -78,6 +78,7 @@ class SeenFromLink:
         sign = 1.0 if self.mode == 2 else -1.0
 
         def inverse(p: Scalar) -> tuple[LinkMotion, LinkMotion, LinkMotion]:
+            """Return the curves of the crank and of both links of the dyad at p."""
             # half angles tell odd turns of p from even ones, as branches of change points need
             from_ground = HalfAngle.of(*turned_by((n.cos(0.5 * p), n.sin(0.5 * p)), back))
             bars = loop(n, (output, rod, arm, ground), sign, from_ground)

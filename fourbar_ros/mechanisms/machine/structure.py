@@ -234,6 +234,7 @@ def names_of(layout: Layout) -> dict[str, Any]:
 
 def _links(layout: Layout) -> list[parts.Link]:
     """Return the moving links with their first joints: the driven one, then those of dyads."""
+    # Where the frame moves, the ground is a link of a dyad, and the frame stands there.
     turning = layout.turning()
     links = [parts.Link(layout.driven, layout.driven, BASE if layout.ground else 'O1',
                         turns=layout.driven in turning)]
@@ -249,8 +250,9 @@ def _links(layout: Layout) -> list[parts.Link]:
 
 def _reactions(layout: Layout) -> list[parts.Reaction]:
     """Return the reaction at each joint, exerted by the link on which the other hangs."""
+    # At the inner joint of a dyad its second link acts on its first, as in solve/loads.py.
     links = layout.links
-    bodies = {BASE: (links[0], links[1])}
+    bodies = {BASE: (links[0], links[1])}       # (acting, loaded)
     for stage in layout.stages:
         first, second = stage.links
         pairs = {'first': (links[stage.first], first), 'inner': (second, first),

@@ -241,11 +241,11 @@ class Poses:
         return curves
 
     def seen_from(self, ground: int, joints: Joints) -> list[LinkMotion]:
-        """Return all curves as a link sees them, from that outward; the frame takes its index."""
-        # Each link as one that it is joined to sees it: differences of what the frame sees would
-        # lose digits of small loads, all of them next to a toggle.
+        """Return all curves as the link ``ground`` sees them; it and the frame change indices."""
+        # From the ground outward, each link as one that it is joined to sees it: differences of
+        # what the frame sees would lose digits of small loads, all of them next to a toggle.
         seen, reached = {ground: FIXED}, [ground]
-        for carrier in reached:
+        for carrier in reached:         # which grows
             for link, curve in self._joined_to(carrier, joints):
                 if link not in seen:
                     seen[link] = composed(seen[carrier], curve)

@@ -93,13 +93,14 @@ class RubbingJoint(NamedTuple):
 class MachineFriction:
     """Friction of the joints of a machine in a pose."""
 
-    # by_joint: {joint of the layout, or 'drive': its friction}; dry: {joint that has a
-    # coefficient: whether its block has a length}; rate, direction: of the input, its direction by
-    # direction_of(); unit: of lengths [m]; reports: a list that takes one for each dyad.
+    # by_joint: {joint of the layout, or 'drive': its friction}; tilts: {joint with dry friction:
+    # whether it is a guide whose block has a length, so that its couple counts}; rate, direction:
+    # of the input, its direction by direction_of(); unit: of lengths [m]; reports: a list that
+    # takes one for each dyad.
     def __init__(self, n: NumberType, layout: structure.Layout, by_joint: Mapping[str, Any],
-                 dry: Mapping[str, bool], rate: Scalar, direction: Scalar, unit: Scalar,
+                 tilts: Mapping[str, bool], rate: Scalar, direction: Scalar, unit: Scalar,
                  reports: Any) -> None:
-        self._n, self._layout, self._by_joint, self._dry = n, layout, by_joint, dry
+        self._n, self._layout, self._by_joint, self._tilts = n, layout, by_joint, tilts
         self._rate, self._unit, self._direction, self._reports = rate, unit, direction, reports
         self.paid: Any = 0.0     # what friction takes of the drive [N m], [N]
 
@@ -179,15 +180,17 @@ class MachineFriction:
 
         def with_efforts(efforts: Sequence[Scalar], needs: Sequence[Needs], drive: Scalar
                          ) -> tuple[DyadForces, Scalar]:
+            """Return the forces that balance the efforts of all joints, and the drive so far."""
             first, second = needs
             for effort, joint in zip(efforts, joints):
                 first, second = (Needs(need.force + more.force * effort,
                                        need.moment + effort * more.moment)
                                  for need, more in zip((first, second), joint.needs))
-                drive = drive + self._unit * (joint.rate * effort)
+                drive = drive + self._unit * (joint.rate * effort)      # by virtual power
             forces = solve(first, second)
-            return with_drive_along(forces, e[stage.link] * drive) if is_cylinder else forces, (
-                drive)
+            if is_cylinder:
+                forces = with_drive_along(forces, e[stage.link] * drive)
+            return forces, drive
 
         def felt(forces: DyadForces, rubbing: RubbingJoint) -> Felt:
             if rubbing.slide is not None:
@@ -199,7 +202,7 @@ class MachineFriction:
         needs = held[stage.link], held[stage.link + 1]
         efforts: list[Any] = [self._viscous(joint.friction, joint.rate, joint.slide is None)
                               for joint in joints]
-        dry = [k for k, joint in enumerate(joints) if joint.name in self._dry]
+        dry = [k for k, joint in enumerate(joints) if joint.name in self._tilts]
         if dry:
             signs = [self._direction * sign_of(self._n, joint.moving) for joint in joints]
             unknown = list(efforts)
@@ -231,7 +234,7 @@ class MachineFriction:
                              for name in (CONSTANT, *[joint.name for joint in joints])]
         return solved(self._n, [self._law(joint.name, joint.slide is not None)
                                 for joint in joints], at_none, columns, SHARES[
-            :None if any(self._dry[joint.name] for joint in joints) else -1])[:2]
+            :None if any(self._tilts[joint.name] for joint in joints) else -1])[:2]
 
     def _report(self, joints: Sequence[tuple[RubbingJoint, Felt]], locks: Scalar) -> None:
         edges = [edge for joint, felt in joints for edge in (joint.moving, *self._edges(
@@ -239,20 +242,20 @@ class MachineFriction:
         self._reports.append(FrictionReport([joint.name for joint, _ in joints], locks, edges))
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
-        """Return the drive with the friction of the driven joint and of the drive itself."""
-        # first, second: what that joint feels.
-        is_slide, by_joint = self._layout.driver == SLIDE, self._by_joint
+        """Return the drive [N m], [N] with the friction of the driven joint and of the drive."""
+        # first, second: what that joint feels, as Felt; what friction takes is added to ``paid``.
+        is_slide, by_joint, taken = self._layout.driver == SLIDE, self._by_joint, list[Any]()
         if BASE in by_joint and self._layout.driver != CYLINDER:
-            friction = by_joint[BASE]
-            effort = self._viscous(friction, 1.0 / self._unit if is_slide else 1.0, not is_slide)
-            if BASE in self._dry:
+            rate = 1.0 / self._unit if is_slide else 1.0        # at unit rate of the input
+            effort = self._viscous(by_joint[BASE], rate, is_pin=not is_slide)
+            if BASE in self._tilts:
                 size = self._size_at_base(is_slide, (first, second))
                 effort = effort + self._direction * size
-            effort = effort if is_slide else self._unit * effort
-            self.paid, drive = self.paid + effort, drive + effort
+            taken.append(effort if is_slide else self._unit * effort)
         if DRIVE in by_joint:
-            of_drive = by_joint[DRIVE]
-            effort = of_drive.torque * self._direction + of_drive.viscous * self._rate
+            friction = by_joint[DRIVE]
+            taken.append(friction.torque * self._direction + friction.viscous * self._rate)
+        for effort in taken:
             self.paid, drive = self.paid + effort, drive + effort
         return drive
 
@@ -267,24 +270,26 @@ class MachineFriction:
         return effort
 
     def _edges(self, name: str, is_slide: bool, felt: Felt) -> list[Scalar]:
-        """Return numbers at whose zeros the effort of a guide is not smooth, (J1)."""
+        """Return numbers at whose zeros, or jumps of sign, a guide's effort bends, (J1)."""
+        # That of a pin does where its force vanishes, which is no zero of one number.
         if not is_slide:
             return []
         normal, fabs = felt[0], self._n.fabs
-        if not self._dry[name]:
+        if not self._tilts[name]:
             return [normal]
         tilt = 2.0 * self._unit / self._by_joint[name].length * felt[1]
-        # where the couple is borne by both faces, its sign counts and not that of the force
+        # Where the block bears on both faces, the sign of the couple counts, else that of the
+        # force; the number that does not count is 1.
         is_tilted = (fabs(tilt) - fabs(normal)).real > 0.0
         return [self._n.where(is_tilted, 1.0, normal), self._n.where(is_tilted, tilt, 1.0),
                 fabs(tilt) - fabs(normal)]
 
     def _law(self, name: str, is_slide: bool) -> Callable[[Felt], Felt]:
         """Return what a joint feels -> derivatives by it of the size of its effort, (J1)."""
-        n, unit, friction, tilts = self._n, self._unit, self._by_joint[name], self._dry[name]
+        n, unit, friction = self._n, self._unit, self._by_joint[name]
         if is_slide:
             mu = friction.coefficient
-            if not tilts:
+            if not self._tilts[name]:
                 return lambda felt: (mu * sign_of(n, felt[0]), 0.0)
             per_length = 2.0 * unit / friction.length
 
@@ -326,7 +331,7 @@ class OpenFriction(MachineFriction):
 
     def _open(self, name: str, is_slide: bool, felt: tuple[Any, Any], moving: Scalar) -> Any:
         def edges(felt: Felt) -> list[Scalar]:
-            if not (is_slide and self._dry[name]):
+            if not (is_slide and self._tilts[name]):
                 return [felt[0]] if is_slide else []
             fabs, tilt = self._n.fabs, 2.0 * self._unit / self._by_joint[name].length * felt[1]
             return [felt[0], tilt, fabs(tilt) - fabs(felt[0])]
@@ -346,7 +351,7 @@ class OpenFriction(MachineFriction):
 
     def of_base(self, first: Scalar, second: Scalar, drive: Scalar) -> Scalar:
         drive = super().of_base(first, second, drive)
-        self._reports.paid, self._reports.tilts = self.paid, any(self._dry.values())
+        self._reports.paid, self._reports.tilts = self.paid, any(self._tilts.values())
         return drive
 
     @property
@@ -370,12 +375,12 @@ def with_efforts_at_joints(forces: DyadForces, efforts: Sequence[Scalar],
 def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Sequence[Felt],
            columns: Sequence[Sequence[Felt]], shares: Sequence[float], by_minors: bool = True,
            near: Sequence[Felt] | None = None) -> tuple[list[Scalar], Scalar, list[Felt]]:
-    """Return the sizes of efforts by (J3), NaN where they lock, else 0, and what is felt then."""
-    # laws: of each joint what it feels -> slopes of (J1); at_none: what each feels without
-    # efforts; columns: by effort what each feels of an effort of one; shares: of the friction, in
-    # each iteration; by_minors: for up to four joints, by cofactors and with all principal minors,
-    # else by pivots, of which all must be positive; near: what is felt, about, from where two
-    # iterations are enough.
+    """Return the sizes of efforts by (J3), whether they lock, and what joints feel with them."""
+    # The second result is NaN where they lock, else 0. laws: of each joint what it feels -> slopes
+    # of (J1); at_none: what each feels without efforts; columns: by effort what each feels of an
+    # effort of one; shares: of the friction, in each iteration; by_minors: for up to four joints,
+    # by cofactors and with all principal minors, else by pivots, of which all must be positive;
+    # near: what is felt, about, from where two iterations are enough.
     felt, sizes, matrix = list(near or at_none), [0.0] * len(laws), list[list[Scalar]]()
     before, solution = sizes, partial(_solution, n) if by_minors else _without_pivots
     for share in shares:
@@ -385,17 +390,16 @@ def solved(n: NumberType, laws: Sequence[Callable[[Felt], Felt]], at_none: Seque
         before, sizes = sizes, solution(matrix, list(map(_dot, slopes, at_none)))  # (J3)
         felt = [_plus(pair, [(column[i], size) for column, size in zip(columns, sizes)])
                 for i, pair in enumerate(at_none)]
-    change = total = locks = 0.0
+    change = all_sizes = 0.0
     for size, old in zip(sizes, before):
-        change, total = change + n.fabs(size - old), total + n.fabs(size)
+        change, all_sizes = change + n.fabs(size - old), all_sizes + n.fabs(size)
     converged = CONVERGED_NEAR if near else CONVERGED
-    locks = n.where((change - converged * total).real > 0.0, nan, 0.0)
-    every = range(len(laws))
+    locks = n.where((change - converged * all_sizes).real > 0.0, nan, 0.0)
     if not by_minors:
         return sizes, locks + locked_by_pivots(n, matrix), felt
     for count in range(1, len(laws) + 1):
         minors = 0.0
-        for chosen in combinations(every, count):
+        for chosen in combinations(range(len(laws)), count):
             minors = minors + _determinant([[matrix[i][j] for j in chosen] for i in chosen])
         locks = locks + n.where(minors.real > 0.0, 0.0, nan)
     return sizes, locks, felt

@@ -54,6 +54,7 @@ SQRT_HALF = 0.5**0.5                 # sine and cosine of pi/4
 
 def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
     """Return [(index of a link that slides, its :data:`Slide`)] in the order of the joints."""
+    # sizes: as Dyad.lengths has them, an angle by cosine and sine
     first, second, sizes = stage.link, stage.link + 1, lengths.sizes
     if stage.kind == 'RRP':
         return [(second, (stage.second, lengths.q, (sizes[1], sizes[2])))]
@@ -71,8 +72,8 @@ def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
 class Joints:
     """All joints of a machine, by the indices of their links."""
 
-    # pins: {(a link, the link it is pinned to): points of both}, slides: {(a link, its carrier):
-    # start and direction of the slide on the carrier}.
+    # pins: {(a link, the link it is pinned to): (point of the first, of the second)}, slides:
+    # {(a link, its carrier): (start of the slide, its direction), both on the carrier}.
 
     def __init__(self, driver: str, stages: Sequence[Stage], dyad_lengths: Sequence[DyadLengths]
                  ) -> None:
@@ -134,7 +135,8 @@ def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar
 
 
 def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints) -> tuple[Any, ...]:
-    """Return the loop of a pair besides sizes of the dyad: ``shape`` of shaped()."""
+    """Return the loop of a pair besides sizes of the dyad: ``shape``, as shaped() says."""
+    # The frame has the point Q, or the line of RRP; on the link that moves in it is P.
     assert stage.pair is not None
     frame, moving = stage.pair.frame, stage.moving
     (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
@@ -167,10 +169,13 @@ def not_zero(n: NumberType, length: Scalar) -> Scalar:
 def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
            ) -> list[DyadLengths]:
     """Return the lengths of all dyads with what follows from them once and for all."""
-    # That is reach, and of a pair shape: with a pin (|a|, |g|, cosine and sine of half the angle
-    # from g to a, of g), of RRP (|a|, distance of the line from O, cosine and sine of half the
-    # angle from the line to a, distance of Q along it from O, O); with a slide (sigma where the
-    # slide is zero, e, its cosine and sine).
+    # That is reach, |p| and |q|, and of a pair its shape, a tuple:
+    #   RRR, RPR with a pin    |a|, |g|, (cosine, sine) of half the angle from g to a, cosine and
+    #                          sine of g
+    #   RRP                    |a|, e of the line from O, (cosine, sine) of half the angle from the
+    #                          line to a, how far Q is along it from O, x and y of O
+    #   with a slide           sigma where the slide is zero, e, cosine and sine of the slide
+    # The shape of a cylinder is its reach: the distances of pin and base from O1.
     joints, with_shapes = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
@@ -233,8 +238,8 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
         c, s = turned_by(ends.half, half_0)
         cos_v, sin_v = SQRT_HALF * (c - s), SQRT_HALF * (c + s)
     else:
-        sin_v, cos_v, *_ = half_angle(n, -sin_x, cos_x,
-                                      n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
+        of_2v = half_angle(n, -sin_x, cos_x, n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
+        sin_v, cos_v = of_2v.sine, of_2v.cosine
     slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
                                 cos_v, stage.can_lie_flat)
     s, first, second = [unit * value for value in slider.s]
@@ -243,7 +248,9 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
     on_moving = in_frame(slider.theta2, of_a, angle)
-    return DyadMotion(rod, block, (s - start, d_s, dd_s), *slider.b[:2],
+    # the transmission angle is that of the rod and the normal of the line: its sine is cos b
+    cos_b, sin_b = slider.b[:2]
+    return DyadMotion(rod, block, (s - start, d_s, dd_s), cos_b, sin_b,
                       {(rod_link, moving): on_moving})
 
 
@@ -293,8 +300,9 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     of_moving: Direction = (*turned_by((-cos_b, -sin_b), line), *by_input(scaled, *changes))
     between: Direction = -cos_2, side * sin_2, *by_input(scaled, -side * d_2, -side * dd_2)
     directions = (of_moving, of_frame) if first else (of_frame, of_moving)
+    cosine, sine, *_ = between
     return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
-                      *between[1::-1], {(rod_2, rod_1): between})
+                      sine, cosine, {(rod_2, rod_1): between})
 
 
 def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
