@@ -3,8 +3,8 @@
 """
 The measures of many designs at once: one mechanism whose lengths are columns of shape (n, 1).
 
-:mod:`fourbar_ros.extrema.full_turns` searches those whose cranks turn fully, and says which
-results are in doubt; these and all others are left to :class:`.Design`.
+:mod:`fourbar_ros.extrema.full_turns` says whose cranks certainly turn fully, searches these, and
+says which results are in doubt; these and all others are left to :class:`.Design`.
 """
 from __future__ import annotations
 
@@ -16,14 +16,18 @@ from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies.measures import Extent, Measure, Measures
 from fourbar_lab.studies.study import first_scene, Study
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.full_turns import search_turns, Turns
-from fourbar_ros.extrema.over_input import settled
-from fourbar_ros.extrema.sampling import State
+from fourbar_ros.extrema.full_turns import (
+    ColumnFunction,
+    inputs,
+    search_turns,
+    turn_fully,
+    Turns,
+)
+from fourbar_ros.extrema.over_input import EQUAL, settled
 from fourbar_ros.extrema.turns_by_pieces import search_pieces
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.elements import refuses_turns, turns_of
-from fourbar_ros.mechanisms.kinds import KINDS
-from fourbar_ros.mechanisms.parts import NoLoads, OPEN
+from fourbar_ros.mechanisms.parts import NoLoads, OPEN, Quantity
 from fourbar_ros.mechanisms.pieces import CutCurves, ends_of_turns, PieceEnds
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published, OfDrive
@@ -50,17 +54,15 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     Fill columns with the measures of designs computed together; return which are right, (n,).
 
     ``drawn``: {parameter that varies: values, shape (n,)}; ``columns``: {measure: values, (n,)}.
-    Not computed so: drives at rest, quantities of the drive at rates of their own, ranges, slides,
-    machines (each is put together at run time), and designs where lengths, samples or search
-    leave a doubt, or which lock.
+    Not computed so: drives at rest, quantities of the drive at rates of their own, ranges, driven
+    slides, and designs where lengths, samples or search leave a doubt, or which lock.
     """
     none = np.zeros(len(next(iter(drawn.values()))), bool)
     try:
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if (scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.stroke
-            or scene.kind not in KINDS):
+    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.stroke:
         return none
     # formulas without dry friction are others, and pins have a radius
     if any(FRICTION.fullmatch(name) and not (column > 0.0).all()
@@ -92,13 +94,15 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     for bound in study.bounds:
         if bound.measure.part in (kinds.CLASS, kinds.CHANGE_POINT) and not study.keeps_all:
             wanted &= bound.allows_each(columns)
-    needed = list(dict.fromkeys(filter(None, map(measures.source, study.measures))))
+    needed = list(dict.fromkeys(name for measure in study.measures
+                                for name in measures.smooth_sources(measure)))
     if any(isinstance(measures.quantities[name], OfDrive) for name in needed):
         return none
-    needed = needed or [kinds.ANGLE]        # that alone tells which designs turn fully
 
     def some(rows: Array) -> Designs:
         return Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
+    unsure = in_groups(np.nonzero(wanted)[0], lambda rows, samples: some(rows).turn_fully(samples))
+    is_done[unsure] = wanted[unsure] = False
     # where the pieces of loads end
     cuts = PieceEnds(np.empty((is_done.size, 0)), np.empty((is_done.size, 0), bool))
     if any(measures.quantities[name].is_load for name in needed):
@@ -132,10 +136,10 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
                 columns[measure.name][rows[is_right]] = tau
             elif measure.part not in (kinds.CLASS, kinds.CHANGE_POINT):
                 signed = group.cycle * np.sign(np.ravel(group.values['drive.speed']))
-                values, are_right = _measured(measure, *searched[measures.source(measure)],
-                                              signed)
-                is_right &= are_right
-                columns[measure.name][rows[is_right]] = values[is_right]
+                values, are_right = zip(*[_measured(measure, *searched[name], signed)
+                                          for name in measures.smooth_sources(measure)])
+                is_right &= np.logical_and.reduce(are_right)
+                columns[measure.name][rows[is_right]] = np.minimum.reduce(values)[is_right]
         return is_right
 
     # those with as many ends beside each other
@@ -155,11 +159,13 @@ def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[A
         return of_part[measure.part], are_right[row]
     if not values.shape[-1]:
         inputs = values = np.full((len(values), 1), np.nan)
-    designs, is_none = np.arange(len(values)), np.isnan(values)     # beyond the last extremum
-    most = np.argmax(np.where(is_none, -np.inf, values), axis=1)
-    least = np.argmin(np.where(is_none, np.inf, values), axis=1)
-    extent = Extent(values[designs, most], inputs[designs, most], values[designs, least],
-                    inputs[designs, least], turns.counts[row])
+    designs = np.arange(len(values))
+    with np.errstate(invalid='ignore'):         # NaN beyond the last extremum
+        most, least = (pick.reduce(values, axis=1) for pick in (np.fmax, np.fmin))
+        alike = EQUAL * np.maximum(np.abs(most), np.abs(least))[:, None]
+        most_at, least_at = (inputs[designs, np.argmax(
+            np.abs(values - best[:, None]) <= alike, axis=1)] for best in (most, least))
+    extent = Extent(most, most_at, least, least_at, turns.counts[row])
     if measure.part not in (kinds.SWING, kinds.STROKE):
         return np.asarray(extent.of(measure.part)), np.ones(len(values), bool)
     is_turn = (measure.part == kinds.SWING) & turns.are_turning[row]
@@ -183,28 +189,9 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
 def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
            ends: PieceEnds | None = None) -> Turns:
     """Return the extrema of quantities of all designs; ``ends``: as of :meth:`Designs.ends`."""
-    with_loads = any(quantity.is_load for quantity in quantities)
-    names = (tuple([quantity.name for quantity in quantities])
-             if all(map(is_published, quantities)) else None)
     is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
                          for quantity in quantities], bool)
-    state = designs.step(acceleration, with_loads, names)
-
-    def evaluate(x: Array, which: Array) -> Array:
-        """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m designs."""
-        of_all = x
-        if which.size < designs.size:       # columns of designs that are not asked for get 1
-            of_all = np.ones((designs.size, x.shape[1]), x.dtype)
-            of_all[which] = x
-        values = np.empty((len(quantities), *of_all.shape), x.dtype)
-        width = max(1, SAMPLES_TOGETHER // designs.size)
-        for begin in range(0, x.shape[1], width):
-            columns = slice(begin, begin + width)
-            motion_and_loads = state(of_all[:, columns])
-            for row, quantity in zip(values, quantities):
-                row[:, columns] = quantity.of(*motion_and_loads)
-        return values[:, which]
-
+    evaluate = designs.function_of(quantities, acceleration)
     if ends is not None:
         return search_pieces(evaluate, ends, count, designs.cycle)
     return search_turns(evaluate, designs.size, count, is_angle)
@@ -219,12 +206,11 @@ class Designs:
         self.values = {**scene.values, **columns}
         constants = parametric.constants_of(scene, self.values)
         self.scene = parametric.alike(scene, constants)
-        self.lengths = tuple([np.broadcast_to(length, (self.size, 1))
-                              for length in constants.lengths])
-        self._constants = constants._replace(
-            lengths=self.lengths,
-            sign=np.where(np.equal(self.values['linkage.mode'], OPEN), 1.0, -1.0))
-        self.many = with_any_lengths(scene.linkage, self.lengths)
+        if 'linkage.mode' in drawn:
+            constants = constants._replace(
+                sign=np.where(self.values['linkage.mode'] == OPEN, 1.0, -1.0))
+        self._constants = constants
+        self.many = with_any_lengths(scene.linkage, constants.lengths)
 
     @property
     def cycle(self) -> float:
@@ -253,25 +239,50 @@ class Designs:
                     is_allowed &= value != 1.0
         return is_allowed
 
-    def step(self, acceleration: float, with_loads: bool, names: tuple[str, ...] | None = None
-             ) -> Callable[[Array], State]:
-        """Return a function of inputs, (n, any), to (motion, loads); NaN but fields of names."""
-        linkage, speed = self.scene.linkage, self.values['drive.speed']
-        with_loads, count = with_loads and linkage.has_loads, len(linkage.MOTION._fields)
-        known = linkage.MOTION._fields + linkage.LOADS._fields
-        step = step_of_arrays(linkage, with_loads, data=self._constants,
-                              wanted=None if names is None else [*map(known.index, names)])
+    def turn_fully(self, count: int) -> Array:
+        """Return whose dyads are certainly nowhere in line, by ``count`` samples, shape (n,)."""
+        sines = [Quantity(name, '', '', False) for name in self.scene.linkage.MOTION._fields
+                 if name.startswith('sine')]
+        return turn_fully(self.function_of(sines, 0.0)(
+            np.broadcast_to(inputs(count), (self.size, count)), np.arange(self.size)))
 
-        def state(x: Array) -> State:
-            # of inputs that are the same for all designs, functions of them alone once
-            with np.errstate(all='ignore'):
-                fields = step(x if x.strides[0] else x[:1], speed, acceleration)
-            return (linkage.MOTION(*fields[:count]),
-                    linkage.LOADS(*fields[count:]) if with_loads else NoLoads())
-        return state
+    def function_of(self, quantities: Sequence[Asked], acceleration: float) -> ColumnFunction:
+        """Return inputs of some designs -> their quantities; of no other field than is needed."""
+        linkage, speed = self.scene.linkage, self.values['drive.speed']
+        with_loads = linkage.has_loads and any(quantity.is_load for quantity in quantities)
+        count, known = len(linkage.MOTION._fields), linkage.MOTION._fields + linkage.LOADS._fields
+        step = step_of_arrays(
+            linkage, with_loads, data=self._constants,
+            wanted=([known.index(quantity.name) for quantity in quantities]
+                    if all(map(is_published, quantities)) else None))
+
+        def evaluate(x: Array, which: Array) -> Array:
+            """Return all quantities, shape (q, m, any), at inputs of shape (m, any) of m rows."""
+            of_all = x
+            if which.size < self.size:      # columns of designs that are not asked for get 1
+                of_all = np.ones((self.size, x.shape[1]), x.dtype)
+                of_all[which] = x
+            values = np.empty((len(quantities), *of_all.shape), x.dtype)
+            width = max(1, SAMPLES_TOGETHER // self.size)
+            for begin in range(0, x.shape[1], width):
+                columns = slice(begin, begin + width)
+                x_there = of_all[:, columns]
+                # of inputs that are the same for all designs, functions of them alone once
+                with np.errstate(all='ignore'):
+                    fields = step(x_there if x_there.strides[0] else x_there[:1], speed,
+                                  acceleration)
+                motion = linkage.MOTION(*fields[:count])
+                loads = linkage.LOADS(*fields[count:]) if with_loads else NoLoads()
+                for row, quantity in zip(values, quantities):
+                    row[:, columns] = quantity.of(motion, loads)
+            return values[:, which]
+        return evaluate
 
     def margins(self) -> Array | None:
         """Return the margins over the sum of lengths, (margins, n); None if no such sums."""
         signs = parametric.margin_signs(self.scene.linkage)
-        sizes = np.abs(np.concatenate(self.lengths, axis=1))
-        return None if signs is None else np.asarray((signs @ sizes.T) / sizes.sum(axis=1))
+        if signs is None:
+            return None
+        sizes = np.abs([np.broadcast_to(length, (self.size, 1))[:, 0]
+                        for length in self._constants.lengths])
+        return np.asarray((signs @ sizes) / sizes.sum(axis=0))

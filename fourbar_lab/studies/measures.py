@@ -16,7 +16,13 @@ from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest, OutOfRange
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import output_ranges, OutputRange, OverInput, time_ratio
+from fourbar_ros.extrema.over_input import (
+    most_extreme,
+    output_ranges,
+    OutputRange,
+    OverInput,
+    time_ratio,
+)
 from fourbar_ros.mechanisms.quantities import by_name, Named
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
@@ -116,6 +122,13 @@ class Measures:
         of_mechanism = {LEAST_ANGLE: ANGLE, WORK: self._linkage.drive_load}
         return of_mechanism.get(measure.part, measure.quantity or self.output)
 
+    def smooth_sources(self, measure: Measure) -> list[str]:
+        """Return the quantities the least of whose results is the measure: [] without motion."""
+        # The transmission angle of a machine jumps where another dyad becomes the worst.
+        source = self.source(measure)
+        of_dyads = [name for name in self.quantities if name.startswith(f'{ANGLE}_')]
+        return of_dyads if measure.part == LEAST_ANGLE and of_dyads else [source] * bool(source)
+
     def named(self, entry: str, name: str) -> list[Measure]:
         """Return the measures of a name in an entry of a study, several for a quantity alone."""
         linkage = self._linkage
@@ -202,8 +215,7 @@ class Design:
 
     def extreme(self, name: str, part: str) -> Extremum | None:
         """Return the largest or least (max, min) extremum of a quantity that was searched."""
-        choose = max if part == 'max' else min
-        return choose(self.extrema[name], key=lambda extremum: extremum.value, default=None)
+        return most_extreme(self.extrema[name], 1 if part == 'max' else -1)
 
     @property
     def input_range(self) -> tuple[float, float]:

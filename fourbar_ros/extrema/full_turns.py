@@ -37,6 +37,8 @@ PLAIN = (2.0 / 3.0, -1.0 / 12.0)
 BETWEEN = tuple([part / 2.0**19 for part in (320166, -76230, 22869, -5445, 847, -63)])
 # A function is resolved if interpolation gives every other sample to this part of its span.
 RESOLVED = 2.0**-9
+# A sine squared that its samples do not resolve to this part of its least value may have a zero.
+SURE = 0.25
 # Mean squares of all samples and of every second differ by less, as a part of them: the error of
 # the former is the square of that. Means by less, as a part of the root mean square: that of a
 # magnitude, which changes suddenly near zero, settles slowly.
@@ -68,6 +70,24 @@ def inputs(count: int) -> Array:
     return 2.0 * pi * (np.arange(count) + 0.5) / count
 
 
+def turn_fully(sines: Array) -> Array:
+    """
+    Return which mechanisms turn fully, (n,), by the sines of their dyads, (dyads, n, samples).
+
+    A sine squared is analytic where the dyads before close, also where its own is in line, and
+    falls below zero where that cannot close. Between two samples a cubic through both ends falls
+    below the lower one by 4/27 of both slopes at most.
+    """
+    dyads, mechanisms, count = sines.shape
+    f = np.square(sines).reshape(-1, count).T
+    slopes = np.abs(slopes_of(f))
+    least = (np.minimum(f, np.roll(f, -1, axis=0))
+             - 4.0 / 27.0 * (slopes + np.roll(slopes, -1, axis=0))).min(axis=0)
+    with np.errstate(invalid='ignore'):
+        is_sure = (least > 0.0) & ~is_coarse(f, least * (SURE / RESOLVED))
+    return np.asarray(is_sure.reshape(dyads, mechanisms).all(axis=0))
+
+
 def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle: Array) -> Turns:
     """Return the extrema of q quantities of n mechanisms whose cranks turn fully."""
     # Samples of a turn, count of them, give slopes; sign changes of these bracket extrema, which
@@ -85,6 +105,9 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     low[is_doubtful] = high[is_doubtful] = periodic[:, is_doubtful] = 0.0
     is_constant = (high - low <= CONSTANT * size) & (turns == 0.0)
     is_doubtful |= is_coarse(periodic, high - low) & ~is_constant
+    for i in np.nonzero(is_angle)[0]:       # the least may be on either side of -pi
+        begun = _begun(samples[i])
+        is_doubtful.reshape(shape)[i] |= np.abs(begun - np.round(begun)) < RESOLVED
     is_constant, is_positive = is_constant.reshape(shape), is_positive.reshape(shape)
     is_doubtful = is_doubtful.reshape(shape).any(axis=0)
     slopes = slopes_of(periodic)
@@ -108,6 +131,8 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
         half, half_square = samples[..., ::2].mean(axis=-1), squares[..., ::2].mean(axis=-1)
         are_squares = np.abs(mean_square - half_square) <= AGREE * mean_square
         are_means = are_squares & (np.abs(mean - half) <= AGREE_MEAN * np.sqrt(mean_square))
+        # of an angle that turns on they depend on where that begins
+        are_means[is_angle] &= np.ptp(samples[is_angle], axis=-1) < 2.0 * pi
     return Turns(at_inputs, values, np.isfinite(at_inputs).sum(axis=-1), mean, mean_square,
                  are_means, are_squares, turns.reshape(shape) != 0.0, is_doubtful)
 
@@ -119,12 +144,13 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     Their samples, shape (samples, q * n); whole turns of each angle in a cycle, which are taken
     off; and which quantities are positive: of them it is half the square, since a magnitude |F|
     changes suddenly near a zero of the force and its square does not. Angles in ``samples`` are
-    made continuous.
+    made continuous, the least of them in [-pi, pi).
     """
     quantities, mechanisms, count = samples.shape
     turns: Array = np.zeros((quantities, mechanisms))
     for i in np.nonzero(is_angle)[0]:
         samples[i] = np.unwrap(samples[i], axis=-1)
+        samples[i] -= 2.0 * pi * np.floor(_begun(samples[i]))[:, None]
         turns[i] = np.round((samples[i, :, -1] - samples[i, :, 0]) / (2.0 * pi))
     turns = turns.ravel()
     flat = np.ascontiguousarray(samples.reshape(-1, count).T)
@@ -134,6 +160,11 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     if turns.any():
         flat -= turns * inputs(count)[:, None]
     return flat, turns, is_positive
+
+
+def _begun(angles: Array) -> Array:
+    """Return the least of continuous angles [rad] in turns, from where these begin, at -pi."""
+    return np.asarray(angles.min(axis=-1) / (2.0 * pi) + 0.5)
 
 
 class Roots(NamedTuple):

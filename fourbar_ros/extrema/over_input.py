@@ -26,10 +26,13 @@ from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
 from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes, smooth_ranges
-from fourbar_ros.mechanisms.quantities import OfDrive
+from fourbar_ros.mechanisms.quantities import is_position, OfDrive
 from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
+# Extrema whose values differ by less than this part of the largest are equal: the first of them,
+# by input, is the largest or the least. An output at a dead point may come there twice.
+EQUAL = 1e-12
 FEW = 8         # inputs at which a quantity's size is looked up, before its squares are added
 NEAR_END = 2.0**-33      # of a range: the distance at which growth towards its end is looked at
 
@@ -59,12 +62,12 @@ class OverInput:
     @property
     def least(self) -> Extremum | None:
         """Return the least extremum; None of an angle that only turns on."""
-        return min(self.extrema, key=lambda extremum: extremum.value, default=None)
+        return most_extreme(self.extrema, -1)
 
     @property
     def most(self) -> Extremum | None:
         """Return the largest extremum; None of an angle that only turns on."""
-        return max(self.extrema, key=lambda extremum: extremum.value, default=None)
+        return most_extreme(self.extrema, 1)
 
     @property
     def largest(self) -> Extremum | None:
@@ -131,7 +134,17 @@ class OverInput:
             values = (self._quantity.values(self._linkage, x, self._rates[0])
                       if isinstance(self._quantity, OfDrive) else
                       self._quantity.of(*self._linkage.motion_and_loads(x, *self._rates)))
+        if is_position(self._quantity) and self._quantity.unit == 'rad':
+            values = values - tau * np.round((values - self._middle) / tau)
         return np.broadcast_to(values, x.shape)[None]
+
+    @cached_property
+    def _middle(self) -> float:
+        """Return the middle of an angle, from which it is less than half a turn; else NaN."""
+        least, most = self.least, self.most
+        if not least or not most or most.value - least.value >= tau:
+            return nan      # it turns on: what its mean is depends on where that begins
+        return 0.5 * (least.value + most.value)
 
     @cached_property
     def _ranges(self) -> Ranges:
@@ -150,6 +163,16 @@ class OverInput:
     def _is_constant(self) -> bool:
         return ({extremum.kind for extremum in self.extrema} == {CONSTANT}
                 and len({extremum.value for extremum in self.extrema}) == 1)
+
+
+def most_extreme(extrema: Sequence[Extremum], sense: int) -> Extremum | None:
+    """Return the largest (``sense`` 1) or least extremum (-1), of equal ones the first."""
+    best = max(extrema, key=lambda extremum: sense * extremum.value, default=None)
+    if best is None or not isfinite(best.value):
+        return best
+    alike = EQUAL * max(abs(extremum.value) for extremum in extrema if isfinite(extremum.value))
+    first = next(extremum for extremum in extrema if abs(extremum.value - best.value) <= alike)
+    return first._replace(value=best.value)
 
 
 def settled(mean: Values, rms: Values) -> Values:
@@ -190,9 +213,9 @@ class OutputRange(NamedTuple):
         """Return :func:`time_ratio`, NaN of full turns; ``period``: of the input [rad]."""
         if not self.extrema:
             return nan
-        least, most = (pick(self.extrema, key=lambda extremum: extremum.value).input
-                       for pick in (min, max))
-        return float(time_ratio(least, most, period))
+        least, most = (most_extreme(self.extrema, sense) for sense in (-1, 1))
+        assert least and most
+        return float(time_ratio(least.input, most.input, period))
 
     @property
     def width(self) -> float:

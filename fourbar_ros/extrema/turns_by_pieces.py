@@ -35,7 +35,7 @@ SLOPE_ERROR = 64.0
 # load by more than this part of its span: they are elsewhere.
 BESIDE, DOUBT, APART = 2.0**-46, 2.0**10, 2.0**-8
 # Error of a mean, as a part of the root mean square.
-SETTLED = 2.0**-34
+SETTLED = 2.0**-40
 FLAT = 2.0**8 * EPS         # of the size of a load: smaller slopes all over an interval are noise
 NEWTON_STEPS = 2
 _T = np.linspace(-1.0, 1.0, FINE)
