@@ -26,7 +26,8 @@ help:
 	@echo '                    WORKERS=$(WORKERS) processes, of which many wait; 0: one that prints'
 	@echo '  make coverage   run the tests as make test does; lines and branches covered, in all processes'
 	@echo '  make lint       run ruff, mypy, import-linter and the ament linters'
-	@echo '  make check-pip  test the library without ROS: sdist, wheel, fresh venv, every command'
+	@echo '  make check-pip  test the ways of installing without ROS: the wheel alone and with each extra, every command'
+	@echo '                    PYTHON="python3.11 python3.14" with each of these, ARGS="--only all" with one extra'
 	@echo '  make release    make dist/ and CHANGELOG.rst: twine check, installed into a bare environment, every command'
 	@echo '                    QUICK=1: one command'
 	@echo '  make check-clean   make run and make test in a fresh clone with a bare environment'
@@ -75,7 +76,7 @@ lint:
 	@scripts/lint.sh
 
 check-pip:
-	@scripts/check_pip.sh
+	@python3 scripts/check_pip.py $(ARGS)
 
 release:
 	@QUICK='$(QUICK)' scripts/release.sh

@@ -23,6 +23,8 @@ INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
            'clarabel': 'pip install clarabel',
            'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
            'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}
+# what needs several names them all at once
+OF_VERB = {'study': 'pip install scipy pyarrow'}
 ROS = ('rclpy', 'rcl_interfaces', 'rosidl_runtime_py', 'rpyutils', 'ament_index_python')
 ROS_HINT = 'source a ROS 2 workspace that contains fourbar_ros, or run  make run  in its source'
 
@@ -32,7 +34,8 @@ class MissingPackage(FourBarError):
 
     def __init__(self, what: str, error: ModuleNotFoundError):
         name = (error.name or '').partition('.')[0]
-        hint = INSTALL.get(name) or ROS_HINT
+        all_of_verb = OF_VERB.get(what, '')
+        hint = all_of_verb if name in all_of_verb.split() else INSTALL.get(name) or ROS_HINT
         super().__init__(f'{what} requires {name if name in INSTALL else "ROS 2"}: {hint}'
                          + ('' if name in INSTALL else f' ({error})'))
 

@@ -24,7 +24,7 @@ examples:
   fourbar plot paper f41 shaking_force -o paper.png
   fourbar plot my.yaml omega4 alpha4 --speed 300rpm -o rates.svg
   fourbar plot slider_crank slide f41 --units mm,kN -o rod.pdf
-  fourbar plot paper f41 f21 f32 f43 --width 88mm --title '' -o column.pdf
+  fourbar plot paper f41 f21 f32 f43 --width 88mm --title "" -o column.pdf
 """
 UNITS_HELP = ('units of the {} that measure the same: mm,deg,rpm,N mm,kW; default: deg for '
               'angles, SI')

@@ -3,6 +3,7 @@
 """The server of the page: for browsers of this machine, and for no other page or machine."""
 from __future__ import annotations
 
+from contextlib import suppress
 import json
 import os
 from pathlib import Path
@@ -148,8 +149,12 @@ def free_port(wanted: int | None) -> int:
 def serve(path: str | Path | None, scene: Scene | None, port: int, is_opened: bool,
           second: Scene | None = None) -> None:
     """Serve the page of a scene until the process is interrupted."""
-    print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True)
-    if is_opened:
-        import webbrowser
-        webbrowser.open(f'http://{HOST}:{port}')
-    uvicorn.run(app_of(path, scene, port, second), host=HOST, port=port, log_level='warning')
+    server = uvicorn.Server(uvicorn.Config(app_of(path, scene, port, second),
+                                           log_level='warning'))
+    # listens before its address is said: a browser may be quicker than uvicorn; Ctrl-C ends it
+    with socket.create_server((HOST, port)) as listening, suppress(KeyboardInterrupt):
+        print(f'http://{HOST}:{port}  (Ctrl-C ends it)', flush=True)
+        if is_opened:
+            import webbrowser
+            webbrowser.open(f'http://{HOST}:{port}')
+        server.run(sockets=[listening])

@@ -215,7 +215,7 @@ def add_picture(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--width', type=of('m', above=0.0), metavar='WIDTH',
                         help='width of the picture [m], as 88mm for a column of a journal')
     parser.add_argument('--title', metavar='TEXT',
-                        help="instead of the usual title; '': none")
+                        help='instead of the usual title; "": none')
 
 
 def refuse_overwriting(paths: Iterable[Path], force: bool) -> None:

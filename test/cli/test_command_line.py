@@ -150,6 +150,8 @@ def test_a_picture_is_where_the_output_says(given, written, tmp_path, capsys):
 @pytest.mark.parametrize('call, blocked, code, line', [
     ('main("bag info x".split())', 'mcap', 1,
      'fourbar: bag requires mcap: pip install mcap rosbags'),
+    ('main("study show x".split())', 'scipy', 1,
+     'fourbar: study requires scipy: pip install scipy pyarrow'),
     ('main("replay x".split())', 'rclpy', 1, 'fourbar: replay requires ROS 2: source a ROS 2'),
     ('main("draw paper --at 60 -o x.svg".split())', 'matplotlib', 1,
      'fourbar: draw requires matplotlib: pip install matplotlib'),

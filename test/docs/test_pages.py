@@ -41,7 +41,7 @@ NOT_RUN = {
     'rosdep install ': 'installs packages of the system',
     '. install/setup.bash': 'scripts/env.sh reads it before any test',
     'make ': 'would run the tests within themselves; the targets are looked up here',
-    'pip install ': 'needs the registry: scripts/check_pip.sh installs; here the extras are known',
+    'pip install ': 'needs the registry: scripts/check_pip.py installs; here the extras are known',
     'python3 -m venv ': 'as pip install',
     '. .venv/bin/activate': 'as pip install',
     'dask ': 'machines of their own; test/studies starts a scheduler and workers here',
