@@ -30,6 +30,16 @@ class Public(NamedTuple):
             r'(\w)\(([^,]+),([^)]+)\)', self.points)}
         return points, self.links.split(), self.ground, self.slides
 
+    @property
+    def options(self):
+        """Return the points and the options of ``fourbar new --points``, the crank's pivot first."""
+        points, links, ground, slides = self.given
+        texts = {name: f'{name} {x} {y}' + ' ground' * (name in ground)
+                 + (f' slide {slides[name]}rad' if name in slides else '')
+                 for name, (x, y) in points.items()}
+        pivot = next(joint for joint in links[0] if joint in ground)
+        return [texts.pop(pivot), *texts.values()], ['--links', *map('-'.join, links)]
+
 
 # Templates of PMKS+ (PMKSWeb, template-linkages.ts) in its frame, as its addresses hold them, and
 # the six-bar of its issue 92
