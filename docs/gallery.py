@@ -16,11 +16,8 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
 from fourbar_lab.cli.list import about  # noqa: E402
-from fourbar_lab.drawing.cycles import cycles  # noqa: E402
-from fourbar_lab.drawing.figure import STYLE  # noqa: E402
-from fourbar_lab.drawing.mechanism_panel import draw_mechanism  # noqa: E402
-from fourbar_ros.mechanisms.points import point_motion  # noqa: E402, I100
-from fourbar_ros.scene.files import find  # noqa: E402
+from fourbar_lab.drawing import cycles  # noqa: E402
+from fourbar_ros.scene.files import find  # noqa: E402, I100
 from fourbar_ros.scene.scene import load  # noqa: E402
 
 PAGE, PICTURES = ROOT / 'docs' / 'gallery.md', ROOT / 'docs' / 'gallery'
@@ -91,31 +88,18 @@ def page():
 
 def draw(name, at):
     """Return the figure of a scene in a pose."""
-    from matplotlib.figure import Figure
     scene = load(name)
-    linkage = scene.linkage
-    points = {point: (where.link, where.along, where.across)
-              for point, where in scene.points.items()}
-    motions = [linkage.motion(inputs) for inputs in cycles(linkage, SAMPLES)]
-    paths = [point_motion(linkage, motion, *where).place
-             for motion in motions for where in points.values()]
-    figure = Figure(figsize=SIZE)
-    axes = figure.subplots()
-    figure.subplots_adjust(left=0.0, right=1.0, bottom=0.02, top=1.0)
+    linkage, points = scene.linkage, scene.points
     motion = linkage.motion(at if linkage.is_driven_by_slide else radians(at))
-    sheet = draw_mechanism(axes, linkage, motion, points, paths)
-    sheet.scale('m')
-    sheet.finish()
-    return figure
+    paths = cycles.paths_of(linkage, points, SAMPLES) if points else ()
+    return cycles.make_linkage_figure(linkage, motion, points, paths, size=SIZE)
 
 
 def save(name, at):
     """Write the picture of a scene, with coordinates of a hundredth of a point."""
-    import matplotlib
     path = PICTURES / f'{name}.svg'
-    with matplotlib.rc_context(STYLE):
-        draw(name, at).savefig(path, metadata={'Date': None, 'Creator': None,
-                                               'Identifier': digest(name)})
+    draw(name, at).savefig(path, metadata={'Date': None, 'Creator': None,
+                                           'Identifier': digest(name)})
     text = path.read_text(encoding='utf-8')
     text = LONG.sub(lambda number: f'{float(number[0]):.2f}', text)
     path.write_text(re.sub(r'\s*\n\s*', '\n', text), encoding='utf-8')

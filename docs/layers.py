@@ -35,8 +35,8 @@ def layers():
     text = (ROOT / 'pyproject.toml').read_text(encoding='utf-8')
     listed = ast.literal_eval(re.search(r'^layers = (\[.*?^\])', text, re.M | re.S)[1])
     listed.remove('fourbar_lab.cli')        # beside the other cli there is no room for its own
-    found = [[module.split('.')[1] for module in row.split(' | ')] for row in reversed(listed)]
-    rows = [[name for name in row if place(name)] for row in found]
+    rows = [[module.split('.')[1] for module in row.split(' | ')
+             if (ROOT / module.replace('.', '/')).is_dir()] for row in reversed(listed)]
     return [row for row in rows if row]
 
 

@@ -73,7 +73,7 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: 
         sheet.line(*ends, zorder=1, **style)
     for letter, pole in poles.items():
         axes.plot(*pole, 'o', ms=5, color=AXIS, zorder=7)
-        sheet.label(letter, sheet.around(pole), AXIS)
+        sheet.label(letter, pole, (0.0, 1.0), AXIS)
     sheet.scale('m')
     sheet.finish()
     axes.annotate(f'axis at {axis_angle(linkage, motion):.4f}\N{DEGREE SIGN} to the coupler',

@@ -71,12 +71,12 @@ def usual_input(mechanism: Mechanism) -> float:
     return low + SHARE * (high - low)
 
 
-def paths_of(mechanism: Mechanism, points: Points) -> list[Array]:
+def paths_of(mechanism: Mechanism, points: Points, count: int = SAMPLES) -> list[Array]:
     """Return the path (n, 2) [m] of each point in each range; CannotDraw without a point."""
     if not points:
         raise CannotDraw('no point to draw: give points.NAME.link, .along, .across')
     return [point_motion(mechanism, mechanism.motion(inputs), *point).place
-            for point in points.values() for inputs in cycles(mechanism)]
+            for point in points.values() for inputs in cycles(mechanism, count)]
 
 
 def make_linkage_figure(mechanism: Mechanism, motion: NamedFields, points: Points,
@@ -87,6 +87,7 @@ def make_linkage_figure(mechanism: Mechanism, motion: NamedFields, points: Point
         title = figure.title_of(title, paper.title)
         axes = figure.add_axes((0.0, 0.0, 1.0, 0.94 if title else 1.0))
         sheet = draw_mechanism(axes, mechanism, motion, points, paths, title=title)
+        sheet.crop()
         sheet.scale('m')
         sheet.finish()
     return figure

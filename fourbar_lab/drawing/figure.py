@@ -114,11 +114,12 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
     if not shown:
         axes.annotate('all zero', ORIGIN, (8, 0), textcoords='offset points', va='center')
         return
-    sheet.label('o', sheet.around(ORIGIN), 'k')
+    sheet.pin(ORIGIN)
+    sheet.label('o', ORIGIN, -np.mean([arrow.vector for arrow in shown], axis=0), 'k')
     for arrow in shown:
         color = SUM if arrow.is_sum else PART
         sheet.arrow(arrow.start, arrow.vector, color, 2.0 if arrow.is_sum else 1.4)
-        sheet.label(arrow.label, sheet.beside(arrow.start, arrow.vector), color)
+        sheet.label_arrow(arrow.label, arrow.start, arrow.vector, color)
     sheet.scale(text)
     sheet.write([f'${arrow.label}$ = {significant(hypot(*arrow.vector))}' for arrow in shown],
                 columns=2)

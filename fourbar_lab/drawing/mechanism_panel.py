@@ -41,15 +41,15 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
               for block in diagram.blocks if block.is_guided for share in (-0.17, 0.17)]
     sheet = Sheet(axes, np.vstack([every, joints - (0.0, 0.06 * size), *guides]), title)
     for path in paths:
-        axes.plot(*path.T, color=POINT, lw=0.9, zorder=1.5)
-        sheet.taken.extend(path[np.isfinite(path).all(axis=1)])
+        sheet.curve(path, color=POINT, lw=0.9, zorder=1.5)
     for part in parts:
         draw_part(sheet, part)
+    middle = joints.mean(axis=0)
     for name, point in labels_of(diagram).joints.items():
-        sheet.label(renamed(name, names), sheet.around(point), 'k', point)
+        sheet.label(renamed(name, names), point, point - middle, 'k', point)
     for arm in arms:
         name = arm.name.replace('_', r'\_')
-        sheet.label(rf'\mathrm{{{name}}}', sheet.around(arm.end), POINT, arm.end)
+        sheet.label(rf'\mathrm{{{name}}}', arm.end, (1.0, 1.0), POINT, arm.end)
     return sheet
 
 
@@ -77,26 +77,21 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
         for start, end, colour in ((0.0, 360.0, 'w'), (0.0, 90.0, 'k'), (180.0, 270.0, 'k')):
             axes.add_patch(Wedge(centre, 0.06 * sheet.inch, start, end, fc=colour, ec='k', lw=0.8,
                                  zorder=6.5))
-        sheet.taken.append(centre)
+        sheet.pin(centre)
     radius = 0.3 * sheet.inch
     for name, joint in diagram.angles.items():          # arcs of the absolute angles from x
         centre, angle = diagram.joints[joint], remainder(getattr(motion, name), 2.0 * pi)
         arc = centre + radius * _directions(np.linspace(0.0, angle, 40))
-        axes.plot(*arc.T, color=ANGLE, lw=0.9, zorder=1.5)
+        sheet.curve(arc, color=ANGLE, lw=0.9, zorder=1.5)
         sheet.line(centre, centre + (1.5 * radius, 0.0), color=ANGLE, lw=0.7, zorder=1.2)
-        sheet.taken.extend(arc[::4])
-        directions = list(_directions(angle * np.array([0.5, 0.35, 0.65, 0.8, 0.2])))
-        sheet.label(symbol_of(name), [centre + distance * radius * direction for distance in
-                                      (1.5, 1.8, 2.1) for direction in directions]
-                    + sheet.around(centre, directions[0]), ANGLE)
+        sheet.label(symbol_of(name), arc[20], arc[20] - centre, ANGLE)
     torque = getattr(loads, 'driving_torque', 0.0)
     if torque != 0.0:
         _draw_torque(sheet, torque, mechanism, motion, diagram)
     for force in forces:
         tip = force.point + force.vector
         sheet.arrow(force.point, force.vector, FORCE, 1.8)
-        sheet.label(labels.forces[force.name], sheet.around(tip, force.vector), FORCE,
-                    tip)
+        sheet.label(labels.forces[force.name], tip, force.vector, FORCE, tip)
     sheet.scale(*unit)
     if forces:
         sheet.scale('N', ARROW * size / longest, 0.5)
@@ -121,13 +116,13 @@ def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
         axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
     elif isinstance(part, picture.NamedJoint):
         axes.plot(*part.point, 'o', ms=5, mfc='w', mec='k', zorder=7)
+        sheet.pin(part.point)
     else:
         is_block = isinstance(part, picture.Block)
         corners, ground = picture.outlines(part, sheet.inch)
         axes.fill(*corners.T, fc='0.95' if is_block else 'w', ec='k', lw=1.2,
                   zorder=4 if is_block else 1)
-        for start, end in zip(corners, np.roll(corners, 1, axis=0)) if is_block else ():
-            sheet.occupy(start, end)
+        sheet.lines.append(np.vstack([corners, corners[:1]]))
         if ground is not None:
             sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
 
@@ -140,11 +135,9 @@ def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: Name
     middle = (np.arctan2(away[1], away[0]) if mechanism.input in joints
               else getattr(motion, mechanism.input_coordinate.position) + pi)
     arc = centre + radius * _directions(middle + sense * np.linspace(-0.35 * pi, 0.35 * pi, 40))
-    sheet.axes.plot(*arc[:-3].T, color=FORCE, lw=1.4, zorder=5)
+    sheet.curve(arc[:-3], color=FORCE, lw=1.4, zorder=5)
     sheet.arrow(arc[-6], arc[-1] - arc[-6], FORCE, 1.4)
-    sheet.taken.extend(arc[::3])
-    sheet.label(mechanism.TORQUE, [centre + 1.4 * (arc[i] - centre)
-                                   for i in (12, 6, 18, 24, 0, 30)], FORCE)
+    sheet.label(mechanism.TORQUE, arc[20], arc[20] - centre, FORCE)
 
 
 def _directions(angles: Array) -> Array:

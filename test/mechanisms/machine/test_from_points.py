@@ -32,7 +32,7 @@ class Public(NamedTuple):
 
     @property
     def options(self):
-        """Return the points and the options of ``fourbar new --points``, the crank's pivot first."""
+        """Return points, the crank's pivot first, and options of ``fourbar new --points``."""
         points, links, ground, slides = self.given
         texts = {name: f'{name} {x} {y}' + ' ground' * (name in ground)
                  + (f' slide {slides[name]}rad' if name in slides else '')
