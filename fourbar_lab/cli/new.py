@@ -181,7 +181,6 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     """
     from fourbar_ros.machine import read_drawing
     from fourbar_ros.mechanics.bodies import flat_bar, round_rod
-    from fourbar_ros.mechanisms.machine.structure import CRANK_LINK
     import yaml
     names = [point.name for point in points]
     links = links or [*zip(names, names[1:])]
@@ -192,9 +191,9 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
         {point.name: point.mode for point in points if point.mode is not None})
     joints, dyads = drawing.joints, drawing.machine.dyads
     # the crank's x axis goes to its first point behind the pivot
-    a1 = next(joint.along for joint in joints.values() if joint.link == CRANK_LINK)
+    a1 = next(joint.along for joint in joints.values() if joint.link == 'crank')
     first, (x, y) = dyads[0], dyads[0].second[1:]
-    known = {CRANK_LINK: 'crank'}      # {link of the machine: of the scene}
+    known = {'crank': 'crank'}      # {link of the machine: of the scene}
     if len(dyads) == 1 and first.first[1:] == (a1, 0.0) and (
             first.kind == 'RRR' and y == 0.0 < x or first.direction_2 == 0.0):
         lengths = ({'a2': first.length_1, 'a3': first.length_2, 'a4': x} if first.kind == 'RRR'
