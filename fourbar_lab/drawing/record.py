@@ -12,7 +12,7 @@ from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.errors import Locked
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import efficiency_of, output_ranges, OverInput
+from fourbar_ros.extrema.over_input import efficiency_of, output_ranges, OverInput, turning_points
 from fourbar_ros.mechanisms import parts, picture, quantities
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
@@ -54,7 +54,7 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
         | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
         'outputs': [_output(linkage, coordinate) for coordinate, _ in linkage.outputs],
-        'dead_points': [_dead_point(linkage, point) for point in linkage.dead_points],
+        'dead_points': [_dead_point(linkage, point) for point in _dead_points(linkage)],
         'toggles': list(linkage.toggles),       # where the links of a dyad come in line
         'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
@@ -83,10 +83,19 @@ def _with_ranges(coordinate: parts.Coordinate, ranges: Intervals) -> LinkageReco
 
 
 def _output(linkage: Mechanism, coordinate: parts.Coordinate) -> LinkageRecord:
-    every = output_ranges(linkage, coordinate)
+    every = sorted(output_ranges(linkage, coordinate), key=lambda swept: (swept.low, swept.high))
     ratio = every[0].time_ratio(linkage.period) if linkage.turns_fully else nan
-    return _with_ranges(coordinate, sorted([(swept.low, swept.high) for swept in every])) | {
+    at = {name: [sorted(counted(linkage, x) for x in getattr(swept, name)) for swept in every]
+          for name in ('least_at', 'most_at')}
+    return _with_ranges(coordinate, [(swept.low, swept.high) for swept in every]) | at | {
         'time_ratio': ratio}
+
+
+def _dead_points(linkage: Mechanism) -> Sequence[Any]:
+    if not hasattr(linkage, 'stages'):
+        return linkage.dead_points
+    return sorted([(counted(linkage, extremum.input), extremum.value)
+                   for extremum in turning_points(linkage)])
 
 
 def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:

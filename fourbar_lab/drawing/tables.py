@@ -64,9 +64,21 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
             *([('change point', linkage.branch_in_words)] if linkage.branch_in_words else []),
             ('input', _ranges(driven, linkage.input_ranges))]
     for output in properties['outputs']:
-        ratio = output['time_ratio']
+        ratio, least_at, most_at = (output[name] for name in ('time_ratio', 'least_at', 'most_at'))
+        words = f', time ratio {ratio:.6g}' if isfinite(ratio) else ''
+        if linkage.turns_fully and not words:
+            words = ''.join(f', no time ratio: {end} at {len(inputs)} inputs'
+                            for end, (inputs,) in (('least', least_at), ('greatest', most_at))
+                            if len(inputs) > 1)
         rows.append(('output', f'{_ranges(coordinates[output["name"]], output["ranges"])}, in '
-                     'this mode' + (f', time ratio {ratio:.6g}' if isfinite(ratio) else '')))
+                     f'this mode{words}'))
+    output = properties['outputs'][0]
+    if output['unit'] == 'm':
+        rows += [('stroke', f'{high - low:.6g} m: least at {driven.position} '
+                  f'{", ".join(shown(driven, x) for x in least_at)}, greatest at '
+                  f'{", ".join(shown(driven, x) for x in most_at)}')
+                 for (low, high), least_at, most_at in zip(
+                     output['ranges'], output['least_at'], output['most_at'])]
     for point in properties['dead_points']:
         kind = ''
         if 'stretched' in point:

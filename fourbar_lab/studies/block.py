@@ -163,9 +163,14 @@ def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[A
     with np.errstate(invalid='ignore'):         # NaN beyond the last extremum
         most, least = (pick.reduce(values, axis=1) for pick in (np.fmax, np.fmin))
         alike = EQUAL * np.maximum(np.abs(most), np.abs(least))[:, None]
-        most_at, least_at = (inputs[designs, np.argmax(
-            np.abs(values - best[:, None]) <= alike, axis=1)] for best in (most, least))
+        are_most, are_least = (np.abs(values - best[:, None]) <= alike for best in (most, least))
+    most_at, least_at = (inputs[designs, np.argmax(are_best, axis=1)]
+                         for are_best in (are_most, are_least))
     extent = Extent(most, most_at, least, least_at, turns.counts[row])
+    if measure.part == kinds.TIME_RATIO:
+        has_ratio = (are_most.sum(axis=1) == 1) & (are_least.sum(axis=1) == 1)
+        return (np.where(has_ratio & ~turns.are_turning[row], extent.of(measure.part), np.nan),
+                np.ones(len(values), bool))
     if measure.part not in (kinds.SWING, kinds.STROKE):
         return np.asarray(extent.of(measure.part)), np.ones(len(values), bool)
     is_turn = (measure.part == kinds.SWING) & turns.are_turning[row]

@@ -58,7 +58,8 @@ OF_MECHANISM = {
             'fully, whether it reverses on the way or not', 'rad'),
     STROKE: ('distance that the output slide travels while the input goes over this range', 'm'),
     TIME_RATIO: ('time of the slower stroke of the output over that of the faster one, at '
-                 'constant speed of a fully turning crank; NaN where there is none', ''),
+                 'constant speed of a fully turning crank; NaN where there is none, and where the '
+                 'output is least or greatest at several inputs', ''),
     WORK: ('work of the drive in a cycle, at constant speed of a fully turning crank; NaN where '
            'there is none', 'J'),
 }
@@ -204,8 +205,8 @@ class Design:
             over = OverInput(linkage, self.measures.quantities[name], *self.rates,
                              extrema=self.extrema.get(name))
             return float(getattr(over, MEANS[measure.part]))
-        if measure.part == TIME_RATIO and not linkage.turns_fully:
-            return nan
+        if measure.part == TIME_RATIO:
+            return self.output_range.time_ratio(linkage.period) if linkage.turns_fully else nan
         most, least = self.extreme(name, 'max'), self.extreme(name, 'min')
         extent = Extent(nan, nan, nan, nan, 0)
         if most and least:

@@ -210,12 +210,29 @@ class OutputRange(NamedTuple):
     extrema: tuple[Extremum, ...]   # ends of the input among them; () of full turns
 
     def time_ratio(self, period: float) -> float:
-        """Return :func:`time_ratio`, NaN of full turns; ``period``: of the input [rad]."""
-        if not self.extrema:
+        """
+        Return :func:`time_ratio`; ``period``: of the input [rad].
+
+        NaN of full turns, and where the output is least or greatest at several inputs, as of a
+        press whose knee passes its straight pose: which of them counts would be rounding.
+        """
+        if len(self.least_at) != 1 or len(self.most_at) != 1:
             return nan
-        least, most = (most_extreme(self.extrema, sense) for sense in (-1, 1))
-        assert least and most
-        return float(time_ratio(least.input, most.input, period))
+        return float(time_ratio(self.least_at[0], self.most_at[0], period))
+
+    @property
+    def least_at(self) -> list[float]:
+        """Return all inputs at which it is least, within rounding; [] of full turns."""
+        return self._at(self.low)
+
+    @property
+    def most_at(self) -> list[float]:
+        """Return all inputs at which it is greatest, within rounding; [] of full turns."""
+        return self._at(self.high)
+
+    def _at(self, end: float) -> list[float]:
+        alike = EQUAL * max(abs(self.low), abs(self.high))
+        return [extremum.input for extremum in self.extrema if abs(extremum.value - end) <= alike]
 
     @property
     def width(self) -> float:
@@ -280,6 +297,18 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
         swept.append(OutputRange(bounds, min(values) - turns, max(values) - turns, False,
                                  tuple(shifted)))
     return swept
+
+
+def turning_points(linkage: Mechanism) -> list[Extremum]:
+    """Return where the first output turns back in the mode of a linkage; not ends of its input."""
+    # Of a kind ``dead_points`` are the same, in closed form.
+    coordinate = linkage.outputs[0].coordinate
+    extrema = find_extrema(linkage, Quantity(coordinate.position, coordinate.unit, '', False),
+                           conditions=False)
+    swept = output_ranges(linkage, coordinate, extrema)
+    return [extremum for extremum in ([*extrema] if swept[0].turns_fully else
+                                      [each for part in swept for each in part.extrema])
+            if not extremum.side and extremum.kind != CONSTANT]
 
 
 def _turns_on(linkage: Mechanism, quantity: Quantity) -> bool:

@@ -223,6 +223,7 @@ class MechanismGeometry(StatedMechanism):
     @cached_by_lengths
     def dead_points(self) -> tuple[Any, ...]:
         """Return where the output turns back in this mode, at any rate of the input."""
+        # Of kinds alone: those of a machine are extrema, of turning_points in extrema.over_input.
         # Records of the input, from -pi on, and the output there; for a change point whose branch
         # changes its side, those of either side through which its motion goes in a period.
         if not self.flat_inputs:

@@ -25,8 +25,11 @@ from fourbar_ros import (
     MissingBodies,
     SliderCrank,
 )
+from fourbar_ros.cli.main import main
 from fourbar_ros.extrema import OverInput
 from fourbar_ros.extrema.over_input import efficiency
+from fourbar_ros.machine import Dyad, Machine
+from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.elements import Attachment, Spring
 from fourbar_ros.mechanisms.quantities import by_name, of_drive
 from fourbar_ros.numerics.arrays import EPS
@@ -326,6 +329,40 @@ def test_time_ratio_of_a_quick_return_is_the_same_in_show_and_study(a1, a4):
                          'outputs': ['state']})
     study, = measured(scene, 'time_ratio')
     assert study == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize('scene', ['toggle_press', 'watt'])
+def test_an_output_that_is_as_far_at_two_inputs_has_no_time_ratio(scene, capsys):
+    """Which of the two would count was rounding: 2.72 or 1.16 of the toggle press."""
+    output = properties_of(load_scene(scene).linkage)['outputs'][0]
+    assert isnan(output['time_ratio']) and isnan(*measured(load_scene(scene), 'time_ratio'))
+    assert sorted(map(len, output['least_at'] + output['most_at'])) == [1, 2]
+    assert main(['show', scene]) == 0
+    assert ', in this mode, no time ratio: ' in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_dead_points_of_a_machine_are_those_of_the_kind_that_it_is(seed):
+    """By the closed forms of the kinds: each input within eight digits, as a root of a slope."""
+    rng = np.random.default_rng(seed)
+    a1, a2, a3, a4 = rng.uniform([0.1, 0.7, 0.6, 0.8], [0.3, 0.9, 0.8, 1.0])
+    crank, fixed = Point('crank', a1), Point('ground', 0.0, 0.1)
+    for kind, dyad in (
+            (FourBar(a1, a2, a3, a4), Dyad('d', 'RRR', crank, Point('ground', a4),
+                                           ('coupler', 'output'), length_1=a2, length_2=a3)),
+            (SliderCrank(a1, a2, 0.1), Dyad('d', 'RRP', crank, fixed, ('coupler', 'output'),
+                                            length_1=a2, direction_2=0.0))):
+        ours, theirs = (properties_of(each) for each in (Machine([dyad]), kind))
+        assert len(ours['dead_points']) == 2
+        for one, other in zip(ours['dead_points'], sorted(
+                theirs['dead_points'], key=lambda point: point['theta1'])):
+            x, place = one.values()
+            assert [x, place] == pytest.approx([*other.values()][:2], abs=1e-8)
+        assert ours['outputs'][0]['time_ratio'] == pytest.approx(
+            theirs['outputs'][0]['time_ratio'], rel=1e-7)
+        assert sum(ours['outputs'][0]['least_at'] + ours['outputs'][0]['most_at'], []) == (
+            pytest.approx(sum(theirs['outputs'][0]['least_at'] + theirs['outputs'][0]['most_at'],
+                              []), abs=1e-8))
 
 
 def test_an_output_that_turns_fully_or_rocks_with_its_input_has_no_time_ratio():
