@@ -353,7 +353,7 @@ def test_two_fingers_zoom_and_put_down_nothing(touch, driver, address):
             {**dict(zip('xy', place)), 'id': i} for i, place in enumerate(places)]})
     tab = Tab(driver, address)
     for tool in ('pose', 'new'):
-        tab.script('page.useTool(arguments[0])', tool)
+        tab.driver.find_element('css selector', f'[data-tool={tool}]').click()
         tab.until(lambda: (tab.state['view']['tool'] == 'rods') == (tool == 'new'), 'the tool')
         scale, before = tab.script(VIEW)[2], tab.state['scene']
         x, y, width, height = tab.script('const b = page.picture.svg.getBoundingClientRect(); '

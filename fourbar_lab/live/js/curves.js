@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves over the input with their extrema, and the polygons of velocities and accelerations.
 import { TURN } from "./engine.js";
-import { draw, label, plain, significant } from "./picture.js";
+import { draw, drawHead, label, lineThrough, plain, significant } from "./picture.js";
 const HEIGHT = 150, LEFT = 62, RIGHT = 14, TOP = 26, BOTTOM = 22;      // [px] of one curve
 const DASHES = ["", "7 3", "2 3", "9 3 2 3", "12 4", "4 2"];
 
@@ -65,15 +65,12 @@ export class Curves {
         draw(svg, "line", { class: "grid", x1: x, y1: TOP, x2: x, y2: bottom });
         draw(svg, "text", { class: "tick", x, y: HEIGHT - 6, "text-anchor": "middle" }, significant(Math.abs(tick) < along / 1e6 ? 0 : tick));
       }
-      const pathOf = (inputs, values) => {
-        let path = "", isDown = false;
-        values.forEach((value, i) => {
-          const isGood = value >= least - 4 * (most - least) && value <= most + 4 * (most - least) && !(i && inputs[i] - inputs[i - 1] > 0.1 * (high - low) / factor);
-          path += `${isDown && isGood ? "L" : "M"}${isGood ? `${across(inputs[i]).toFixed(1)} ${Math.min(Math.max(up(value), 0), HEIGHT).toFixed(1)}` : `${LEFT} ${bottom}`}`;
-          isDown = isGood;
-        });
-        return path;
-      };
+      const isShown = value => value >= least - 4 * (most - least) && value <= most + 4 * (most - least);
+      const isJump = (i, inputs) => inputs[i] - inputs[i - 1] > (0.1 * (high - low)) / factor;
+      const pathOf = (inputs, values) => lineThrough(values.flatMap((value, i) => {
+        const place = isShown(value) ? [across(inputs[i]), Math.min(Math.max(up(value), 0), HEIGHT)] : [NaN, NaN];
+        return isJump(i, inputs) ? [[NaN, NaN], place] : [place];
+      }));
       if (shownToo.length) draw(svg, "path", { class: "line pale", d: pathOf(other.inputs, shownToo) });
       draw(svg, "path", { class: `line c${index % 6}`, d: pathOf(inputs, shown), "stroke-dasharray": DASHES[index % 6] });
       const taken = [];
@@ -127,7 +124,7 @@ export function drawPolygon(svg, engine, order) {
     if (!(size > 3)) return;
     const c = (b[0] - a[0]) / size, s = (b[1] - a[1]) / size, foot = [b[0] - 10 * c, b[1] - 10 * s];
     draw(svg, "line", { class: kind, x1: a[0], y1: a[1], x2: foot[0], y2: foot[1] });
-    draw(svg, "polygon", { class: kind, points: [b, [foot[0] - 4 * s, foot[1] + 4 * c], [foot[0] + 4 * s, foot[1] - 4 * c]] });
+    drawHead(svg, { class: kind }, b, [c, s], 10);
     label(svg, { class: kind, x: (a[0] + b[0]) / 2 + 8 * s + 4, y: (a[1] + b[1]) / 2 - 8 * c }, words);
   };
   const symbol = order ? "a" : "v", unit = order ? "m/s²" : "m/s";

@@ -112,8 +112,9 @@ function freshName(taken) {
   }
 }
 const placeOfEnd = (sketch, end) => (typeof end === 'string' ? sketch.points[end] : end).at;
+const pointsOf = sketch => [...Object.values(sketch.points), ...sketch.riders];
 /** The pin of the driven link, with which it moves. */
-const drivenPin = sketch => [...Object.values(sketch.points), ...sketch.riders].find(point => point.link === sketch.driven);
+const drivenPin = sketch => pointsOf(sketch).find(point => point.link === sketch.driven);
 /** Where a cylinder that drives ends: on the ground and on the crank. */
 const cylinderEnds = sketch => ['base', 'pin'].map(end => sketch.riders.find(rider => rider.path === `cylinder.${end}`).at);
 
@@ -125,7 +126,7 @@ const cylinderEnds = sketch => ['base', 'pin'].map(end => sketch.riders.find(rid
 function settle(sketch, before, held) {
   const { frames, cylinder: [rod, tube] } = sketch, pins = {};
   const follow = links => {
-    for (const point of [...Object.values(sketch.points), ...sketch.riders]) {
+    for (const point of pointsOf(sketch)) {
       if (!links.includes(point.link)) continue;
       if (point.pin) point.at = pins[point.pin];
       else if (point.isOnLine && point !== held) point.at = placeIn(frames[point.link], [point.isFirst ? 0 : localIn(frames[point.link], point.at)[0], 0]);
@@ -165,7 +166,7 @@ const written = (scene, set) => Object.entries(set).reduce((made, [path, value])
 export function changesOf(scene, sketch, before = null, held = null) {
   settle(sketch, before, held);
   const { frames } = sketch, set = {}, { linkage = {}, dyads = {} } = scene;
-  const places = [...sketch.dyads.map(dyad => dyad.inner), ...[...Object.values(sketch.points), ...sketch.riders].map(point => point.at)].filter(Boolean);
+  const places = [...sketch.dyads.map(dyad => dyad.inner), ...pointsOf(sketch).map(point => point.at)].filter(Boolean);
   const tiny = 1e-11 * Math.max(...places.map(at => Math.hypot(...at)));
   const put = (path, value, old) => {
     const isSame = typeof value === 'number' ? Math.abs(value - (old ?? 0)) <= tiny : value === old;
@@ -374,7 +375,7 @@ export function addDrawing(page) {
       if (inner) bars.push([links[0], p, inner]);
       if (kind !== 'RRP') bars.push([links[1], q, inner || p]);
     }
-    for (const { link, at: place, pin } of [...Object.values(sketch.points), ...sketch.riders]) {
+    for (const { link, at: place, pin } of pointsOf(sketch)) {
       const owner = sketch.dyads.find(dyad => dyad.links.includes(link));
       if (link === 'crank') bars.push([link, [0, 0], place]);
       if (owner?.inner && !pin) bars.push([link, owner.inner, place]);
@@ -384,9 +385,10 @@ export function addDrawing(page) {
 
   // --- changes ---------------------------------------------------------------------------------------
 
+  function expect(sketch) { expected = Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner])); }
   function dispatchSketch(sketch, before, merge, held) {
     const set = changesOf(scene(), sketch, before, held);
-    expected = Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner]));
+    expect(sketch);
     if (Object.keys(set).length) store.dispatch({ set, merge, view: { at: sketch.x } });
   }
   page.onStructure = () => {
@@ -506,7 +508,7 @@ export function addDrawing(page) {
     const { drive, pin, origin } = draft, { view } = page.picture, made = changesOf({}, sketch);
     draft = {};
     Object.assign(view, { x: view.x - origin[0], y: view.y - origin[1] });
-    expected = Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner]));
+    expect(sketch);
     store.dispatch({ view: { at: sketch.x }, scene: written({
       linkage: { kind: 'machine', input: drive }, bodies: { rods: NEW_RODS, ...(drive !== 'slide' && { crank: rodOf(NEW_RODS, Math.hypot(...pin)) }) },
       drive: drive === 'crank' ? { source: 'timer', speed: 10.0 } : { source: 'motion', speed: 0.1 },
@@ -550,7 +552,7 @@ export function addDrawing(page) {
     const hold = centre => placeIn(frameTo(centre, place), [distance(centre, from), 0]);
     const held = pin ? sketch.dyads.find(dyad => dyad.name === pin) : guide ? sketch.dyads.find(dyad => dyad.name === guide).second : rider !== undefined ? sketch.riders[rider] : sketch.points[name];
     if (base) {                             // the origin moves: all else stays where it is
-      const shift = snapped(place), moved = [...Object.values(sketch.points), ...sketch.riders, ...sketch.dyads.map(dyad => dyad.second).filter(of => typeof of !== 'string')];
+      const shift = snapped(place), moved = [...pointsOf(sketch), ...sketch.dyads.map(dyad => dyad.second).filter(of => typeof of !== 'string')];
       for (const of of moved) of.at = offset(shift, of.at);
       for (const dyad of sketch.dyads) if (dyad.inner) dyad.inner = offset(shift, dyad.inner);
     } else if (pin) held.inner = keepsLength ? hold(placeOfEnd(sketch, held.first)) : held.kind === 'RRP' ? snapped(place) : place;
@@ -563,7 +565,7 @@ export function addDrawing(page) {
         if (Math.abs(v) * page.picture.scale < 8) held.at = placeIn(frame, [threeDigits(u), 0]);
       }
     }
-    const driven = [...Object.values(sketch.points), ...sketch.riders].filter(point => point.link === sketch.driven);
+    const driven = pointsOf(sketch).filter(point => point.link === sketch.driven);
     if (held?.link === 'slider') {          // along its guide, with all that is on it
       sketch.x = before.x + held.at[0] - from[0];
       sketch.frames.slider = frameAt([sketch.x, 0], 0);
@@ -664,7 +666,11 @@ export function addDrawing(page) {
     clear();
     if (!canSketch()) return;
     const sketch = sketchNow();
-    if (page.picture.include(mirrors(sketch).map(([, place]) => place))) return store.dispatch({ view: { layers: { ...store.state.view.layers } } });   // draws all again
+    const places = mirrors(sketch).map(([, place]) => place);
+    if (!page.picture.view.isChosen && !page.picture.shows(places)) {
+      page.fit(false, places);
+      return store.dispatch({ view: { layers: { ...store.state.view.layers } } });             // draws all again
+    }
     for (const [dyad, place] of mirrors(sketch)) {
       line(placeOfEnd(sketch, dyad.first), place, 'mirror');
       if (dyad.kind === 'RRR') line(placeOfEnd(sketch, dyad.second), place, 'mirror');
@@ -690,7 +696,7 @@ export function addDrawing(page) {
       const external = Object.fromEntries(now.riders.map(({ path, link }, i) => [path, link, sketch.riders[i].link]).filter(([path]) => path.startsWith('external.')).map(([, from, to]) => [to, before.external[from]]));
       let made = { ...before, linkage: { kind: 'machine' }, dyads: {}, bodies: { ...bodies, ...crank }, external };
       made = written(made, changesOf(made, sketch));
-      expected = Object.fromEntries(sketch.dyads.map(dyad => [dyad.name, dyad.inner]));
+      expect(sketch);
       store.dispatch({ scene: made, view: { at: sketch.x } });
     },
   });
@@ -720,18 +726,12 @@ export function addDrawing(page) {
   function startAgain() {
     [draft, expected] = [{}, {}];
     store.dispatch({ scene: {}, view: { curves: null } });
-    queueMicrotask(() => page.useTool('rods'));          // after the tool that began again
+    page.useTool('rods');
   }
-  // not drawn with: they act at once
-  const atOnce = { down() {}, move() {}, up() {}, end() {}, key: () => false, hint: '' };
-  page.addTool({ ...atOnce, name: 'new', label: 'New', title: 'Begin with nothing', begin: startAgain });
-  page.addTool({
-    ...atOnce, name: 'weight', label: 'Weight', title: 'Weight on or off',
-    begin() {
-      const has = Boolean(store.state.scene.gravity?.y);
-      if (!isEmpty()) store.dispatch({ set: { 'gravity.y': has ? null : -9.80665 } });
-      queueMicrotask(() => page.useTool('pose'));
-      say(has ? 'Weight is left out' : 'Weight: 9.81 m/s^2 down');
-    },
+  page.addButton('new', 'New', 'Begin with nothing', startAgain);
+  page.addButton('weight', 'Weight', 'Weight on or off', () => {
+    const has = Boolean(scene().gravity?.y);
+    if (!isEmpty()) store.dispatch({ set: { 'gravity.y': has ? null : -9.80665 } });
+    say(has ? 'Weight is left out' : 'Weight: 9.81 m/s^2 down');
   });
 }

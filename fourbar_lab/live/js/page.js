@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: one state with undo and an address, the questions to the server, play, tools, files.
 import { Engine, TURN } from "./engine.js";
-import { draw, Picture, plain, significant } from "./picture.js";
+import { draw, Picture, significant } from "./picture.js";
 import { Curves, drawPolygon, shownName, shownUnit } from "./curves.js";
-import { html, numberField, numberOf, Panel, shownNumber } from "./panel.js";
+import { html, numberField, numberOf, Panel, tickBox } from "./panel.js";
 import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
 const WAYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -127,8 +127,7 @@ export async function start(data, source) {
   const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
   page.ask = async (question, body) => {
     const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
-    const words = await answer.json();
-    return words;
+    return answer.json();
   };
   page.numberOf = (text, unit) => numberOf(text, unit, data.units);
   page.say = words => tell(find("said"), words);
@@ -139,7 +138,7 @@ export async function start(data, source) {
 
   let first = { scene: data.scene, view: {} }, notice = "";       // what is wrong with the address
   try { first = readAddress(location.hash, data.scene); } catch (error) { notice = error.message; }
-  const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, panel: innerWidth < 700 ? "Extrema" : "Numbers", moment: null, ...first.view };
+  const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, moment: null, ...first.view };
   view.at = "at" in first.view ? first.view.at / factorOf() : structure.start;
   const store = (page.store = new Store(first.scene, view));
 
@@ -161,21 +160,17 @@ export async function start(data, source) {
   const isOther = (scene, of) => restOf(scene) !== restOf(of) || Object.keys(module.parameters).some(name => (leafOf(scene, name) === undefined) !== (leafOf(of, name) === undefined) && structure.values[name] !== (leafOf(scene, name) ?? NaN));
   page.structure = () => structure;
   page.isAsWritten = () => store.state.scene === data.scene;
-  const take = async (answer, scene) => {
-    problem = answer.problem ?? "";
-    if (!answer.problem) {
-      const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
-      if (scene !== store.state.scene && isOtherNow(scene)) return;      // an answer that is late
-      [structure, module, made] = [answer, known, scene];
-      build(store.state, !page.engine || !pointer);
-      page.onStructure?.(structure);
-    } else page.refuse(answer.problem);
-    svg.classList.toggle("stale", Boolean(problem));
-  };
   const isOtherNow = scene => JSON.stringify(scene) !== JSON.stringify(store.state.scene);
   const askStructure = async () => {
-    const { scene } = store.state;
-    await take(await page.ask("structure", { scene, known: structure.key }), scene);
+    const { scene } = store.state, answer = await page.ask("structure", { scene, known: structure.key });
+    problem = answer.problem ?? "";
+    svg.classList.toggle("stale", Boolean(problem));
+    if (problem) return page.refuse(problem);
+    const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
+    if (isOtherNow(scene)) return;             // an answer that is late
+    [structure, module, made] = [answer, known, scene];
+    build(store.state, !page.engine || !pointer);
+    page.onStructure?.(structure);
   };
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
     const { scene, view } = store.state, answer = await page.ask("extrema", { scene, quantities: chosenCurves(view), acceleration: view.acceleration });
@@ -214,7 +209,7 @@ export async function start(data, source) {
     if (!page.engine) return page.refuse(problem);
     page.refuse(problem || notice);
     svg.classList.toggle("stale", Boolean(problem));
-    if (isFitted) fit(current().isDrawing);
+    if (isFitted) page.fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
@@ -222,14 +217,7 @@ export async function start(data, source) {
     if (isFitted) drawRest();
     else drawAll(state);
   };
-  const fit = isKept => {
-    picture.fit(page.engine, isKept);
-    if (secondOf(store.state.view) && !picture.view.isChosen) picture.include(paleEngine.box);
-  };
-  const fitAnew = () => {
-    picture.view.isChosen = false;
-    fit(false);
-  };
+  page.fit = (isKept, places = []) => picture.fit(page.engine, isKept, [...places, ...(secondOf(store.state.view)?.box ?? [])]);
   /** Show the time line of a run {time, input, rate, acceleration, words}, of none the button that asks for it. */
   const showRun = run => {
     page.run = run?.time ? run : null;
@@ -277,7 +265,7 @@ export async function start(data, source) {
     choose(state);
     drawPose(state);
   };
-  const drawPose = ({ view: { at, moment, layers, panel: open } }) => {
+  const drawPose = ({ view: { at, moment, layers } }) => {
     const { engine } = page, x = engine.inside(at), span = engine.ranges.reduce((sum, [low, high]) => sum + high - low, 0);
     const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
     const isRun = page.run && moment !== null;
@@ -300,15 +288,15 @@ export async function start(data, source) {
     inputField.set(Number((here * factorOf()).toPrecision(6)));
     tell(find("atName"), `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`);
     panel.drawValues(engine);
-    if (open === "Facts" || layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
+    if (layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
     current().redraw?.();
   };
   const choose = ({ view }) => {
     const chosen = chosenCurves(view), box = find("chooser"), names = Object.keys(structure.quantities);
     if (box.dataset.names !== names.join(" ")) {
       box.dataset.names = names.join(" ");
-      box.replaceChildren(...names.map(name => html("label", { title: structure.quantities[name].text }, html("input", { type: "checkbox", value: name,
-        onchange: () => store.dispatch({ view: { curves: [...box.querySelectorAll(":checked")].map(one => one.value) } }) }), shownName(structure, name))));
+      const change = () => store.dispatch({ view: { curves: [...box.querySelectorAll(":checked")].map(one => one.value) } });
+      box.replaceChildren(...names.map(name => tickBox(shownName(structure, name), false, change, { value: name, title: structure.quantities[name].text })));
     }
     for (const one of box.querySelectorAll("input")) one.checked = chosen.includes(one.value);
   };
@@ -342,11 +330,10 @@ export async function start(data, source) {
   // --- tools: what the pointer does in the picture ---
   const current = () => page.tools[store.state.view.tool] ?? page.tools.pose;
   const hitOf = event => Object.fromEntries(["joint", "bar", "point", "spring", "load"].map(name => [name, event.target.closest?.(`[data-${name}]`)?.dataset[name]]).filter(([, value]) => value !== undefined));
+  page.addButton = (name, label, title, onclick) => find("tools").append(html("button", { type: "button", textContent: label, title, onclick, "data-tool": name }));
   page.addTool = tool => {
     page.tools[tool.name] = tool;
-    const button = html("button", { type: "button", textContent: tool.label, title: tool.title ?? "", "aria-pressed": store.state.view.tool === tool.name, onclick: () => page.useTool(tool.name) });
-    button.dataset.tool = tool.name;
-    find("tools").append(button);
+    page.addButton(tool.name, tool.label, tool.title, () => page.useTool(tool.name));
   };
   page.useTool = name => {
     current().end?.();
@@ -355,17 +342,20 @@ export async function start(data, source) {
     svg.dataset.tool = name;
     current().begin?.();
     page.say(current().hint ?? "");
-    for (const button of find("tools").children) button.setAttribute("aria-pressed", button.dataset.tool === name);
+    for (const button of find("tools").children) if (button.dataset.tool in page.tools) button.setAttribute("aria-pressed", button.dataset.tool === name);
   };
   /** Zoom and move the picture; without a factor all of it is shown. */
   const look = (factor, ...places) => {
     if (factor) picture.zoom(factor, ...places);
-    else if (page.engine) fitAnew();
-    else picture.clear();
+    else picture.view.isChosen = false;
     if (page.engine) {
+      if (!factor) page.fit(false);
       picture.drawTraces(page.engine, store.state.view.layers);
       drawPose(store.state);
-    } else current().redraw?.();
+    } else {
+      if (!factor) picture.clear();
+      current().redraw?.();
+    }
   };
   find("fit").onclick = () => look(0);
   svg.addEventListener("wheel", event => {
@@ -515,14 +505,11 @@ export async function start(data, source) {
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
   find("more").append(html("label", {}, `acceleration of the input [${shownUnit(structure.input.unit)[0] === "deg" ? "rad" : "m"}/s²] `, accelerationField, accelerationWords));
-  for (const [name, words] of Object.entries({ forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres, collineation", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" })) {
-    find("more").append(html("label", {}, html("input", { type: "checkbox", checked: ["forces", "values", "curves", ...(data.second ? ["second"] : [])].includes(name),
-      onchange: event => {
-        store.dispatch({ view: { layers: { ...store.state.view.layers, [name]: event.target.checked } } });
-        if (name === "polygons") find("polygons").hidden = !event.target.checked;
-        if (name === "polygons" && event.target.checked) drawPose(store.state);
-      } }), words));
-  }
+  const LAYERS = { forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres, collineation", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" };
+  for (const [name, words] of Object.entries(LAYERS)) find("more").append(tickBox(words, ["forces", "values", "curves", ...(data.second ? ["second"] : [])].includes(name), event => {
+    if (name === "polygons") find("polygons").hidden = !event.target.checked;
+    store.dispatch({ view: { layers: { ...store.state.view.layers, [name]: event.target.checked } } });
+  }));
   find("undo").onclick = () => store.undo();
   find("redo").onclick = () => store.redo();
   find("theme").onclick = () => {
@@ -575,7 +562,7 @@ export async function start(data, source) {
   };
   for (const [words, act] of Object.entries(page.files)) find("files").append(html("button", { type: "button", textContent: words, onclick: () => (problem && words !== "scene (YAML)" ? page.say(`nothing to save: ${problem}`) : act()) }));
 
-  addEventListener("resize", later(100, () => page.engine && (fit(false), drawAll(store.state))));
+  addEventListener("resize", later(100, () => page.engine && (page.fit(false), drawAll(store.state))));
   addEventListener("hashchange", () => {
     try {
       const { scene, view: { at, acceleration = 0, curves = null } } = readAddress(location.hash, data.scene);
@@ -583,6 +570,7 @@ export async function start(data, source) {
     } catch (error) { page.refuse(error.message); }
   });
   addDrawing(page);
+  page.useTool("pose");
   showName();
   made = data.scene;
   if (isNothing(store.state.scene)) {

@@ -1,7 +1,6 @@
 // Copyright 2026 fourbar_ros developers
 // SPDX-License-Identifier: Apache-2.0
 // What stands beside the picture: a field for each number of the scene, the values of the pose, extrema, facts.
-import { TURN } from "./engine.js";
 import { significant } from "./picture.js";
 import { shownName, shownUnit } from "./curves.js";
 const SPAN = 2.5;      // sliders reach so many times the first value
@@ -68,41 +67,27 @@ export function numberField(name, unit, value, page, change, plainUnit = unit) {
   return [field, words];
 }
 
+/** A box to tick with words behind it. */
+export const tickBox = (words, checked, onchange, more = {}) => html("label", {}, html("input", { type: "checkbox", checked, onchange, ...more }), words);
+/** A choice among [value, words]; of a value that is none of them the first. */
+function selectOf(name, options, change) {
+  const select = html("select", { "aria-label": name, onchange: () => change(Number(select.value)) }, ...options.map(([value, textContent]) => html("option", { value, textContent })));
+  select.set = value => (select.selectedIndex = Math.max(options.findIndex(option => Number(option[0]) === value && option[0] !== ""), 0));
+  return select;
+}
+/** A table of rows of elements or texts; the first cell names its row. */
+function table(columns, rows) {
+  const cell = (tag, content, scope) => (content instanceof Element ? content : html(tag, { textContent: content, ...(scope && { scope }) }));
+  return html("table", {}, html("thead", {}, html("tr", {}, ...columns.map(name => cell("th", name, "col")))),
+    html("tbody", {}, ...rows.map(row => html("tr", {}, ...row.map((content, i) => (i ? cell("td", content) : cell("th", content, "row")))))));
+}
+
 export class Panel {
   constructor(holder, page) {
-    Object.assign(this, { holder, page, fields: new Map(), shape: "" });
-    this.parameters = html("section", { className: "parameters", "aria-label": "parameters" });
-    this.facts = html("section", { className: "facts", "aria-label": "facts" });
-    this.values = html("section", { className: "values", "aria-label": "values of the pose" });
-    this.extrema = html("section", { className: "extrema", "aria-label": "extrema" });
-    const views = { Extrema: this.extrema, Values: this.values, Numbers: this.parameters, Facts: this.facts };
-    const tabs = html("div", { role: "tablist", "aria-label": "views", className: "tabs" });
-    for (const [name, view] of Object.entries(views)) {
-      const tab = html("button", { type: "button", role: "tab", id: `tab-${name}`, textContent: name, onclick: () => show(name) });
-      view.id = `view-${name}`;
-      view.setAttribute("role", "tabpanel");
-      tab.setAttribute("aria-controls", view.id);
-      tabs.append(tab);
-    }
-    const show = chosen => {
-      for (const tab of tabs.children) {
-        const isChosen = tab.textContent === chosen;
-        tab.setAttribute("aria-selected", isChosen);
-        tab.tabIndex = isChosen ? 0 : -1;
-        views[tab.textContent].hidden = !isChosen;
-      }
-      this.open = chosen;
-      page.store?.dispatch({ view: { panel: chosen } });
-    };
-    this.show = show;
-    tabs.onkeydown = event => {
-      const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key], names = Object.keys(views);
-      if (!step) return;
-      show(names[(names.indexOf(this.open) + step + names.length) % names.length]);
-      tabs.querySelector("[aria-selected=true]").focus();
-    };
-    holder.append(tabs, ...Object.values(views));
-    show(page.store.state.view.panel ?? "Numbers");
+    Object.assign(this, { page, fields: new Map(), shape: "" });
+    [this.extrema, this.values, this.parameters, this.facts] = holder.querySelectorAll("section");
+    holder.querySelector(innerWidth < 700 ? "#show-Extrema" : "#show-Numbers").checked = true;
+    holder.addEventListener("change", () => page.engine && this.drawValues(page.engine));
   }
   /** Make the fields of a structure, or give those that are there the numbers of the state. */
   draw(structure, valueOf) {
@@ -113,8 +98,7 @@ export class Panel {
   }
   drawFacts(structure) {
     const caption = this.page.isAsWritten() || this.page.canAsk ? "" : "As the scene was in the file, before what you changed.";
-    this.facts.replaceChildren(html("p", { className: "proof", textContent: caption }), html("table", {}, html("tbody", {}, ...structure.facts.map(([name, text]) =>
-      html("tr", {}, html("th", { scope: "row", textContent: name }), html("td", { textContent: text }))))));
+    this.facts.replaceChildren(html("p", { className: "proof", textContent: caption }), table([], structure.facts));
   }
   /** Show nothing of the scene before. */
   clear() {
@@ -123,61 +107,54 @@ export class Panel {
     for (const view of [this.parameters, this.values, this.extrema, this.facts]) view.replaceChildren();
   }
   build(structure) {
-    const { page } = this, groups = Map.groupBy ? Map.groupBy(structure.fields, field => field.name.split(".")[0]) : new Map();
-    if (!Map.groupBy) for (const field of structure.fields) groups.set(field.name.split(".")[0], [...(groups.get(field.name.split(".")[0]) ?? []), field]);
-    this.fields.clear();
-    this.parameters.replaceChildren(...[...groups].map(([group, members]) => {
+    const { page, fields } = this, groups = new Set(structure.fields.map(field => field.name.split(".")[0]));
+    fields.clear();
+    this.parameters.replaceChildren(...[...groups].map(group => {
       const box = html("details", { open: OPEN_GROUPS.includes(group) }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
-      for (const { name, unit, text, value, choices } of members) {
-        const short = name.split(".").slice(1).join("."), row = html("div", { className: "field", title: text });
+      for (const { name, unit, text, value, choices } of structure.fields.filter(field => field.name.split(".")[0] === group)) {
         const change = (number, merge = null) => page.store.dispatch({ set: page.alsoChanged({ [name]: number }), merge });
-        if (choices) {
-          const select = html("select", { "aria-label": name, onchange: () => change(Number(select.value)) },
-            ...Object.entries(choices).map(([mode, words]) => html("option", { value: mode, textContent: words })));
-          select.set = mode => (select.value = mode);
-          this.fields.set(name, select);
-          row.append(html("span", { className: "name", textContent: short.replaceAll(".", ".\u200b") }), select);
-        } else {
-          const [field, words] = numberField(name, unit, value, page, change);
+        const words = name.split(".").slice(1).join(".\u200b"), shown = [], followers = [];
+        if (choices) shown.push(selectOf(name, Object.entries(choices), change));
+        else {
+          const [field, wrong] = numberField(name, unit, value, page, change);
           const size = Math.abs(value) || (unit === "m" ? structure.size : 1), low = value < 0 || !structure.positive.includes(name) ? -SPAN * size : 0;
           const slider = html("input", { type: "range", min: value === 0 ? -size : low, max: value === 0 ? size : SPAN * size, step: size / 200, "aria-label": `${name} slider`,
             oninput: () => change(Number(Number(slider.value).toPrecision(3)), name), onchange: () => page.store.seal() });
-          const both = { set: number => (field.set(number), (slider.value = number)) };
-          this.fields.set(name, both);
-          row.append(html("span", { className: "name", textContent: `${short.replaceAll(".", ".\u200b")}${unit ? ` [${unit}]` : ""}` }), field, slider, words);
-          if (name === "bodies.rods.density") {
-            const material = html("select", { "aria-label": "material", onchange: () => change(Number(material.value)) }, html("option", { value: "", textContent: "other" }),
-              ...Object.entries(MATERIALS).map(([textContent, density]) => html("option", { value: density, textContent })));
-            both.set = number => (field.set(number), (slider.value = number), (material.value = Object.values(MATERIALS).includes(number) ? number : ""));
-            box.append(html("div", { className: "field" }, html("span", { className: "name", textContent: "material of rods" }), material));
-          }
+          slider.set = number => (slider.value = number);
+          shown.push(field, slider, wrong);
         }
-        box.append(row);
+        if (name === "bodies.rods.density") {
+          const material = selectOf("material", [["", "other"], ...Object.entries(MATERIALS).map(([words, density]) => [density, words])], change);
+          box.append(html("div", { className: "field" }, html("span", { className: "name", textContent: "material of rods" }), material));
+          followers.push(material);
+        }
+        fields.set(name, { set: number => [...shown, ...followers].forEach(element => element.set?.(number)) });
+        box.append(html("div", { className: "field", title: text }, html("span", { className: "name", textContent: unit && !choices ? `${words} [${unit}]` : words }), ...shown));
       }
       return box;
     }));
   }
   /** The values of the pose, with ten digits. */
   drawValues(engine) {
-    if (this.open !== "Values") return;
-    const { structure } = engine, names = structure.shown.filter(name => engine.status === 0 || engine.index[name] < engine.module.firstLoad);
-    const rows = engine.status === 1 ? [] : names.map(name => {
-      const [unit, factor] = shownUnit(engine.module.units[engine.index[name]]);
-      return html("tr", {}, html("th", { scope: "row", textContent: structure.words[name] ?? name }), html("td", { className: "number", textContent: String(Number((engine.get(name) * factor).toPrecision(10))) }), html("td", { textContent: unit }));
-    });
-    this.values.replaceChildren(html("table", {}, html("thead", {}, html("tr", {}, ...["now", "value", "unit"].map(textContent => html("th", { scope: "col", textContent })))), html("tbody", {}, ...rows)));
+    if (!this.values.offsetParent) return;
+    const { structure, module, index } = engine, names = structure.shown.filter(name => engine.status === 0 || index[name] < module.firstLoad);
+    this.values.replaceChildren(table(["now", "value", "unit"], engine.status === 1 ? [] : names.map(name => {
+      const [unit, factor] = shownUnit(module.units[index[name]]);
+      return [structure.words[name] ?? name, html("td", { className: "number", textContent: String(Number((engine.get(name) * factor).toPrecision(10))) }), unit];
+    })));
   }
   /** Extrema of five digits, those of a quantity from the largest, with a button to their input; `proof` says how they were found. */
   drawExtrema(engine, extrema, proof) {
-    const { input, quantities } = engine.structure, inputUnit = input.unit === "rad" ? "°" : " m", turns = input.unit === "rad" ? 360 / TURN : 1;
+    const { structure: { quantities }, structure, largestJointForce: largest } = engine, [unitOfInput, perInput] = shownUnit(structure.input.unit);
     const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
     const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
-    const largest = engine.largestJointForce, rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input: x, isGlobal, note }) => {
-      const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(x * turns)}${inputUnit}`, isBounded = Number.isFinite(value);
-      const go = html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: x } }) });
-      return html("tr", {}, html("th", { scope: "row", title: quantity, textContent: shownName(engine.structure, quantity) }), html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note ?? (isGlobal ? "global" : "") })),
-        html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }), html("td", {}, go));
+    const rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input, isGlobal, note }) => {
+      const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
+      return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
+        html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note ?? (isGlobal ? "global" : "") })),
+        html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }),
+        html("td", {}, html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: input } }) }))];
     });
-    this.extrema.replaceChildren(html("p", { className: "proof", textContent: proof }), html("table", {}, html("thead", {}, html("tr", {}, ...["quantity", "kind", "value", "input"].map(textContent => html("th", { scope: "col", textContent })))), html("tbody", {}, ...rows)));
+    this.extrema.replaceChildren(html("p", { className: "proof", textContent: proof }), table(["quantity", "kind", "value", "input"], rows));
   }
 }

@@ -36,6 +36,11 @@ export function draw(parent, tag, attributes = {}, text = "") {
   if (text && element.textContent !== text) element.textContent = text;
   return element;
 }
+/** The head of an arrow along (c, s), so long, with its tip at a place [px]. */
+export const drawHead = (parent, attributes, [x, y], [c, s], length) =>
+  draw(parent, "polygon", { ...attributes, points: [[x, y], [x - length * c - 5 * s, y - length * s + 5 * c], [x - length * c + 5 * s, y - length * s - 5 * c]] });
+/** The line through places [px], with gaps where they are NaN. */
+export const lineThrough = places => places.map(([x, y], i) => (Number.isNaN(x + y) ? "" : `${i && !Number.isNaN(places[i - 1][0] + places[i - 1][1]) ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`)).join("");
 /** A text whose indices are lowered: F_{A1}, O_1. */
 export function label(parent, attributes, words) {
   const text = draw(parent, "text", attributes);
@@ -147,29 +152,23 @@ export class Picture {
     const { view, usual } = this, scale = Math.min(Math.max(view.scale * factor, usual / 50), usual * 1000);
     this.view = { ...view, scale, isChosen: true, x: view.x + x / view.scale - (x + dx) / scale, y: view.y - y / view.scale + (y + dy) / scale };
   }
-  /** Choose the scales, so that all poses, and forces of the usual size, have room, unless somebody chose a view; `isKept`: poses have the scale that they have while they are inside. */
-  fit(engine, isKept) {
+  /** Choose the scales, so that all poses, places [m] and forces of the usual size have room, unless somebody chose a view; `isKept`: not while there is room. */
+  fit(engine, isKept, places = []) {
     this.measure();
-    const [low, high] = engine.box, size = engine.size, margin = this.width < 600 ? 34 : 60;
+    const corners = [...engine.box, ...places], { size } = engine, margin = this.width < 600 ? 34 : 60;
+    const [[left, right], [foot, top]] = [0, 1].map(i => [Math.min, Math.max].map(end => end(...corners.map(corner => corner[i]))));
     const { rows } = engine.sweep, sizes = Object.keys(engine.structure.sketch.forces).flatMap(name =>
       rows.map(row => row[engine.index[name]])).filter(Number.isFinite).sort((a, b) => a - b);
-    const longest = sizes[Math.floor(0.98 * (sizes.length - 1))] || 0;
-    const reach = longest > 0 ? 0.15 * size : 0;
-    const width = high[0] - low[0] + reach || size, height = high[1] - low[1] + reach || size;
-    const scale = Math.min((this.width - 2 * margin) / width, (this.height - 2 * margin) / height);
-    const perNewton = longest > 0 ? (LONGEST * size) / longest : 0, [[left, foot], [right, top]] = engine.box.map(corner => this.pixels(corner));
-    this.usual = scale;
-    if (this.view.isChosen || (isKept && left > 0 && top > 0 && right < this.width && foot < this.height)) this.view.perNewton = perNewton;
-    else this.view = { perNewton, scale, x: (low[0] + high[0]) / 2 - this.width / 2 / scale, y: (low[1] + high[1]) / 2 + this.height / 2 / scale };
+    const longest = sizes[Math.floor(0.98 * (sizes.length - 1))] || 0, reach = longest > 0 ? 0.15 * size : 0;
+    this.usual = Math.min((this.width - 2 * margin) / (right - left + reach || size), (this.height - 2 * margin) / (top - foot + reach || size));
+    if (!this.view.isChosen && !(isKept && this.shows(corners))) {
+      this.view = { scale: this.usual, x: (left + right - this.width / this.usual) / 2, y: (foot + top + this.height / this.usual) / 2 };
+    }
+    this.view.perNewton = longest > 0 ? (LONGEST * size) / longest : 0;
   }
-  /** Choose a smaller scale where places [m] are outside; whether it did. */
-  include(places) {
-    const [xs, ys] = [0, 1].map(i => places.map(place => this.pixels(place)[i])), { view, width, height } = this;
-    const [left, right] = [Math.min(0, ...xs.map(x => x - 40)), Math.max(width, ...xs.map(x => x + 40))], [top, low] = [Math.min(0, ...ys.map(y => y - 40)), Math.max(height, ...ys.map(y => y + 40))];
-    if (!xs.some(x => x < 9 || x > width - 9) && !ys.some(y => y < 9 || y > height - 9)) return false;
-    const scale = view.scale * Math.min(width / (right - left), height / (low - top));
-    this.view = { ...view, scale, x: view.x + (left + right) / 2 / view.scale - width / 2 / scale, y: view.y - (top + low) / 2 / view.scale + height / 2 / scale };
-    return true;
+  /** Whether places [m] are inside. */
+  shows(places) {
+    return places.map(place => this.pixels(place)).every(([x, y]) => x > 0 && y > 0 && x < this.width && y < this.height);
   }
   /** Draw the links of an engine's pose on a sheet; joints in pixels, and the lines that no label may cross. */
   links(engine, main) {
@@ -241,14 +240,8 @@ export class Picture {
   drawTraces(engine, layers) {
     const under = document.createDocumentFragment();
     for (const point of layers.curves === false ? [] : Object.values(engine.structure.sketch.points)) {
-      const places = engine.path(point).map(place => this.pixels(place));
-      let path = "", isDown = false;
-      for (const [x, y] of places) {
-        const isGood = Number.isFinite(x) && Number.isFinite(y);
-        if (isGood) path += `${isDown ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`;
-        isDown = isGood;
-      }
-      if (path) draw(under, "path", { class: "trace", d: path });
+      const line = lineThrough(engine.path(point).map(place => this.pixels(place)));
+      if (line) draw(under, "path", { class: "trace", d: line });
     }
     this.under.replaceChildren(under);
   }
@@ -295,7 +288,7 @@ export class Picture {
     const c = u / size, s = -v / size, tip = [x + u, y - v], back = Math.min(12, size);
     const foot = [tip[0] - back * c, tip[1] - back * s];
     draw(parent, "line", { class: kind, x1: x, y1: y, x2: foot[0], y2: foot[1], "data-load": name });
-    draw(parent, "polygon", { class: kind, points: [tip, [foot[0] - 5 * s, foot[1] + 5 * c], [foot[0] + 5 * s, foot[1] - 5 * c]], "data-load": name });
+    drawHead(parent, { class: kind, "data-load": name }, tip, [c, s], back);
     lines.push([x, y, ...tip]);
     return tip;
   }
@@ -303,8 +296,7 @@ export class Picture {
     const r = 22, [a, b] = sense > 0 ? [2.6, 5.6] : [3.7, 0.7], at = angle => [x + r * Math.cos(angle), y - r * Math.sin(angle)];
     const [start, end] = [at(a), at(b)], tangent = [-Math.sin(b) * sense, -Math.cos(b) * sense];
     draw(parent, "path", { class: "drive", d: `M${start} A${r} ${r} 0 0 ${sense > 0 ? 0 : 1} ${end}` });
-    const [c, s] = tangent, tip = [end[0] + 9 * c, end[1] + 9 * s];
-    draw(parent, "polygon", { class: "drive", points: [tip, [end[0] - 5 * s, end[1] + 5 * c], [end[0] + 5 * s, end[1] - 5 * c]] });
+    drawHead(parent, { class: "drive" }, [end[0] + 9 * tangent[0], end[1] + 9 * tangent[1]], tangent, 9);
   }
   /** A cross and P_ij at each instant centre of two links in view; link 1 is the ground. Of four links the axis of collineation, through P_13 and P_24. */
   centres(parent, engine, labels) {
