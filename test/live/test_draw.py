@@ -292,6 +292,8 @@ def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, do
     paper.press((u, v), (x + 170, y - 120), (x + 100, y))
     scene = paper.drawn('d1')
     assert scene.linkage.dyads[0].first == pin
+    symbols = [*paper.script('return Object.values(page.structure().sketch.symbols)')]
+    assert len(symbols) == len({*symbols}) and 'A' in scene.values['dyads.d1.first']
     before, stays = scene.values, paper.joint('d1_inner')
     paper.tool('shape')
     x, y = paper.place('cylinder_second')

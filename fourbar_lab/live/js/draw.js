@@ -483,15 +483,17 @@ export function addDrawing(page) {
   function finish(kind, first, inner, second) {
     if (kind !== 'RRP' && second.link === first.link) throw new RangeError(second.link === 'ground' ? 'Both ends are on the ground: nothing would move' : 'Both ends are on one link: it would be one rigid body');
     const isFirst = isEmpty(), sketch = drawnSketch(), before = isFirst ? null : structuredClone(sketch);
-    const taken = ['crank', 'ground', ...sketch.dyads.flatMap(dyad => [dyad.name, ...dyad.links])];
-    const fresh = (letter, count) => Array.from({ length: 99 }, (_, i) => `${letter}${i + 1}`).filter(name => !taken.includes(name)).slice(0, count);
+    const known = ['crank', 'ground', ...sketch.dyads.flatMap(dyad => [dyad.name, ...dyad.links])];
+    const fresh = (letter, count) => Array.from({ length: 99 }, (_, i) => `${letter}${i + 1}`).filter(name => !known.includes(name)).slice(0, count);
     const [name] = fresh('d', 1), links = fresh('l', 2);
     // as in the picture, whose pins without a name have the letters between
     const letters = Object.fromEntries(isFirst ? [] : Object.values(page.structure().sketch.letters).map(letter => [letter, true]));
-    const pointFor = ({ name: known, pin, link, at }) => {
-      const same = known || Object.keys(sketch.points).find(of => (pin ? sketch.points[of].pin === pin : sketch.points[of].link === link && distance(sketch.points[of].at, at) === 0));
+    const pointFor = ({ name: named, pin, link, at }) => {
+      const same = named || Object.keys(sketch.points).find(of => (pin ? sketch.points[of].pin === pin : sketch.points[of].link === link && distance(sketch.points[of].at, at) === 0));
       if (same) return same;
-      const made = freshName({ ...sketch.points, ...scene().linkage?.points, ...letters });
+      const taken = { ...sketch.points, ...scene().linkage?.points }, { joints = {}, letters: shown } = isFirst ? {} : page.structure().sketch;
+      const letter = Object.keys(joints).filter(joint => distance(page.engine.joint(joint), at) < 1e-9 * size()).map(joint => shown[joint])[0];
+      const made = /^[A-Z]$/.test(letter) && !(letter in taken) ? letter : freshName({ ...taken, ...letters });
       sketch.points[made] = { link, at, pin };
       return made;
     };

@@ -85,10 +85,11 @@ export function crosses([x1, y1, x2, y2], [left, top, right, bottom]) {
   return Math.min(a, b, c, d) <= 0 && Math.max(a, b, c, d) >= 0;
 }
 
-/** Where labels have room: inside, on no bar, no arrow, no pin and on no other label. */
+/** Where labels have room: inside, on no bar, no arrow, no pin, no ground and on no other label. */
 class Room {
-  constructor(width, height, lines, pins) {
-    Object.assign(this, { width, height, lines, boxes: pins.map(([x, y]) => [x - 7, y - 7, x + 7, y + 7]) });
+  /** lines: [x1, y1, x2, y2]; signs: boxes [left, top, right, bottom] that are taken [px]. */
+  constructor(width, height, lines, signs) {
+    Object.assign(this, { width, height, lines, boxes: signs });
   }
   /** The box for a text of this size at an anchor, `away` is the direction that looks best. */
   take([x, y], away, width, height) {
@@ -170,11 +171,15 @@ export class Picture {
   shows(places) {
     return places.map(place => this.pixels(place)).every(([x, y]) => x > 0 && y > 0 && x < this.width && y < this.height);
   }
-  /** Draw the links of an engine's pose on a sheet; joints in pixels, and the lines that no label may cross. */
+  /** Draw the links of an engine's pose on a sheet; joints in pixels, and the lines and signs that no label may cross. */
   links(engine, main) {
-    const { sketch } = engine.structure, lines = [], at = point => this.pixels(engine.point(point));
+    const { sketch } = engine.structure, lines = [], signs = [], at = point => this.pixels(engine.point(point));
     const joints = Object.fromEntries(Object.entries(sketch.joints).map(([name, refs]) => [name, at(refs[0])]));
-    for (const name of sketch.ground) this.pivot(main, joints[name]);
+    for (const [x, y] of Object.values(joints)) signs.push([x - 7, y - 7, x + 7, y + 7]);
+    for (const [x, y] of sketch.ground.map(name => joints[name])) {
+      this.pivot(main, [x, y]);
+      signs.push([x - 18, y, x + 18, y + 20]);
+    }
     for (const plate of sketch.plates) {
       const corners = hull(plate.map(at));
       draw(main, "polygon", { class: "plate", points: corners, "data-bar": plate[0][0] });
@@ -187,17 +192,17 @@ export class Picture {
     });
     for (const { joint, link, direction: [c, s], isGuided } of sketch.blocks) {
       const [, , cosine, sine] = engine.frame(link);
-      this.block(main, joints[joint], [c * cosine - s * sine, -(c * sine + s * cosine)], isGuided);
+      this.block(main, joints[joint], [c * cosine - s * sine, -(c * sine + s * cosine)], isGuided, lines);
     }
     for (const { name, first, second } of sketch.springs) this.spring(main, at(first), at(second), name);
-    return { joints, lines };
+    return { joints, lines, signs };
   }
   /** Draw an engine's pose, in pale that of a second one; layers: {forces, curves, centres, values}. */
   draw(engine, layers, second) {
     if (second) this.links(second, this.paleSheet);
     this.paleSheet.end();
     const { sketch, input } = engine.structure, main = this.sheet, at = point => this.pixels(engine.point(point));
-    const { joints, lines } = this.links(engine, main), pins = Object.values(joints), labels = [];
+    const { joints, lines, signs } = this.links(engine, main), pins = Object.values(joints), labels = [];
     const segment = (kind, [x1, y1], [x2, y2]) => draw(main, "line", { class: kind, x1, y1, x2, y2 });
     for (const name in sketch.points) {
       const [link, along, across] = sketch.points[name], tip = at([link, along, across]);
@@ -210,12 +215,13 @@ export class Picture {
     if (layers.forces !== false && engine.status === 0) {
       for (const { name, words, point, vector } of this.forces(engine)) {
         const tip = this.arrow(main, name.startsWith("external.") ? "applied" : "force", this.pixels(point), vector, lines, name);
-        if (tip) labels.push({ kind: "force", anchor: tip, away: Math.atan2(-vector[1], vector[0]), words, extra: true, name });
+        if (tip) labels.push({ kind: "force", anchor: tip, start: this.pixels(point), away: Math.atan2(-vector[1], vector[0]), words, extra: true, name });
       }
       const torque = engine.get(engine.structure.drive);
       if (engine.isAngle && Math.abs(torque) * this.view.perNewton > 1e-10 * engine.size ** 2) {      // more than rounding
         const [x, y] = joints[Object.keys(joints)[0]], sense = torque > 0 ? 1 : -1;
         this.turn(main, x, y, sense);
+        signs.push([x - 24, y - 24, x + 24, y + 24]);
         labels.push({ kind: "drive", anchor: [x - 24, y - 18], away: -2.3, words: `T = ${significant(torque)} N m`, extra: true, name: "drive" });
       }
     }
@@ -224,10 +230,10 @@ export class Picture {
     const middle = pins.reduce((sum, p) => [sum[0] + p[0] / pins.length, sum[1] + p[1] / pins.length], [0, 0]);
     labels.unshift(...letters.map(([name, letter]) => ({ kind: "letter", anchor: joints[name], words: letter,
       away: Math.atan2(joints[name][1] - middle[1], joints[name][0] - middle[0]) })));
-    const room = this.room = new Room(this.width, this.height, lines, pins), isNarrow = this.width < 600;
+    const room = this.room = new Room(this.width, this.height, lines, signs), isNarrow = this.width < 600;
     for (const one of labels) {
       if (one.extra && (layers.values === false || (isNarrow && one.name !== this.chosen))) continue;
-      if (one.anchor.some((value, i) => value < 0 || value > [this.width, this.height][i])) continue;
+      if ((one.start ?? one.anchor).some((value, i) => value < 0 || value > [this.width, this.height][i])) continue;
       const width = 8.4 * plain(one.words).length + 4, box = room.take(one.anchor, one.away, width, 18);
       const [x, y] = one.anchor, [u, v] = [Math.min(Math.max(x, box[0]), box[2]), Math.min(Math.max(y, box[1]), box[3])];
       if (Math.hypot(u - x, v - y) > 34) segment("leader", [x, y], [u, v]);
@@ -264,11 +270,12 @@ export class Picture {
     draw(parent, "line", { class: "ground", x1: ground[0], y1: ground[1], x2: ground[2], y2: ground[3] });
     for (let i = -2; i < 2; i++) draw(parent, "line", { class: "hatch", x1: x + i * w, y1: y + h + 6, x2: x + i * w + 6, y2: y + h });
   }
-  block(parent, [x, y], [c, s], isGuided) {
+  block(parent, [x, y], [c, s], isGuided, lines) {
     const at = (u, v) => [x + u * c - v * s, y + u * s + v * c], a = 0.2 * INCH, b = 0.11 * INCH;
-    if (isGuided) for (const v of [-b, b]) {
-      const [p, q] = [at(-3.5 * a, v), at(3.5 * a, v)];
-      draw(parent, "line", { class: "ground", x1: p[0], y1: p[1], x2: q[0], y2: q[1] });
+    for (const v of [-b, b]) {
+      const [[x1, y1], [x2, y2]] = [-1, 1].map(end => at((isGuided ? 3.5 : 1) * a * end, v));
+      if (isGuided) draw(parent, "line", { class: "ground", x1, y1, x2, y2 });
+      lines.push([x1, y1, x2, y2]);
     }
     draw(parent, "polygon", { class: "block", points: [at(a, b), at(a, -b), at(-a, -b), at(-a, b)] });
   }
