@@ -69,7 +69,7 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
                 end: (point.link, point.along, point.across)
                 for end, point in (('first', element.point), ('second', element.apart_from))}})
     return {'joints': {name: [*map(stated, at)] for name, at in outline.joints.items()},
-            'bars': [(stated(start), stated(end)) for start, end, _ in outline.bars],
+            'bars': [(stated(start), stated(end)) for start, end, _ in outline.rods],
             'plates': [[*map(stated, plate)] for plate in outline.plates],
             'blocks': [{'joint': block.joint, 'link': block.link, 'direction': block.direction,
                         'isGuided': block.is_guided} for block in outline.blocks],

@@ -169,11 +169,12 @@ class ForceTable:
 
     @cached_property
     def _columns(self) -> Array:
-        """Return coefficients and start of each piece, of shape (5, places, each once, + 1)."""
+        """Return coefficients and start of all pieces as columns, in order."""
+        # The first and the last piece are the constants before and after the table.
         places, values = np.array(self.places), np.array(self.values)
         first, last = places[0], places[-1]
-        inner = slice(0, places.size - 1)
-        if self.is_periodic:    # three times: the cycle in the middle has the right slopes
+        inner = slice(0, places.size - 1)       # the intervals of one cycle
+        if self.is_periodic:    # three cycles: the one in the middle has the right slopes
             inner = slice(places.size - 1, 2 * places.size - 2)
             places = np.concatenate([first + (places[:-1] - last), places,
                                      last + (places[1:] - first)])
@@ -187,7 +188,8 @@ class ForceTable:
         columns = np.vstack([curves, places[:-1]])[:, inner]
         before, after = self.values[0], self.values[-1]
         if self.is_periodic and self.places[-2] == self.places[-1]:
-            after = self.values[-2]     # less than a rounding before the place it is not there yet
+            after = self.values[-2]     # x may be rounded to the last place: the jump is after it
+        # an interval of no width is a jump, and no piece
         return np.column_stack([[0.0, 0.0, 0.0, before, first],
                                 columns[:, np.diff(self.places) > 0.0],
                                 [0.0, 0.0, 0.0, after, last]])

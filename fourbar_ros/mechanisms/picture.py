@@ -71,12 +71,21 @@ class Slide(NamedTuple):
     is_guided: bool = False
 
 
+class Rod(NamedTuple):
+    """A straight part of a link between two points of links; width 1: usual."""
+
+    start: Point
+    end: Point
+    width: float = 1.0
+
+
 class Outline(NamedTuple):
     """What is drawn of a mechanism, by points of its links; from it follow diagrams and pages."""
 
+    # ground, forces, angles, names: as of a Diagram
     joints: Mapping[str, tuple[Point, ...]]     # {name: the point of each link there}
     ground: tuple[str, ...]
-    bars: tuple[tuple[Point, Point, float], ...]     # start, end, width
+    rods: tuple[Rod, ...]
     blocks: tuple[Slide, ...]
     forces: Mapping[str, str]
     angles: Mapping[str, str]
@@ -186,15 +195,15 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         return vector(x, y)
 
     joints = {name: locate(points[0]) for name, points in outline.joints.items()}
-    sides = [(start, end, 1.0) for first, *others in outline.plates
-             for start, end in (*((first, other) for other in others), *zip(others, others[1:]))]
+    sides = [Rod(start, end) for first, *rest in outline.plates
+             for start, end in (*((first, corner) for corner in rest), *zip(rest, rest[1:]))]
     blocks = []
     for joint, link, direction, is_guided in outline.blocks:
         turned = locate(Point(link, *direction)) - locate(Point(link))
         blocks.append(Block(joints[joint], turned, is_guided))
     return Diagram(joints, outline.ground, tuple([
         Bar(locate(start), locate(end), width)
-        for start, end, width in dict.fromkeys((*outline.bars, *sides))]),
+        for start, end, width in dict.fromkeys((*outline.rods, *sides))]),
         tuple(blocks), outline.forces, outline.angles, outline.names)
 
 
@@ -237,7 +246,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     base = Point(layout.driven)
     is_pinned = machine.input != SLIDE and ground == 0
     joints: dict[str, tuple[Point, ...]] = {BASE: (base, Point(GROUND)) if is_pinned else (base,)}
-    pivots, bars, blocks = [BASE] * is_pinned, list[tuple[Point, Point, float]](), list[Slide]()
+    pivots, rods, blocks = [BASE] * is_pinned, list[Rod](), list[Slide]()
     # {link: its corners, each by the point that is drawn, of any link there, and by its own}
     corners: dict[str, list[tuple[Point, Point]]] = {link: [] for link in layout.links}
 
@@ -265,7 +274,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         if 'inner' not in slides:
             for point in points.inner[:2 if stage.kind == 'RRR' else 1]:
                 add_corner(point, point.link, point.along)
-        bars += [(joints[names[joint]][0], points.inner[i % len(points.inner)], 1.0)
+        rods += [Rod(joints[names[joint]][0], points.inner[i % len(points.inner)])
                  for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
         blocks += [Slide(names[joint], stage.links[i],
                          is_guided=joint != 'first' and ground in stage.ends(joint))
@@ -274,21 +283,23 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         blocks.append(Slide(BASE, layout.driven, is_guided=True))
     del corners[GROUND]
     plates = [tuple([drawn for drawn, _ in of_link]) for of_link in corners.values()]
-    bars += [(*plate, 1.0) for plate in plates if len(plate) == 2]
+    rods += [Rod(*plate) for plate in plates if len(plate) == 2]
     first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
                     for link in machine.LINKS}
     angles = {coordinate.position: first_joints.get(
         coordinate.position.removeprefix('theta_'), BASE)
         for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
-    return Outline(joints, tuple(pivots), tuple(dict.fromkeys(bars)), tuple(blocks),
-                   {name: name for name in joints}, angles,
-                   tuple([plate for plate in plates if len(plate) > 2]), machine.joint_names)
+    return Outline(joints, ground=tuple(pivots), rods=tuple(dict.fromkeys(rods)),
+                   blocks=tuple(blocks), forces={name: name for name in joints}, angles=angles,
+                   plates=tuple([plate for plate in plates if len(plate) > 2]),
+                   names=machine.joint_names)
 
 
 CRANK, OUTPUT = Point('crank'), Point('output')
 
 
 def _crank(mechanism: Any) -> dict[str, tuple[Point, ...]]:
+    """Return the joints O1 and A."""
     return {'O_1': (Point(GROUND), CRANK),
             'A': (Point('crank', SceneLength('linkage.a1', mechanism.a1)), Point('coupler'))}
 
@@ -301,18 +312,19 @@ def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
         'B': (Point('output', a3), Point('coupler', a2)),
         'O_4': (Point(GROUND, a4), OUTPUT)}
     a, b = joints['A'][0], joints['B'][0]
-    return Outline(joints, ('O_1', 'O_4'), ((CRANK, a, 1.0), (a, b, 1.0), (OUTPUT, b, 1.0)), (),
-                   {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
-                   {'theta1': 'O_1', 'theta4': 'O_4'})
+    return Outline(joints, ground=('O_1', 'O_4'), rods=(Rod(CRANK, a), Rod(a, b), Rod(OUTPUT, b)),
+                   blocks=(), forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
+                   angles={'theta1': 'O_1', 'theta4': 'O_4'})
 
 
 @outline_of.register(SliderCrank)
 def _slider_crank(mechanism: SliderCrank, motion: Any) -> Outline:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     a = joints['A'][0]
-    return Outline(joints, ('O_1',), ((CRANK, a, 1.0), (a, OUTPUT, 1.0)),
-                   (Slide('B', GROUND, is_guided=True),),
-                   {'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'}, {'theta1': 'O_1'})
+    return Outline(joints, ground=('O_1',), rods=(Rod(CRANK, a), Rod(a, OUTPUT)),
+                   blocks=(Slide('B', GROUND, is_guided=True),),
+                   forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'},
+                   angles={'theta1': 'O_1'})
 
 
 @outline_of.register(ScotchYoke)
@@ -320,10 +332,11 @@ def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     # the slot of the yoke reaches over the whole travel of the block, and to the guide
     low, _, high = sorted((0.0, *(end * mechanism.a1 - mechanism.offset for end in (-1.1, 1.1))))
-    return Outline(joints, ('O_1',), ((Point('output', 0.0, low), Point(
-        'output', 0.0, high), 1.0), (CRANK, joints['A'][0], 1.0)),
-                   (Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
-                   {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'}, {'theta1': 'O_1'})
+    slot = Rod(Point('output', 0.0, low), Point('output', 0.0, high))
+    return Outline(joints, ground=('O_1',), rods=(slot, Rod(CRANK, joints['A'][0])),
+                   blocks=(Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
+                   forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'},
+                   angles={'theta1': 'O_1'})
 
 
 @outline_of.register(InvertedSlider)
@@ -332,16 +345,16 @@ def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
     joints = _crank(mechanism) | {
         'O_4': (Point(GROUND, SceneLength('linkage.a4', mechanism.a4)), OUTPUT)}
     a, foot = joints['A'][0], Point('output', 0.0, mechanism.offset)
-    bars, blocks = [(CRANK, a, 1.0), (OUTPUT, foot, 1.0)], []
+    rods, blocks = [Rod(CRANK, a), Rod(OUTPUT, foot)], []
     if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
         low, high = sorted(map(abs, mechanism.input_ranges[-1]))
         tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
         length, width = min(tube, 0.98 * abs(motion.slide)), 2.4
-        bars.append((foot, a, 0.7))
+        rods.append(Rod(foot, a, 0.7))
     else:
         length, width = (1.0 + BEYOND) * (mechanism.a1 + mechanism.a4), 1.0
         blocks.append(Slide('A', 'output'))
-    bars.append((foot, foot._replace(along=copysign(length, motion.slide)), width))
-    return Outline(joints, ('O_1', 'O_4'), tuple(bars), tuple(blocks),
-                   {'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
-                   {'theta1': 'O_1', 'theta4': 'O_4'})
+    rods.append(Rod(foot, foot._replace(along=copysign(length, motion.slide)), width))
+    return Outline(joints, ground=('O_1', 'O_4'), rods=tuple(rods), blocks=tuple(blocks),
+                   forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
+                   angles={'theta1': 'O_1', 'theta4': 'O_4'})

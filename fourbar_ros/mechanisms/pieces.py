@@ -345,7 +345,10 @@ def _turns_back(slope: Array, row: Array) -> Array:
 
 def _ends(curves: CutCurves, k: int, x: Array, row: Array, s: Array, slope: Array
           ) -> tuple[Array, Array]:
-    """Return where pieces end that a coordinate brings, and the rows, from their rising inputs."""
+    """Return where pieces end that a coordinate brings, and the row of the mechanism of each."""
+    # x, row, s, slope: samples of the coordinate, by row and in each by rising inputs. First the
+    # inputs at which it turns back, where a force that acts one way begins or ends; between these
+    # and the samples it is monotone, and then those at which it comes to one of its points.
     coordinate = curves.coordinates[k]
     points, period = np.sort(coordinate.points), coordinate.period
     before = _turns_back(slope, row)
@@ -383,7 +386,7 @@ def _ends(curves: CutCurves, k: int, x: Array, row: Array, s: Array, slope: Arra
         points = np.unique(np.add.outer(np.arange(first - 1, last + 2) * period, points))
     low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
     first, last = np.searchsorted(points, low), np.searchsorted(points, high)
-    last = np.where(row[1:] == row[:-1], last, first)
+    last = np.where(row[1:] == row[:-1], last, first)       # none between two rows
     interval = np.repeat(np.arange(low.size), last - first)
     if not interval.size:
         return ends
