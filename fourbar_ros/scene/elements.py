@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from math import atan2, hypot, inf, isnan, pi
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import field_of
 from fourbar_ros.mechanisms import elements as acting
-from fourbar_ros.mechanisms import friction, parts, pieces
+from fourbar_ros.mechanisms import parts, pieces
 from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -25,6 +25,9 @@ from fourbar_ros.scene.parameters import names_in, of_name, point_in, require_ch
 from fourbar_ros.scene.settings import APART, COUPLE, ParameterValues, POSITION_UNITS
 from fourbar_ros.scene.units import quantity, UNITS, ValueInSI
 import numpy as np
+
+if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.friction import Friction
 
 ROUNDED = 1e-6      # of a stroke: places typed in six digits reach its ends
 WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, or less [N], is weak
@@ -268,8 +271,9 @@ OF_DRIVE = 'torque', 'viscous', 'slip_speed'        # fields of friction.drive
 OF_JOINTS = 'coefficient', 'radius', 'length', 'viscous'
 
 
-def friction_of(values: ParameterValues, mechanism: Mechanism) -> friction.Friction:
+def friction_of(values: ParameterValues, mechanism: Mechanism) -> 'Friction':
     """Return the friction of joints and drive, friction.NAME.*, as pairs (joint, its friction)."""
+    from fourbar_ros.mechanisms import friction  # few mechanisms have any
     names = names_in('friction', values)
     require_masses(mechanism, f'friction.{names[0]}')
     if 'equation' in values['outputs']:
