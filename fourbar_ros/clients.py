@@ -63,11 +63,11 @@ class LockStep:
         self._node, self._patience = node, patience
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._client)
-        self._newest: dict[str, Message] = {}
+        self._newest: dict[str, Message] = {}        # of each topic, by their short names
         self._publishers: dict[str, Any] = {}
         self._heard: list[Any] = []          # subscriptions
-        self._clock: Any = None
-        self._met: set[str] = set()
+        self._clock: Any = None              # publisher of /clock
+        self._met: set[str] = set()          # topics that have answered once
         self._asked = 0                      # [ns] newest stamp that was sent
         for output in self._outputs:
             self._listen(topics.OUTPUTS[output])
@@ -190,6 +190,7 @@ class LockStep:
 
     def _wait(self, names: Sequence[str], stamp: Any, send: Callable[[], None]
               ) -> SimpleNamespace:
+        """Send a question until all topics have an answer of its stamp; return these, or Late."""
         missing, is_first = set(names), not self._met.issuperset(names)
         end = clock.monotonic() + (FIRST if is_first else self._patience)
         again = 0.0

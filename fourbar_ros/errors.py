@@ -27,31 +27,35 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f'; there is {", ".join(alike[:3])}' if alike else ''
 
 
-def edits(one: str, other: str) -> int:
-    """Return how many letters must be put in, left out, changed or swapped with the next."""
-    rows = [list(range(len(other) + 1))]
-    for i, letter in enumerate(one, 1):
+def edits(first: str, second: str) -> int:
+    """
+    Return how many letters must be put in, left out, changed or swapped with the next.
+
+    It is the optimal string alignment distance: rows[i][j] is that of first[:i] and second[:j].
+    """
+    rows = [list(range(len(second) + 1))]
+    for i, letter in enumerate(first, 1):
         row = [i]
-        for j, second in enumerate(other, 1):
-            row.append(min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (letter != second)))
-            if i > 1 < j and letter == other[j - 2] and one[i - 2] == second:
+        for j, wanted in enumerate(second, 1):
+            row.append(min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (letter != wanted)))
+            if i > 1 < j and letter == second[j - 2] and first[i - 2] == wanted:
                 row[j] = min(row[j], rows[-2][j - 2] + 1)
         rows.append(row)
     return rows[-1][-1]
 
 
-def one_of(choices: Iterable[str], given: object = '', some: bool = False) -> str:
+def one_of(choices: Iterable[str], value: object = '', some: bool = False) -> str:
     """
     Return the end of an error message, as 'must be one of timer, motion, torque'.
 
-    Of choices that would fill more than a line it names only those spelt most like ``given``.
+    Of choices that would fill more than a line it names only those spelt most like ``value``.
     ``some``: the parameter is a list of choices.
     """
     choices = [choice or "''" for choice in choices]
     text, which = ', '.join(choices), 'some' if some else 'one'
     if len(text) <= LINE:
         return f'must be {which} of {text}'
-    return f'must be {which} of {len(choices)} words{nearest(str(given), choices)}'
+    return f'must be {which} of {len(choices)} words{nearest(str(value), choices)}'
 
 
 class FourBarError(Exception):

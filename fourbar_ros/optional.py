@@ -12,16 +12,13 @@ from typing import Any
 
 from fourbar_ros.errors import FourBarError
 
-BAGS = 'pip install mcap rosbags'
-INSTALL = {**dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), BAGS),
-           'matplotlib': 'pip install matplotlib',
-           'pandas': 'pip install pandas', 'pyarrow': 'pip install pyarrow',
-           'flint': 'pip install python-flint',
-           'scipy': 'pip install scipy', 'distributed': 'pip install distributed',
-           'mujoco': 'pip install mujoco',
+# {module: how to install it}
+INSTALL = {**{name: f'pip install {name}' for name in (
+               'clarabel', 'distributed', 'matplotlib', 'mujoco', 'pandas', 'pyarrow', 'rich',
+               'scipy')},
+           **dict.fromkeys(('mcap', 'rosbags', 'lz4', 'zstandard'), 'pip install mcap rosbags'),
            **dict.fromkeys(('starlette', 'uvicorn'), 'pip install starlette uvicorn'),
-           'clarabel': 'pip install clarabel',
-           'rich': 'pip install rich', 'yaml': 'pip install pyyaml',
+           'flint': 'pip install python-flint', 'yaml': 'pip install pyyaml',
            'fourbar_lab': 'pip install .  in the source of fourbar_ros installs it too'}
 # what needs several names them all at once
 OF_VERB = {'study': 'pip install scipy pyarrow'}

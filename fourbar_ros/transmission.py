@@ -162,6 +162,7 @@ class Transmission:
         raise CannotFollow(f'sample {first}: the {field} of {coordinate.position} overflows')
 
     def _why_not(self, sample: int, coordinate: Coordinate, position: float, where: str) -> str:
+        """Return in words that a sample lies ``where``, beyond or at, the nearest end it meets."""
         assert self.branch.ends
         of_output = coordinate == self._output
         second = self._input if of_output else self._output

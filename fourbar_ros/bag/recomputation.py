@@ -98,6 +98,7 @@ class Recomputation:
     """Takes the messages of a bag in order and computes the motions again, in blocks."""
 
     def __init__(self, bag: reader.Bag, origin: Origin) -> None:
+        """Begin with the scene at the start of a bag."""
         self._bag, self._origin = bag, origin
         self._names = {topic: name for name, topic in origin.topics.items()}
         self._comparison = outputs.OutputComparison(bag, origin)
@@ -201,8 +202,12 @@ class Recomputation:
             self._changes.append(time)
 
     def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> outputs.Motions:
-        """Return motions, each computed alone as in the node: arrays may differ in a last bit."""
-        stepper, rows = self._stepper, []
+        """
+        Return motions, each computed alone as in the node: arrays may differ in a last bit.
+
+        ``motions``: (log time [ns], message) of each, ``first`` the index of the first in the bag.
+        """
+        stepper, rows = self._stepper, []       # rows: the last five fields of Motions
         passes = len(self._scene.linkage.modes_passed) > 1      # toggles
         is_holding = 'hold' in (self._scene.drive.out_of_range,
                                 self._scene.joint_states.when_unknown)

@@ -26,13 +26,18 @@ def modes_of(mechanism: Mechanism) -> range | None:
 
 
 def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
-    """Return the mode whose branch closes on the sides of a mode; the mode where no pose is."""
+    """
+    Return the mode, as of today, of the pose that an old bag names by a ``mode`` of sides.
+
+    Both count dyads in bits: bit k of mode - 1 is 1 where dyad k is in its mode 2. The old mode is
+    returned where the mechanism has no pose at ``position``, the input [rad or m].
+    """
     branch = mode
     with suppress(FourBarError):
         for dyad in range(_count_of(mechanism)):
-            sign = 1.0 if mode - 1 >> dyad & 1 else -1.0
-            if sign * _side(mechanism.in_mode(branch), dyad, position) < 0.0:
-                branch = 1 + (branch - 1 ^ 1 << dyad)
+            wanted_side = 1.0 if mode - 1 >> dyad & 1 else -1.0
+            if wanted_side * _side(mechanism.in_mode(branch), dyad, position) < 0.0:
+                branch = 1 + (branch - 1 ^ 1 << dyad)       # the dyad in its other mode
         return branch
     return mode
 

@@ -96,6 +96,7 @@ class SceneJoints:
 
     def __init__(self, scene: Scene, angles: Sequence[float] | None = None,
                  is_wrapped: bool = False) -> None:
+        """Look up once which values of a sample are those of the joints, and how they scale."""
         layout, shown = scene.layout, scene.joint_states
         index_of, joints = layout.index_of, layout.joints
         self.angles = list(first_angles(scene) if angles is None else angles)
@@ -108,7 +109,8 @@ class SceneJoints:
                          if effort in index_of]
         self._holds = shown.when_unknown == 'hold'
         self._last = [nan] * len(joints)        # positions [rad, m] of the last known pose
-        counts_turns = isnan(scene.drive.top_speed)
+        counts_turns = isnan(scene.drive.top_speed)     # the input's positions
+        # indices of the joints whose angles go on where the mechanism's come round
         self._turning = [] if is_wrapped else [
             index for index, (joint, _) in enumerate(joints) if joint.unit == 'rad'
             and not (counts_turns and joint == scene.linkage.input_coordinate)]

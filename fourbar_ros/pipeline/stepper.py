@@ -117,14 +117,15 @@ class Wanted(NamedTuple):
     @classmethod
     def of(cls, scene: Scene, names: Iterable[str] | None = None) -> Wanted:
         """Return what a step needs that sends the topics of these names, by default all."""
-        wanted = {*scene.topics, *scene.pictures, DRIVEN.name, DRIVE_STATE.name} if (
-            names is None) else set(names)
+        every = {*scene.topics, *scene.pictures, DRIVEN.name, DRIVE_STATE.name}
+        wanted = every if names is None else set(names)
         outputs = {name: topic for name, topic in scene.topics.items() if name in wanted}
-        return cls(any(topic.needs_loads for topic in outputs.values())
-                   or 'joint_states' in outputs and scene.needs_loads, outputs,
-                   tuple(name for name, topic in PICTURES.items()
-                         if name in wanted and name in scene.pictures and not topic.latched),
-                   DRIVEN.name in wanted, DRIVE_STATE.name in wanted)
+        with_loads = any(topic.needs_loads for topic in outputs.values()) or (
+            'joint_states' in outputs and scene.needs_loads)        # for its effort
+        pictures = tuple(name for name, topic in PICTURES.items() if name in wanted
+                         and name in scene.pictures and not topic.latched)
+        return cls(with_loads, outputs, pictures, driven=DRIVEN.name in wanted,
+                   drive_state=DRIVE_STATE.name in wanted)
 
 
 class Stepper:
@@ -255,6 +256,7 @@ class _Branch:
     """
 
     def __init__(self, scene: Scene) -> None:
+        """Choose the functions that compute what the outputs of a scene need beside its motion."""
         self._scene, self.mechanism, self.loads_unknown = scene, scene.linkage, False
         self.held: tuple[float, ...] | None = None
         self.limits: list[float] | None = None
@@ -264,7 +266,8 @@ class _Branch:
             self.rest_of = inertia.rest_of
         if scene.points or 'links' in scene.outputs:
             from fourbar_ros.mechanisms import points  # imported where a scene needs it
-        # of each output its function of motion, or of mechanism, motion and loads
+        # (output, its values where unknown, its function, whether that is of the motion alone,
+        # else of mechanism, motion and loads)
         self._outputs = list[tuple[str, tuple[float, ...], Callable[..., Iterable[float]], bool]]()
         for output, group in scene.layout.groups.items():
             unknown, (family, _, name) = scene.layout.unknown[group], output.partition('/')

@@ -157,10 +157,10 @@ def _force(values: ParameterValues, name: str, mechanism: Mechanism) -> acting.P
     try:
         force = acting.PositionForce(
             _attachment(name, values), _table(values, name, over, mechanism), over,
-            None if acts == COUPLE else direction + values[f'{name}.direction'],
-            link if turns_with_link else parts.GROUND, values[f'{name}.factor'],
-            _attachment(f'{name}.from', values) if acts == APART else None,
-            values[f'{name}.when'])
+            direction=None if acts == COUPLE else direction + values[f'{name}.direction'],
+            axes=link if turns_with_link else parts.GROUND, factor=values[f'{name}.factor'],
+            apart_from=_attachment(f'{name}.from', values) if acts == APART else None,
+            when=values[f'{name}.when'])
         force.fitted(mechanism)
     except InvalidParameter as error:
         field = {'is_periodic': 'periodic', 'apart_from': 'from.link'}.get(error.name, error.name)

@@ -43,14 +43,28 @@ def machine_of(values: ParameterValues) -> Machine:
             raise InvalidParameter(f'dyads.{name}.links', ROD_MODEL,
                                    'bodies.rods is the model of all rods: choose another name')
     stroke = values['linkage.range']
+    # {end of a dyad: the named point on which it hangs}
+    hang = {f'{name}.{end}': point for name in names for end in ('first', 'second')
+            if (point := values.get(f'dyads.{name}.{end}'))}
     try:
-        machine = Machine(tuple(_dyad(name, values) for name in names), values['linkage.input'],
-                          values['linkage.output'] or None, _cylinder(values),
-                          stroke=tuple(stroke) if stroke else None,
+        dyads = []
+        for name in names:
+            group = f'dyads.{name}'
+            sizes = {field: values[f'{group}.{field}'] for field in DIMENSIONS}
+            dyads.append(Dyad(
+                name, values[f'{group}.kind'], hanging_point(f'{group}.first', values),
+                hanging_point(f'{group}.second', values), tuple(values[f'{group}.links']),
+                mode=values[f'{group}.mode'],
+                **{field: None if isnan(size) else size for field, size in sizes.items()}))
+        cylinder = None
+        if values['linkage.input'] == CYLINDER:
+            cylinder = Cylinder(
+                point_in('cylinder.base', values), point_in('cylinder.pin', values),
+                tuple(values['cylinder.links']), values['cylinder.mode'])
+        machine = Machine(tuple(dyads), values['linkage.input'], values['linkage.output'] or None,
+                          cylinder, stroke=tuple(stroke) if stroke else None,
                           carrier=values['linkage.carrier'], joint_names={
-                              f'{name}_{end}': point for name in names
-                              for end in ('first', 'second')
-                              if (point := values.get(f'dyads.{name}.{end}'))})
+                              end.replace('.', '_'): point for end, point in hang.items()})
     except InvalidParameter as error:
         # of a wrong dyads.D.first.link, where dyads.D.first names a point, the point is at fault
         end = '.'.join(error.name.split('.')[:3])
@@ -59,9 +73,8 @@ def machine_of(values: ParameterValues) -> Machine:
             raise
         raise InvalidParameter(f'{POINTS}.{point}', error.value,
                                f'{error.allowed} ({end})') from None
-    ends = [values.get(f'dyads.{name}.{end}') for name in names for end in ('first', 'second')]
     for name in names_in(POINTS, values):
-        if name not in ends:
+        if name not in hang.values():
             raise InvalidParameter(f'{POINTS}.{name}', None, 'no dyad hangs on this point')
     return machine
 
@@ -180,19 +193,3 @@ def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> P
     height = n.sqrt(square) / (2.0 * length)
     return Point(link, 0.5 * (length + (d1 - d2) * (d1 + d2) / length),
                  height if side == 'left' else -height)
-
-
-def _dyad(name: str, values: ParameterValues) -> Dyad:
-    group = f'dyads.{name}'
-    sizes = {field: values[f'{group}.{field}'] for field in DIMENSIONS}
-    return Dyad(name, values[f'{group}.kind'], hanging_point(f'{group}.first', values),
-                hanging_point(f'{group}.second', values), tuple(values[f'{group}.links']),
-                mode=values[f'{group}.mode'],
-                **{field: None if isnan(size) else size for field, size in sizes.items()})
-
-
-def _cylinder(values: ParameterValues) -> Cylinder | None:
-    if values['linkage.input'] != CYLINDER:
-        return None
-    return Cylinder(point_in('cylinder.base', values), point_in('cylinder.pin', values),
-                    tuple(values['cylinder.links']), values['cylinder.mode'])

@@ -150,35 +150,30 @@ def _below(group: str, known: Iterable[str]) -> list[str]:
 
 
 def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]:
-    """Return (family, name) of all members; all links are of bodies and external."""
+    """
+    Return (family, name) of all members of families, in values that are not checked yet.
+
+    Each link has masses and external loads, so it is a member of bodies and external.
+    """
     mentioned: dict[str, list[str]] = {family: [] for family in settings.FAMILIES}
     if is_machine:
         mentioned['dyads'] = _names(values.get('linkage.dyads'))
-        links = _links_of_machine(values)
+        dyads = *mentioned['dyads'], *names_in('dyads', values)
+        links = [link for name in dyads for link in _names(values.get(f'dyads.{name}.links'))]
+        driver = values.get('linkage.input')
+        links.append('slider' if driver == 'slide' else 'crank')
+        if driver == 'cylinder':
+            links += _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
+            links += _names([values.get('cylinder.base.link')])
+        elif driver != 'slide':
+            links += _names([values.get('linkage.carrier')])
     else:
         kind = kinds.KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
         links = [link.name for link in kind.LINKS] if kind else []
+    links = [link for link in links if link != parts.GROUND]
     mentioned.update(dict.fromkeys(settings.OF_LINKS, links))
     return [(family, name) for family, names in mentioned.items()
             for name in dict.fromkeys([*names, *names_in(family, values)]) if name != 'rods']
-
-
-def _links_of_machine(values: ParameterValues) -> list[str]:
-    """
-    Return the names of all links, some twice, of values that are not checked yet.
-
-    Each has masses and external loads: parameters bodies.LINK and external.LINK with defaults.
-    """
-    dyads = *_names(values.get('linkage.dyads')), *names_in('dyads', values)
-    links = [link for name in dyads for link in _names(values.get(f'dyads.{name}.links'))]
-    driver = values.get('linkage.input')
-    links.append('slider' if driver == 'slide' else 'crank')
-    if driver == 'cylinder':
-        links += _names(values.get('cylinder.links', PARAMETERS['cylinder.links'].default))
-        links += _names([values.get('cylinder.base.link')])
-    elif driver != 'slide':
-        links += _names([values.get('linkage.carrier')])
-    return [link for link in links if link != parts.GROUND]
 
 
 def _names(value: Any) -> list[str]:

@@ -143,7 +143,11 @@ def margin_signs(linkage: mechanism.Mechanism) -> Array | None:
 
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: mechanism.Mechanism
                         ) -> dict[str, Asked]:
-    """Return {name: speed or acceleration of a point} of a mechanism :func:`.with_any_lengths`."""
+    """
+    Return {NAME.speed, NAME.acceleration: quantity} of the points of a scene, for many designs.
+
+    ``parametric`` is the scene's mechanism with arrays as lengths, ``values`` its parameters.
+    """
     quantities: dict[str, Asked] = {}
     for name, point in scene.points.items():
         coordinates = values[f'points.{name}.along'], values[f'points.{name}.across']

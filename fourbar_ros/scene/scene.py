@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 import json
 from math import inf, isfinite, isnan, tau
 from pathlib import Path
@@ -339,15 +339,16 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
     return scene
 
 
-@cache
-def _fields_of(group: str) -> tuple[str, ...]:
-    names = [name.removeprefix(f'{group}.') for name in PARAMETERS if name.startswith(f'{group}.')]
-    return tuple(name for name in names if '.' not in name)
+# {group: names of its parameters without it}: those of one level below
+_FIELDS = {group: [name.removeprefix(f'{group}.') for name in PARAMETERS
+                   if name.rpartition('.')[0] == group]
+           for group in ('base', 'base.carried', 'drive', 'external', 'frame', 'joint_states',
+                         'recording')}
 
 
 def _group(name: str, values: ParameterValues, **derived: Any) -> NamedFields:
     """Return the parameters NAME.* as a record; ``derived``: fields with other values, or more."""
-    fields = {field: values[f'{name}.{field}'] for field in _fields_of(name)} | derived
+    fields = {field: values[f'{name}.{field}'] for field in _FIELDS[name]} | derived
     return record_type(name.rpartition('.')[2].title(), tuple(fields))(*fields.values())
 
 

@@ -49,7 +49,12 @@ class ClockInput:
         return {}, []
 
     def _tick(self) -> None:
-        """Make all samples that are due: a late timer neither loses one nor leaves the grid."""
+        """
+        Make all samples that are due: a late timer neither loses one nor leaves the grid.
+
+        Sample k is due at began + k / rate, for k from ``_next`` on; its stamp is ``_offset`` [ns]
+        later. Another rate or speed in the scene begins a new grid.
+        """
         now = self._time()
         if now == 0:
             return                                       # no /clock yet

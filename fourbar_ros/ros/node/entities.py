@@ -93,7 +93,11 @@ class SequenceNumbers:
         return len(heard)
 
     def lost_before(self, sequence: int | None) -> int:
-        """Return how many were lost before a message with a number, None if it has none."""
+        """
+        Return how many messages were lost before one with this number, None if it has none.
+
+        The number due from each publisher is known; another one leaves a gap behind the nearest.
+        """
         if sequence is None:
             self.is_numbered = False
             return 0

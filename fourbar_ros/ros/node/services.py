@@ -58,26 +58,24 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
                                              request.acceleration, response.has_loads)
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
                  (*motion, *loads))
-    response.result = getattr(response, {
-        stepper.OK: 'RESULT_OK', stepper.OUT_OF_RANGE: 'RESULT_OUT_OF_RANGE',
-        stepper.INVALID_INPUT: 'RESULT_INVALID_REQUEST',
-        stepper.RATES_UNKNOWN: 'RESULT_INVALID_REQUEST', stepper.TOGGLE: 'RESULT_TOGGLE',
-        stepper.LOCKED: 'RESULT_LOCKED', stepper.LOADS_UNKNOWN: 'RESULT_OK'}[status])
-    if status == stepper.OUT_OF_RANGE:
-        driven = linkage.input_coordinate
-        response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
-                                          driven.unit))
-    elif status in (stepper.INVALID_INPUT, stepper.RATES_UNKNOWN):
-        response.message = ('position, velocity, acceleration must be finite, an angle less than '
-                            f'{FARTHEST:.3g} rad in size, and the result finite')
-    elif status == stepper.TOGGLE:
-        response.message = ('toggle position: rates and loads are unbounded; at the flat '
-                            'position of a change point the motion goes on, loads are not known')
-    elif status == stepper.LOCKED:
-        response.message = 'the mechanism locks itself by friction: no drive moves it'
-    elif status == stepper.LOADS_UNKNOWN:
+    driven = linkage.input_coordinate
+    out_of_range = OutOfRange(driven.position, request.position, linkage.input_ranges, driven.unit)
+    invalid = ('RESULT_INVALID_REQUEST', 'position, velocity, acceleration must be finite, an '
+               f'angle less than {FARTHEST:.3g} rad in size, and the result finite')
+    result, response.message = {
+        stepper.OK: ('RESULT_OK', ''),
+        stepper.OUT_OF_RANGE: ('RESULT_OUT_OF_RANGE', str(out_of_range)),
+        stepper.INVALID_INPUT: invalid, stepper.RATES_UNKNOWN: invalid,
+        stepper.TOGGLE: (
+            'RESULT_TOGGLE', 'toggle position: rates and loads are unbounded; at the flat '
+            'position of a change point the motion goes on, loads are not known'),
+        stepper.LOCKED: (
+            'RESULT_LOCKED', 'the mechanism locks itself by friction: no drive moves it'),
+        stepper.LOADS_UNKNOWN: ('RESULT_OK', 'the ends of a spring meet there: it has no '
+                                'direction, so no loads')}[status]
+    response.result = getattr(response, result)
+    if status == stepper.LOADS_UNKNOWN:
         response.has_loads = False
-        response.message = 'the ends of a spring meet there: it has no direction, so no loads'
     return response
 
 

@@ -287,6 +287,7 @@ class RunningScene:
     def __init__(self, scene: Scene, before: RunningScene | None = None,
                  acting: Mapping[str, ActingInput] | None = None,
                  pause: Callable[[], None] = no_pause) -> None:
+        """Make all that a step of the scene needs, so that no step has to wait for it."""
         self.scene, self.layout = scene, scene.layout
         if before and before.layout == scene.layout:
             self.layout = before.layout      # writers compare it: as the same object at once

@@ -28,6 +28,7 @@ class TopicInput:
     """One step for each input message, with its stamp; missing rates are estimated."""
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
+        """Subscribe to the input of a scene; the estimate of its missing rates begins."""
         self._node, self._stream, self._troubles = node, stream, troubles
         self._counts = troubles.counts
         troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',

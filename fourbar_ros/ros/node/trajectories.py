@@ -32,6 +32,7 @@ class Conversion:
     """Converts trajectories by the transmission, the joints and the fields of a scene."""
 
     def __init__(self, scene: Scene) -> None:
+        """Look up the two joints: of the driven coordinate and of the mechanism's output."""
         mechanism, shown = scene.linkage, scene.joint_states
         coordinates = [joint.coordinate for joint in mechanism.JOINTS]
         self._joints: dict[str, tuple[str, Scale]] = {}      # name and scale of both
