@@ -51,6 +51,7 @@ class LockStep:
 
     def __init__(self, node: str = 'fourbar', outputs: Sequence[str] = ('shaking_wrench',),
                  patience: float = 5.0) -> None:
+        """Make a node of this process that subscribes to the outputs of the other one."""
         known = [name for name in topics.OUTPUTS if name not in topics.FAMILIES]
         self._outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         for output in self._outputs:

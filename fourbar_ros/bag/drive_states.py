@@ -21,6 +21,7 @@ class DriveStates:
     """
 
     def __init__(self, scene: Scene, about: Mapping[str, str]) -> None:
+        """Begin with the scene at the start of a bag."""
         self._has_our_integrator = scene.dynamics is not None and about.get(KEY) == NAME
         self.largest: dict[str, float] = {}         # {field: largest difference}
         # states that were compared with a step from the state before; that had none before (at a

@@ -28,6 +28,7 @@ class MessageLayout:
     """
 
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
+        """Walk over the fields of a type along the bytes of a message; BagError if it differs."""
         self._store, self._data, self._offset = store, data, HEADER
         if len(data) < HEADER or data[0] or data[1] > 1:
             raise BagError(f'{type_name}: not a CDR message')

@@ -59,6 +59,7 @@ class OutputComparison:
     """Keeps outputs until their motions are computed, then compares both."""
 
     def __init__(self, bag: Bag, origin: Origin) -> None:
+        """Begin with a bag that no message was taken of; :meth:`begin` tells the scene."""
         self._bag, self._origin = bag, origin
         self.largest: dict[tuple[str, str], float] = {}     # difference of (name, field)
         self.counts: Counter[str] = Counter()               # messages compared, by name
@@ -104,7 +105,7 @@ class OutputComparison:
                 if stamps is None:
                     raise BagError(f'{self._bag.path}: {topic} has no header')
                 before = np.array([before for before, *_ in outputs])
-                indices = motions.of_outputs(before, stamps)
+                indices = motions.of_outputs(before, stamps)        # of the motion of each output
                 self._waiting[name] += [outputs[row] for row in np.flatnonzero(indices == LATER)]
                 for row in np.flatnonzero(indices == NOWHERE):       # by the likely reason
                     if _tells_timeout(records[row:row + 1], name, self._scene):

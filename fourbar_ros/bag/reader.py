@@ -103,6 +103,7 @@ class Bag:
     """
 
     def __init__(self, path: str | Path, progress: Progress | None = None) -> None:
+        """Find the files of a bag; raise BagError if there are none of MCAP."""
         self.path, self._progress = Path(path), progress or (lambda size: None)
         self.files = metadata.files_of(self.path)
         if not any(map(_may_be_mcap, self.files)):

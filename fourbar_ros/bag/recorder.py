@@ -62,6 +62,7 @@ class BagWriter:
                  about: Mapping[str, object], split_size: float = 0.0,
                  split_duration: float = 0.0, tell: Callable[[str], object] | None = None,
                  clock: Callable[[], int] | None = None) -> None:
+        """Make the folder of a bag, its first file, and the threads that write and sync it."""
         offset = time.time_ns() - time.monotonic_ns()
         self.clock = clock or (lambda: offset + time.monotonic_ns())
         self.path = Path(directory) / (metadata.checked_name(name) or metadata.fresh_name())
@@ -274,6 +275,7 @@ class BagFile:
 
     def __init__(self, folder: Path, index: int, channels: Sequence[Channel],
                  about: Mapping[str, str]) -> None:
+        """Begin NAME_INDEX.mcap in the folder NAME, with all channels and no message yet."""
         self.path = folder / f'{folder.name}_{index}.mcap'
         self.stream = _Unbuffered(self.path)
         self.about, self._channels = dict(about), channels

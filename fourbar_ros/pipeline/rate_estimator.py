@@ -128,6 +128,7 @@ class RateEstimator:
 
     def __init__(self, window: int = 5, gap: float = 1.0, jump: float = 1.0,
                  turn: float = tau, length: float = 1.0, top_speed: float = nan) -> None:
+        """Begin without samples."""
         self._gap, self._jump, self._turn, self._length = nanoseconds(gap), jump, turn, length
         self._top_speed = top_speed
         self._samples: deque[_Sample] = deque(maxlen=window)

@@ -144,6 +144,7 @@ class Stepper:
 
     def __init__(self, scene: Scene, acting: Mapping[str, ActingInput] | None = None,
                  joints: SceneJoints | None = None) -> None:
+        """Prepare the scene's mode, and what its outputs need."""
         self._scene, self.mode = scene, mode_number(scene.linkage.mode)
         self._policy = scene.drive.out_of_range
         self.joints = joints or joints_of(scene)

@@ -6,7 +6,7 @@ import csv
 from math import isfinite
 from pathlib import Path
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.scene.settings import FORCE_UNITS, ParameterValues, POSITION_UNITS
@@ -17,6 +17,7 @@ NODE = '/fourbar'
 # {root of an XML file: its format}
 DESCRIPTIONS = {'robot': 'URDF', 'sdf': 'SDF', 'mujoco': 'MJCF'}
 ROOT = re.compile(r'\ufeff?\s*(?:<[?!][^>]*>\s*)*<(\w+)')
+OF_TABLE = 'places', 'place_unit', 'values', 'value_unit'     # fields of a force
 TABLE = re.compile(r'forces\.\w+\.table')
 HEADING = re.compile(r'\s*([^\[\],]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*')
 # PyYAML's problems as a user sees them
@@ -127,15 +128,6 @@ def overrides(arguments: Sequence[str], node: str) -> YamlTree:
     return values
 
 
-class TableColumns(NamedTuple):
-    """The two columns of a table over a position, and their units."""
-
-    places: list[float]
-    place_unit: str
-    values: list[float]
-    value_unit: str
-
-
 def with_tables(values: ParameterValues, folders: Sequence[Path]) -> YamlTree:
     """
     Return values with tables read from CSV files in place of the names of these files.
@@ -148,23 +140,24 @@ def with_tables(values: ParameterValues, folders: Sequence[Path]) -> YamlTree:
         if not (TABLE.fullmatch(name) and isinstance(file, str) and file):
             continue
         force = name.removesuffix('.table')
-        for field in TableColumns._fields:
+        for field in OF_TABLE:
             if values.get(f'{force}.{field}'):
                 raise InvalidParameter(f'{force}.{field}', values[f'{force}.{field}'],
                                        f'is in the file already: {file}')
         beside = [path for folder in folders if (path := folder / file).exists()]
-        columns = read_table(beside[-1] if beside else folders[-1] / file,
-                             values.get(f'{force}.periodic') is True)
+        table = read_table(beside[-1] if beside else folders[-1] / file,
+                           values.get(f'{force}.periodic') is True)
         del replaced[name]
-        replaced.update((f'{force}.{field}', value) for field, value in columns._asdict().items())
+        replaced.update((f'{force}.{field}', value) for field, value in table.items())
     return replaced
 
 
-def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
+def read_table(path: Path, is_periodic: bool = False) -> dict[str, Any]:
     """
-    Return the table of a CSV file: a header with units, then a place and a value in each row.
+    Return {places, place_unit, values, value_unit} of a CSV file, parameters of a force.
 
-    Raises SceneError naming file and row, also for a table that is no function.
+    The file has a header with units, then a place and a value in each row. Raises SceneError
+    naming file and row, also for a table that is no function.
     """
     from fourbar_ros.mechanisms.force_table import ForceTable  # takes numpy
 
@@ -178,13 +171,13 @@ def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
     if len(header) != 2 or '' in units:
         raise refuse(row, 'must be two headings with units, as "theta1 [deg], pressure [bar]"; '
                           f'units are {", ".join(POSITION_UNITS)} and {", ".join(FORCE_UNITS)}')
-    table = TableColumns([], units[0], [], units[1])
+    columns: tuple[list[float], list[float]] = [], []
     for row, cells in rows[1:]:
         if len(cells) != 2:
             raise refuse(row, f'{len(cells)} columns, must be a place and a value'
                          + ('; write decimals with a point, or ; between columns'
                             if len(cells) == 4 else ''))
-        for text, column in zip(cells, (table.places, table.values)):
+        for text, column in zip(cells, columns):
             try:
                 column.append(float(text))
             except ValueError:
@@ -192,14 +185,14 @@ def read_table(path: Path, is_periodic: bool = False) -> TableColumns:
             if not isfinite(column[-1]):
                 raise refuse(row, f'{text.strip()!r} must be a finite number')
     try:
-        ForceTable(table.places, table.values, is_periodic, is_linear=True)
+        ForceTable(*columns, is_periodic, is_linear=True)
     except InvalidParameter as error:
         name, _, index = error.name.rstrip(']').partition('[')
         if not index:
             raise SceneError(f'{path}: {error}') from None
         raise refuse(rows[int(index)][0], f'{error.value:g} {units[name == "values"]} '
                                           f'{error.allowed}') from None
-    return table
+    return dict(zip(OF_TABLE, (columns[0], units[0], columns[1], units[1])))
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:

@@ -201,7 +201,8 @@ def test_a_table_of_another_program_is_read(tmp_path):
     (tmp_path / 'own.csv').write_bytes(b'\xef\xbb\xbf# made elsewhere\r\n'
                                        b'"theta1 [deg]","p [bar]"\r\n'
                                        b'0,1e0\r\n\r\n 360 , +2.5\r\n')
-    assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.0, 2.5], 'bar')
+    table = read_table(tmp_path / 'own.csv')
+    assert (*table.values(),) == ([0.0, 360.0], 'deg', [1.0, 2.5], 'bar')
 
 
 def test_a_german_spreadsheet_is_read(tmp_path):
@@ -212,7 +213,8 @@ def test_a_german_spreadsheet_is_read(tmp_path):
     assert force.value.table == ForceTable([0.0005, 0.192, 0.192, 0.2],
                                            [2.5, 0.0, -2000.0, -2000.0], is_linear=True)
     (tmp_path / 'own.csv').write_text('"Winkel [°]";"Moment [Nm]"\n0;1,5e0\n360;1,5\n', 'utf-8')
-    assert read_table(tmp_path / 'own.csv') == ([0.0, 360.0], 'deg', [1.5, 1.5], 'N m')
+    table = read_table(tmp_path / 'own.csv')
+    assert (*table.values(),) == ([0.0, 360.0], 'deg', [1.5, 1.5], 'N m')
 
 
 def test_texts_with_units_are_the_numbers_in_si():

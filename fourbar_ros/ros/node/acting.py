@@ -22,6 +22,7 @@ class ActingInputs:
     """The topics of wrenches and base of a scene, which says what acts when one is silent."""
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
+        """Subscribe to the topics of a scene that tell what acts; a timer looks for silence."""
         self._node, self._stream, self._troubles = node, stream, troubles
         # {name: arrival of its newest message [ns] by the clock of silences}, without silent ones
         self._received: dict[str, int] = {}

@@ -27,6 +27,7 @@ class ClockInput:
     """
 
     def __init__(self, node: Node, stream: Stream, troubles: Troubles) -> None:
+        """Begin a grid of samples; a timer looks which ones are due."""
         self._node, self._stream, self._troubles = node, stream, troubles
         troubles.expect('missed', 'clock_steps', 'faults')
         self._settings, (self._clock, self._time) = stream.scene.drive, clock_of(node)

@@ -43,6 +43,7 @@ class Stream:
 
     def __init__(self, node: Node, run: RunningScene, recording: Recording,
                  troubles: Troubles) -> None:
+        """Publish what a scene in force publishes; steps come by :meth:`step`."""
         self._node, self.run, self._recording, self._log = node, run, recording, troubles.log
         self._lock = threading.Lock()        # held in a step, and while anything changes
         self.steps, self.bad_steps = 0, 0    # since the start; bad: the status was not OK

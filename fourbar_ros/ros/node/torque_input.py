@@ -26,6 +26,7 @@ class TorqueInput(clock_input.ClockInput):
     """
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
+        """Begin the motion at the start of the scene; subscribe to the torque, if one comes."""
         self._scene: scene.Scene | None = None             # of the last step
         self._mover: Mover                           # of that scene
         self._subscription = None
