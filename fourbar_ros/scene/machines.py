@@ -160,7 +160,7 @@ def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> P
     x, y, along, across, d1, d2 = [
         None if isinstance(value, float) and isnan(value) else value for value in [
             values[f'{group}.{field}'] for field in COORDINATES]]
-    of_ground, of_link, of_ends = [any(number is not None for number in pair)
+    of_ground, of_link, of_ends = [any(value is not None for value in pair)
                                    for pair in ((x, y), (along, across), (d1, d2))]
     if of_ground + of_link + of_ends > 1 or of_ground and link:
         raise InvalidParameter(group, None, 'stands twice: give x and y of the ground, or a link '
@@ -172,8 +172,8 @@ def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> P
         raise InvalidParameter(f'{group}.side', side or None, 'must be left or right, with '
                                'distance_1 and distance_2, and only then')
     if not of_ends:
-        place = (x, y) if of_ground else (along, across)
-        return Point(link or GROUND, *[0.0 if number is None else number for number in place])
+        coordinates = (x, y) if of_ground else (along, across)
+        return Point(link or GROUND, *[0.0 if value is None else value for value in coordinates])
     rod = next((f'dyads.{dyad}.length_{i}' for dyad in values['linkage.dyads']
                 for i, name_of_link in enumerate(values[f'dyads.{dyad}.links'], 1)
                 if name_of_link == link

@@ -210,12 +210,12 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
         # angles or lengths: a text stays until the mechanism tells which, but of the input
         units = ([unit_in(parameter, values)] if name == 'linkage.range'
                  else parameter.unit.split(' or '))
-        numbers = [as_number(name, item, *units) for item in value]
-        for item in numbers:
+        in_si = [as_number(name, item, *units) for item in value]
+        for item in in_si:
             if not isinstance(item, float) or not isfinite(item):
                 raise InvalidParameter(name, item, 'must hold finite numbers')
-        value = [item if len(units) > 1 and isinstance(item, str) else number
-                 for item, number in zip(value, numbers)]
+        value = [item if len(units) > 1 and isinstance(item, str) else si
+                 for item, si in zip(value, in_si)]
     elif choices:
         require_choice(name, value, choices)
     # NaN may stand for "not given"
