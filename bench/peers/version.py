@@ -1,107 +1,185 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Times one version of this package, in a folder: the name of a work in, its CPU time out."""
-from collections import deque
-import gc
-from itertools import repeat
+"""Times one work of one version of this package, in a folder: its name in, its CPU time out."""
+import contextlib
+import io
 import json
-import math
+import os
 from pathlib import Path
 import sys
+import tempfile
 import time
+import warnings
 
-sys.path.insert(0, sys.argv[1])
-
-from fourbar_ros import (  # noqa: E402, I100
-    Bodies,
-    find_extrema,
-    FourBar,
-    InvertedSlider,
-    load_scene,
-    round_rod,
-    SliderCrank,
-)
-from fourbar_ros.pipeline import stepper as pipeline  # noqa: E402, I100
-
-try:
-    from fourbar_lab.studies import find_extrema_many
-except ImportError:     # an older version
-    from fourbar_ros import find_extrema_many
-import numpy as np  # noqa: E402
-
-CONFIG = Path(__file__).parents[2] / 'config'
-LENGTHS, OMEGA, COUNT, TIMES = (0.4, 1.2, 0.8, 1.0), 25.0, 1000, 5
-bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in LENGTHS[:3]))
-angles = [2.0 * math.pi * k / COUNT for k in range(COUNT)]
-many = np.tile(angles, 10)
-four_bars = [np.random.default_rng(0).uniform(low, high, 8192)
-             for low, high in ((0.2, 0.4), (1.0, 1.2), (0.7, 0.9))]
+PROGRAM, FOLDER, *WORK = sys.argv
+sys.path.insert(0, FOLDER)
+warnings.simplefilter('ignore')
+SCENES = Path(FOLDER) / 'config'
+DYADS, RATE = 40, 25.0
+# {scene of a study: what varies}
+STUDIES = {
+    'paper': {'linkage.a1': [0.2, 0.4], 'linkage.a2': [1.1, 1.3]},
+    'watt': {'dyads.one.length_1': [1.15, 1.25], 'dyads.two.length_1': [0.75, 0.85]},
+    'jansen': {'dyads.upper.length_1': [0.49, 0.51], 'dyads.leg.length_1': [0.385, 0.4]},
+    'v8': {'dyads.L1.length_1': [0.14, 0.16], 'dyads.R1.length_1': [0.14, 0.16]}}
+FEW, MANY, LEAST = 8, 4096, 0.5     # designs of a study, whose work takes so long at least [s]
 
 
-def make(kind, lengths, **options):
-    return kind(*lengths, mode=2, bodies=bodies, gravity=(0.0, -9.81), **options)
+def chain(is_star):
+    """Return four-bars in a row, each driven by the rocker of the one before, or by the crank."""
+    from fourbar_ros.machine import Dyad, Machine, Point, rods
+    dyads = [Dyad(f'd{i}', 'RRR', Point('crank' if is_star or not i else f'r{i - 1}', 0.4),
+                  Point('ground', 1.0 + 0.01 * i if is_star else 1.0 + i, 0.01 * i),
+                  (f'c{i}', f'r{i}'), length_1=1.2, length_2=0.8) for i in range(DYADS)]
+    return Machine(dyads, bodies=rods(dyads, 7750.0, 0.01))
 
 
-def each(function, samples=angles):
-    return lambda: deque(map(function, samples, repeat(OMEGA), repeat(0.0)), 0)
+def scene(name):
+    """Return a scene that comes with this version."""
+    from fourbar_ros import load_scene
+    return load_scene(next(SCENES.rglob(f'{name}.yaml')))
 
 
-def first_step():
-    make(FourBar, LENGTHS).step(1.0, OMEGA, 0.0)
+def study(name):
+    """Return the function that computes a study of a scene, and how many designs it has."""
+    from fourbar_lab.studies.chunks import compute
+    from fourbar_lab.studies.study import from_document
+
+    def of(rows):
+        return from_document({
+            'scene': str(next(SCENES.rglob(f'{name}.yaml'))), 'rows': rows, 'keep': 'all',
+            'vary': {what: {'range': bounds} for what, bounds in STUDIES[name].items()},
+            'quantities': ['driving_torque.peak', 'shaking_force.max']})
+    rows, took = FEW, 0.0
+    compute(of(rows), 0)
+    while rows < MANY and took < LEAST:
+        rows *= 1 if not took else 8
+        began = time.process_time()
+        compute(of(rows), 0)
+        took = time.process_time() - began
+    return lambda: compute(of(rows), 0), rows
 
 
-def steps_by_torque():
-    values = mover.start()
-    for _ in range(COUNT):
-        _, values = mover.next(values, 0.001)
+def arrays(count):
+    """Return the function that computes samples of motion and loads, and how many."""
+    import numpy as np
+    linkage, x = scene('paper').linkage, np.linspace(0.0, 6.0, count)
+    repeats = max(1, 10**6 // count)
+    linkage.step(x, RATE, 0.0)
+
+    def compute():
+        for _ in range(repeats):
+            linkage.step(x, RATE, 0.0)
+    return compute, count * repeats
 
 
-def steps_of_the_node():
-    """Do the node's work at each input of the paper's scene, without messages."""
-    for angle in angles:
-        stepper.step(angle, OMEGA, 0.0, *wanted)
+def construction(is_star):
+    from fourbar_ros.machine import Machine  # noqa: F401
+    return lambda: chain(is_star).input_ranges, 1
 
 
-mover = load_scene(CONFIG / 'motor.yaml').mover
-paper = load_scene(CONFIG / 'paper.yaml')
-stepper = pipeline.Stepper(paper)
-wanted = ((pipeline.Wanted(True, paper.topics),) if hasattr(pipeline.Wanted, 'of')
-          else (True, True))                 # an older version
-linkage = make(FourBar, LENGTHS)
-WORK = {
-    'sine': (lambda: deque(map(math.sin, angles), 0), COUNT),
-    'one step': (each(linkage.step), COUNT),
-    'one step, motion only': (each(linkage.motion), COUNT),
-    'one step of a slider-crank': (each(make(SliderCrank, (0.4, 1.2, 0.1)).step), COUNT),
-    'one step of a cylinder': (each(make(InvertedSlider, (0.4, 1.2, 0.1), input='slide').step,
-                                    [0.9 + 0.6 * k / COUNT for k in range(COUNT)]), COUNT),
-    'a new linkage and its step': (first_step, 1),
-    'one step by torque': (steps_by_torque, COUNT),
-    'one step of the node, without messages': (steps_of_the_node, COUNT),
-    'a batch of 10000': (lambda: linkage.step(many, OMEGA, 0.0), len(many)),
-    'a batch of 1000': (lambda: linkage.step(many[:COUNT], OMEGA, 0.0), COUNT),
-    'extrema of omega4 and alpha4': (
-        lambda: find_extrema(make(FourBar, LENGTHS), ('omega4', 'alpha4'), OMEGA), 1),
-    'the same of one of 8192 four-bars': (
-        lambda: find_extrema_many(*four_bars, 1.0, rate=OMEGA), len(four_bars[0]))}
+def first_array(linkage):
+    import numpy as np
+    linkage.step(1.0, RATE)
+    return lambda: linkage.step(np.linspace(0.0, 6.0, 1000), RATE), 1
 
 
-def best(work, count, least=2e-3):
-    """Return the least CPU time of one [s] in some turns of at least ``least``."""
-    found = math.inf
-    for _ in range(TIMES):
-        done, start = 0, time.process_time()
-        while (took := time.process_time() - start) < least:
-            work()
-            done += count
-        found = min(found, took / done)
-    return found
+def first_extrema(linkage):
+    from fourbar_ros import find_extrema
+    return lambda: find_extrema(linkage, (), RATE), 1
 
 
-for work, _ in WORK.values():
+def singular_inputs(linkage):
+    return lambda: linkage.singular_inputs, 1
+
+
+def run_of_engine():
+    from fourbar_ros.scene.simulated import simulate_scene
+    loaded = scene('engine')
+    return lambda: simulate_scene(loaded, 1.0, 1e-6), 1
+
+
+def steps_of_node():
+    mover = scene('engine').mover
+    mover.next(mover.start(), 0.001)
+
+    def step():
+        values = mover.start()
+        for _ in range(1000):
+            _, values = mover.next(values, 0.001)
+    return step, 1
+
+
+def endless():
+    """Return a run whose turns grow for ever: it cannot end within its evaluations."""
+    from fourbar_ros import dynamics
+    from fourbar_ros.dynamics.sources import ConstantTorque
+    system = dynamics.System(scene('paper').linkage, -0.5,
+                             drive=dynamics.Drive(ConstantTorque(0.1)))
+
+    def run():
+        with contextlib.suppress(Exception):
+            dynamics.simulate(system, 600.0, evaluations=300_000)
+    return run, 1
+
+
+def loading():
+    import fourbar_ros  # noqa: F401
+    return lambda: scene('engine'), 1
+
+
+def importing():
+    return lambda: __import__('fourbar_ros'), 1
+
+
+def verb(*arguments):
+    """Return a call of the command, its imports too."""
+    def call():
+        from fourbar_ros.cli.main import main
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(
+                io.StringIO()), contextlib.suppress(SystemExit):
+            main([*arguments])
+    return call, 1
+
+
+# {what: (function -> (what is timed, how many it does), unit)}
+WORKS = {
+    'first array of V8': (lambda: first_array(scene('v8').linkage), 'ms'),
+    f'first array of a star of {DYADS} dyads': (lambda: first_array(chain(True)), 'ms'),
+    f'first array of a chain of {DYADS}': (lambda: first_array(chain(False)), 'ms'),
+    'singular inputs of V8': (lambda: singular_inputs(scene('v8').linkage), 'ms'),
+    f'singular inputs of a star of {DYADS}': (lambda: singular_inputs(chain(True)), 'ms'),
+    f'singular inputs of a chain of {DYADS}': (lambda: singular_inputs(chain(False)), 'ms'),
+    'first extrema of V8, all quantities': (lambda: first_extrema(scene('v8').linkage), 'ms'),
+    'first extrema of watt, all quantities': (
+        lambda: first_extrema(scene('watt').linkage), 'ms'),
+    f'construction of a star of {DYADS}, its ranges': (lambda: construction(True), 'ms'),
+    f'construction of a chain of {DYADS}, its ranges': (lambda: construction(False), 'ms'),
+    'simulate engine, 1 s at 1e-6': (run_of_engine, 'ms'),
+    'the same 1 s in steps of the node': (steps_of_node, 'ms'),
+    'a run that will not end gives up, 300,000 evaluations': (endless, 'ms'),
+    'load_scene("engine"), with its imports': (loading, 'ms'),
+    'import fourbar_ros': (importing, 'ms'),
+    'fourbar table, refused': (lambda: verb('table'), 'ms'),
+    'fourbar show paper': (lambda: verb('show', 'paper'), 'ms'),
+    'a sample of motion and loads, arrays of 1e4': (lambda: arrays(10**4), 'us'),
+    '... of 1e6': (lambda: arrays(10**6), 'us'),
+    **{f'a design of a study of {name}': (lambda name=name: study(name), 'us')
+       for name in STUDIES}}
+
+
+def main():
+    """Print the works and their units as JSON; of one its CPU time [s]."""
+    if not WORK:
+        print(json.dumps({name: unit for name, (_, unit) in WORKS.items()}))
+        return
+    os.chdir(tempfile.gettempdir())
+    make, _ = WORKS[WORK[0]]
+    work, count = make()
+    began = time.process_time()
     work()
-gc.disable()
-print(json.dumps({'names': list(WORK)}), flush=True)
-for line in sys.stdin:
-    print(json.dumps({line.strip(): best(*WORK[line.strip()])}), flush=True)
-    gc.collect()
+    print(json.dumps((time.process_time() - began) / count))
+
+
+if __name__ == '__main__':
+    main()
