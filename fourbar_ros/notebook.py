@@ -16,7 +16,7 @@ def short_repr(name: str, fields: Mapping[str, Any]) -> str:
     """Return 'NAME(field=value, ...)' in at most ten lines, with the shape alone of arrays."""
     words = [f'{field}=array{shape}' if (shape := getattr(value, 'shape', ())) else
              f'{field}={value!r}' for field, value in fields.items()]
-    text = f'{name}({", ".join(words)})'
+    text = ' '.join(f'{name}({", ".join(words)})'.split())
     return text if len(text) <= LONGEST else f'{text[:LONGEST - 5]} ...)'
 
 

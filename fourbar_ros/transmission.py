@@ -32,6 +32,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
@@ -54,6 +55,9 @@ class Trajectory(NamedTuple):
     rate: Array
     acceleration: Array | None
     effort: Array | None            # [N m or N], of the drive, or of the output on what it moves
+
+    def __repr__(self) -> str:
+        return short_repr('Trajectory', self._asdict())
 
 
 def trajectory(position: ArrayLike, rate: ArrayLike = 0.0,

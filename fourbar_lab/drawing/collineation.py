@@ -34,6 +34,7 @@ from typing import Any, NamedTuple
 
 from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, Mechanism, SliderCrank
 from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -52,6 +53,9 @@ class CollineationAxis(NamedTuple):
     along: Array                # the axis along the coupler line and square to it, in one unit
     across: Array
     lines: dict[str, Array]     # 'ground', 'coupler', 'crank', 'output' and the 'axis'
+
+    def __repr__(self) -> str:
+        return short_repr('CollineationAxis', self._asdict())
 
     @property
     def angle(self) -> Array:

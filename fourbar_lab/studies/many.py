@@ -16,6 +16,7 @@ from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.mechanisms.quantities import QUANTITIES
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import array, FASTEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.scene.scene import from_values
@@ -49,6 +50,9 @@ class Extrema(NamedTuple):
     is_global: Array
     side: Array         # 0 inside the input range; at its ends approached from above (1), below
     reason: Array       # why a linkage has no extrema, as that it cannot be assembled; else ''
+
+    def __repr__(self) -> str:
+        return short_repr('Extrema', self._asdict())
 
 
 def find_extrema_many(a1: ArrayLike, a2: ArrayLike, a3: ArrayLike, a4: ArrayLike,

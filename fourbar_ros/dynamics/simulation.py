@@ -80,6 +80,9 @@ class RunState(NamedTuple):
     dissipated: Any            # by friction since the start [J]; 0 without any
     work: Any                  # done by all that is not conservative since the start [J]
 
+    def __repr__(self) -> str:
+        return short_repr('RunState', self._asdict())
+
 
 class Stuck(NamedTuple):
     """A time in which the input is slower than the slip speed of its friction."""

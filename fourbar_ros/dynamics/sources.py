@@ -42,6 +42,7 @@ from math import inf, tau
 from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import array, check_quantities, quantity
 from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 import numpy as np
@@ -291,6 +292,10 @@ class TorqueTable:
             raise InvalidParameter('times', times, 'must increase')
         object.__setattr__(self, 'times', tuple(times.tolist()))
         object.__setattr__(self, 'torques', tuple(torques.tolist()))
+
+    def __repr__(self) -> str:
+        return short_repr('TorqueTable', {
+            'times': self.times, 'torques': self.torques, 'linear': self.linear})
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -101,6 +102,9 @@ class PointMotion(NamedTuple):
     tangential_acceleration: float     # [m/s^2] d speed / dt, Eq. (2)
     normal_acceleration: float         # [m/s^2] speed^2 times curvature
     curvature: float          # [1/m] of the path, positive where it turns left
+
+    def __repr__(self) -> str:
+        return short_repr('PointMotion', self._asdict())
 
     @property
     def place(self) -> Array:

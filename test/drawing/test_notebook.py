@@ -8,7 +8,9 @@ import re
 import subprocess
 import sys
 
+from fourbar_lab.drawing import collineation_axis
 from fourbar_lab.drawing.figure import COLOURS, CURVES, save
+from fourbar_lab.studies import find_extrema_many
 from fourbar_ros import (
     Body,
     find_extrema,
@@ -21,14 +23,14 @@ from fourbar_ros import (
 )
 from fourbar_ros.bag.overview import info
 from fourbar_ros.cli.main import main
-from fourbar_ros.dynamics import simulate
+from fourbar_ros.dynamics import simulate, TorqueTable
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.notebook import LONGEST
 from fourbar_ros.scene.files import shipped
-from fourbar_ros.transmission import Transmission
+from fourbar_ros.transmission import trajectory, Transmission
 import numpy as np
 import pytest
 from support import bags, ROOT
@@ -55,6 +57,11 @@ def test_texts_are_short_and_tables_whole(run, tmp_path):
                   scene.linkage.motion(float(inputs[1]))]
         if scene.linkage.has_loads:
             shown += [scene.linkage.loads(inputs, 1.0)]
+    long, linkage = np.linspace(0.0, 0.1, 500), PAPER_SCENE.linkage
+    shown += [run.at(long), run.loads_at(long), point_motion(
+        linkage, linkage.motion(long), 'coupler', 0.1), collineation_axis(
+        linkage, linkage.motion(long)), trajectory(long), TorqueTable(long, long),
+        find_extrema_many(0.4, np.linspace(1.1, 1.3, 50), 0.8, 1.0)['omega4']]
     for each in shown:
         text = repr(each)
         lines = text.splitlines()
