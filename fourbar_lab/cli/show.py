@@ -106,7 +106,7 @@ def _show(arguments: Namespace) -> None:
         of_motion, of_loads = ([extremum for extremum in extrema
                                 if (extremum.quantity in loads) is of_load]
                                for of_load in (False, True))
-        title = f'at {rates}, mode {tables.mode_name(linkage)}'
+        title = f'at {rates}, mode {linkage.modes[linkage.mode]}'
         console = make_console()
         blocks = [
             tables.linkage_table(linkage, path),

@@ -14,7 +14,7 @@ import sys
 import time
 
 from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
-from fourbar_lab.drawing.tables import linkage_table, mode_name, rates_in_words
+from fourbar_lab.drawing.tables import linkage_table, rates_in_words
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.common import Parser
@@ -131,7 +131,7 @@ def show_extrema(client: Driver, console: Console) -> None:
         console.print(f'find_extrema: {answer.message}')
         return
     console.print(make_table(
-        f'global extrema at {rates_in_words(linkage, speed)}, mode {mode_name(linkage)}, from '
+        f'global extrema at {rates_in_words(linkage, speed)}, mode {linkage.modes[linkage.mode]}, from '
         f'{NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
         [(extremum.quantity, KINDS[extremum.kind], f'{extremum.value:.9g}', extremum.unit,

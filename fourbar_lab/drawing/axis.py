@@ -122,6 +122,7 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
             upper.plot(x, extremum.value, 'o', ms=6, mfc='none', mec='k')
             lower.plot(x, 90.0, 'o', ms=6, mfc='none', mec='k')
         unit = 'm/s' if coordinate.unit == 'm' else 'rad/s'
+        upper.tick_params(labelbottom=False)
         upper.set(ylabel=f'{coordinate.rate} [{unit}]')
         lower.set(ylabel='coupler to axis [deg]', xlabel='theta1 [deg]', ylim=(0.0, 180.0),
                   yticks=(0, 45, 90, 135, 180))

@@ -67,7 +67,8 @@ class CollineationAxis(NamedTuple):
 
 def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAxis:
     """Return the collineation axis of a four-bar or slider-crank; InvalidParameter of others."""
-    if not has_axis(linkage):
+    if linkage.is_driven_by_slide or not isinstance(
+            linkage, (FourBar, SliderCrank, InvertedSlider)):
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')
     unit, a1 = max(map(abs, linkage.lengths)), linkage.lengths[0]
@@ -84,12 +85,6 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     lines['axis'] = axis = cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
-
-
-def has_axis(linkage: Mechanism) -> bool:
-    """Return whether it is a loop of four links that its crank drives."""
-    return (isinstance(linkage, (FourBar, SliderCrank, InvertedSlider))
-            and not linkage.is_driven_by_slide)
 
 
 def _output_joints(linkage: Mechanism, motion: Any) -> tuple[Corner, Corner]:

@@ -35,11 +35,11 @@ def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False,
     """
     Return inputs over each range of a mechanism, arrays of shape (count,) [rad] or [m].
 
-    Full turns follow each other, ``count`` inputs in each, until all repeats, see
-    :func:`turns_of`; ``from_zero``: they begin at 0, where extrema are counted from.
+    Full turns follow each other, ``count`` inputs in each, until all repeats, with forces after
+    ``turns``; ``from_zero``: they begin at 0, where extrema are counted from.
     """
     if mechanism.turns_fully:
-        turns = turns_of(mechanism, turns)
+        turns = lcm(turns, round(mechanism.period / tau))
         first = 0.0 if from_zero else -180.0 * turns
         return [np.radians(np.linspace(first, first + 360.0 * turns, turns * (count - 1) + 1))]
     inputs = []
@@ -47,11 +47,6 @@ def cycles(mechanism: Mechanism, count: int = SAMPLES, from_zero: bool = False,
         margin = WITHIN * (high - low) if mechanism.toggles else 0.0
         inputs.append(np.linspace(low + margin, high - margin, count))
     return inputs
-
-
-def turns_of(mechanism: Mechanism, turns: int = 1) -> int:
-    """Return after how many turns of a full crank all repeats, with forces after ``turns``."""
-    return lcm(turns, round(mechanism.period / tau))
 
 
 def usual_points(mechanism: Mechanism, points: Points) -> Points:

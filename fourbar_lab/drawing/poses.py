@@ -32,7 +32,7 @@ def position_of(linkage: Mechanism, user_input: float) -> float:
 
 
 def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float,
-                counted: str = '') -> DrawnPose:
+                counted: str = '', at_toggles: bool = True) -> DrawnPose:
     """Return the pose at an input [degrees or m], ``counted`` so in words; or FourBarError."""
     sample = position_of(linkage, user_input), speed, acceleration
     status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
@@ -41,16 +41,9 @@ def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleratio
         raise no_pose(linkage, user_input, f'is outside the input range {ranges}{counted}')
     if status == stepper.INVALID_INPUT:
         linkage.motion(*sample)       # raises where the input is not finite
-    return DrawnPose(status, motion, loads if linkage.has_loads else None)
-
-
-def step_at(linkage: Mechanism, user_input: float, speed: float, acceleration: float
-            ) -> DrawnPose:
-    """Return the pose as :func:`evaluate_at`, not at a toggle, where loads are infinite."""
-    pose = evaluate_at(linkage, user_input, speed, acceleration)
-    if pose.status == stepper.TOGGLE:
+    if status == stepper.TOGGLE and not at_toggles:
         raise no_pose(linkage, user_input, 'is a toggle position: rates and loads are unbounded')
-    return pose
+    return DrawnPose(status, motion, loads if linkage.has_loads else None)
 
 
 def no_pose(linkage: Mechanism, user_input: float, why: str) -> FourBarError:

@@ -27,10 +27,6 @@ NO_WEIGHT = 'weight', 'left out (gravity 0)'         # name and text of a row
 SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
 
-def mode_name(linkage: Mechanism) -> str:
-    return linkage.modes[linkage.mode]
-
-
 def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,
                    between: str = ' and ') -> str:
     """Return speed, and acceleration if there is one: '10 rad/s (95.493 rpm) and 2 rad/s^2'."""

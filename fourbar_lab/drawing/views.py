@@ -104,9 +104,9 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
             f'paths over a cycle: {linkage.description}', paper)
     assert user_input is not None
     usual += (f', {tables.rates_in_words(linkage, rate, change, ", ")}, '
-              f'assembly mode {tables.mode_name(linkage)}')
-    _, motion, loads = poses.step_at(linkage, user_input, rate, change)
-    return figure.make_figure(linkage, motion, loads, usual, scene.points, paper=paper)
+              f'assembly mode {linkage.modes[linkage.mode]}')
+    pose = poses.evaluate_at(linkage, user_input, rate, change, at_toggles=False)
+    return figure.make_figure(linkage, pose.motion, pose.loads, usual, points, paper=paper)
 
 
 def plot(scene: Scene, *names: str, speed: Option = None, acceleration: Option = 0.0,
