@@ -131,8 +131,8 @@ def show_extrema(client: Driver, console: Console) -> None:
         console.print(f'find_extrema: {answer.message}')
         return
     console.print(make_table(
-        f'global extrema at {rates_in_words(linkage, speed)}, mode {linkage.modes[linkage.mode]}, from '
-        f'{NODE}/find_extrema',
+        f'global extrema at {rates_in_words(linkage, speed)}, mode '
+        f'{linkage.modes[linkage.mode]}, from {NODE}/find_extrema',
         ('quantity', '', 'value>', 'unit', f'{linkage.input_coordinate.position}>'),
         [(extremum.quantity, KINDS[extremum.kind], f'{extremum.value:.9g}', extremum.unit,
           f'{extremum.theta1 if isnan(extremum.slide) else extremum.slide:.7f}')
