@@ -77,8 +77,7 @@ def origin_of(path: str | Path | reader.Bag, node: str | None = None) -> Origin:
 def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, str]:
     """Return {short name: topic in the bag}; joint_states is known by its type if it is alone."""
     topics = {}
-    for topic in (DRIVEN, SCENE, *scene.topics.values(), *scene.acting_topics,
-                  *scene.drive_topics, *INPUTS.values()):
+    for topic in (*scene.recorded, *INPUTS.values()):
         full = full_name(topic, node)
         of_its_type = [name for name, type_name in types.items() if type_name == topic.type]
         if full in types:

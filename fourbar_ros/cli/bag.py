@@ -121,32 +121,28 @@ def _info(arguments: Namespace) -> int:
             'dropped': bag.dropped, 'ended': bag.ended, 'damage': bag.damage,
             'about': bag.about, 'topics': [topic._asdict() for topic in bag.topics]}))
         return 0 if bag.is_sound else common.BAD
-    about = terminal.make_table('', ('', ''))
-    about.add_row('bag', str(bag.path))
-    about.add_row('state', 'finished' if bag.is_finished else
-                  'unfinished: being written, or cut off by a crash or a full disk')
-    about.add_row('size', f'{bag.size / 1e6:.3f} MB'
-                  + (f' in {bag.files} files' if bag.files > 1 else ''))
-    seconds = 0.0
+    seconds, begin = 0.0, ''
     if bag.start is not None and bag.end is not None:
         seconds = (bag.end - bag.start) * 1e-9
-        start = datetime.fromtimestamp(bag.start * 1e-9).astimezone()
-        about.add_row('start', start.isoformat(' ', 'milliseconds'))
-    about.add_row('duration', f'{seconds:.3f} s')
-    made_by = ', '.join(map(' '.join, software_of(bag.about).items()))
-    for label, text in (('made by', made_by),
-                        ('node', bag.about.get('node')), ('ended', bag.ended),
-                        ('dropped', bag.dropped and f'{bag.dropped} messages'),
-                        ('lost', bag.lost), ('damage', bag.damage)):
-        if text:
-            about.add_row(label, text)
-    topics = terminal.make_table('', ('topic', 'type', 'messages>', 'Hz>', 'missing>'))
-    for topic in bag.topics:
-        rate = f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else ''
-        topics.add_row(topic.topic, topic.type, str(topic.messages), rate,
-                       '' if topic.missing is None else str(topic.missing))
-    terminal.make_console().print(about)
-    terminal.make_console().print(topics)
+        begin = datetime.fromtimestamp(bag.start * 1e-9).astimezone().isoformat(
+            ' ', 'milliseconds')
+    rows = (('bag', str(bag.path)),
+            ('state', 'finished' if bag.is_finished else
+             'unfinished: being written, or cut off by a crash or a full disk'),
+            ('size', f'{bag.size / 1e6:.3f} MB'
+             + (f' in {bag.files} files' if bag.files > 1 else '')),
+            ('start', begin), ('duration', f'{seconds:.3f} s'),
+            ('made by', ', '.join(map(' '.join, software_of(bag.about).items()))),
+            ('node', bag.about.get('node', '')), ('ended', bag.ended),
+            ('dropped', f'{bag.dropped} messages' if bag.dropped else ''), ('lost', bag.lost),
+            ('damage', bag.damage))
+    console = terminal.make_console()
+    console.print(terminal.make_table('', ('', ''), [row for row in rows if row[1]]))
+    console.print(terminal.make_table(
+        '', ('topic', 'type', 'messages>', 'Hz>', 'missing>'),
+        [(topic.topic, topic.type, str(topic.messages),
+          f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else '',
+          '' if topic.missing is None else str(topic.missing)) for topic in bag.topics]))
     if not bag.is_finished or bag.damage:
         print('fourbar bag recover makes a whole bag of what can be read')
     return 0 if bag.is_sound else common.BAD

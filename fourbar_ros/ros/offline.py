@@ -39,7 +39,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
         raise BagError(f'{path}: the motion goes into the other assembly mode at '
                        f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
                        'until then, or without a bag')
-    topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.topics.values()]
+    topics = scene.recorded
     names = {topic.name: origin.full_name(topic, NODE) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
     about = {**recording.about_of(scene, names, NODE), node_step.KEY: how}

@@ -163,26 +163,12 @@ class Scene:
         return (*self.wrenches.links, *([topics.BASE.name] if self.base.topic else []))
 
     @property
-    def acting_received(self) -> list[Topic]:
-        base = [topics.BASES[self.base.topic]] if self.base.topic else []
-        return [*map(topics.wrench_topic, self.wrenches.links), *base]
-
-    @property
-    def acting_topics(self) -> list[Topic]:
-        """Return the topics of wrenches and base: received, and in effect."""
-        return [*self.acting_received, *map(topics.applied_topic, self.acting)]
-
-    @property
-    def drive_topics(self) -> list[Topic]:
-        """Return the topics of a drive that works by torque: its command, if any, its state."""
-        command = [topics.TORQUE] if self.drive.source == topics.TORQUE.name else []
-        return [*command, topics.DRIVE_STATE] if self.dynamics else []
-
-    @property
     def received(self) -> list[Topic]:
+        """Return the topics on which the node listens: of what acts, its input, trajectories."""
+        base = [topics.BASES[self.base.topic]] if self.base.topic else []
         inputs = [topic for topic in (*topics.INPUTS.values(), topics.TORQUE)
                   if topic.name == self.drive.source]
-        return [*self.acting_received, *inputs,
+        return [*map(topics.wrench_topic, self.wrenches.links), *base, *inputs,
                 *(topics.TRAJECTORIES[name] for name in topics.ANSWERS
                   if self.values['trajectories'])]
 
@@ -194,6 +180,13 @@ class Scene:
         states = [topics.DRIVE_STATE] if self.dynamics else []
         return [*map(topics.applied_topic, self.acting), *states, *answers, topics.DRIVEN,
                 topics.SCENE, *self.topics.values(), *self.pictures.values()]
+
+    @property
+    def recorded(self) -> list[Topic]:
+        """Return the topics of a bag but the input and pictures: what acts, moves, comes out."""
+        not_here = *topics.INPUTS.values(), *topics.TRAJECTORIES.values(), *self.pictures.values()
+        of_node = [topic for topic in (*self.received, *self.published) if topic not in not_here]
+        return list(dict.fromkeys([topics.DRIVEN, topics.SCENE, *of_node]))
 
     @property
     def transmission(self) -> Transmission:

@@ -41,7 +41,7 @@ def test_the_source_torque_starts_at_rest_without_a_torque():
                                'drive.start_speed': -2})
     assert (found.dynamics.position, found.dynamics.rate) == (0.4, -2.0)
     assert found.dynamics.drive.source.torque(0.0, 1.0, ()) == (0.0, ())
-    assert [topic.name for topic in found.drive_topics] == ['torque', 'drive_state']
+    assert [topic.name for topic in found.recorded[2:4]] == ['torque', 'drive_state']
     assert scene.from_values({**PAPER, **RODS}).dynamics is None
 
 

@@ -81,7 +81,7 @@ def test_a_cylinder_pushes_along_its_rod_and_a_wrench_acts_on_a_link_by_name():
     assert wrench[:2] == pytest.approx(expected, rel=1e-12) and wrench[2] == 0.0
     topic = scene.from_values({**values, 'external.bucket.from_topic': True,
                                'external.bucket.force_x': 0.0, 'external.bucket.force_y': 0.0})
-    assert [each.topic for each in topic.acting_topics] == [
+    assert [each.topic for each in topic.recorded if 'bucket' in each.name] == [
         '~/external/bucket', '~/applied/bucket']
     stepper = Stepper(topic)
     assert stepper.step(1.8, 0.3, -2.0, Wanted(with_loads=True))[0] == LOADS_UNKNOWN

@@ -12,7 +12,14 @@ from fourbar_ros.pipeline import joints
 from fourbar_ros.pipeline.stepper import joints_of, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
 from fourbar_ros.scene import scene as scenes
-from fourbar_ros.scene.topics import applied_topic, DRIVEN, SCENE, wrench_topic
+from fourbar_ros.scene.topics import (
+    applied_topic,
+    DRIVE_STATE,
+    DRIVEN,
+    SCENE,
+    TORQUE,
+    wrench_topic,
+)
 import numpy as np
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from support import ROOT
@@ -136,7 +143,7 @@ def run(directory, name, values, cranks, changes=(), step_ns=10**6, paced=False,
     clock says. ``is_wrapped``: as the node did before joints were continuous.
     """
     scene = scenes.from_values(values)
-    topics = [DRIVEN, SCENE, *scene.acting_topics, *scene.topics.values()]
+    topics = [topic for topic in scene.recorded if topic not in (DRIVE_STATE, TORQUE)]
     resolved = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
     about = {'scene': json.dumps(scene.values), 'topics': json.dumps(resolved), 'node': '/fourbar'}
     if not is_wrapped:

@@ -14,7 +14,7 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros import __version__, optional
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.scene import Scene
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE
+from fourbar_ros.scene.topics import INPUTS
 from rclpy.node import Node
 
 if TYPE_CHECKING:      # only scenes that record need the mcap library
@@ -74,8 +74,7 @@ class Recording:
                 raise BagError(f'already recording to {self._bag[0].path}')
             with contextlib.suppress(BagError):      # it ended by an error, which was logged
                 self._bag[0].close()
-        topics = [DRIVEN, SCENE, *scene.drive_topics, *scene.acting_topics,
-                  *scene.topics.values(), *scene.pictures.values()]
+        topics = [*scene.recorded, *scene.pictures.values()]
         if scene.drive.source in INPUTS:
             topics.append(INPUTS[scene.drive.source])
         full_name = {topic.name: self._node.resolve_topic_name(topic.topic) for topic in topics}
