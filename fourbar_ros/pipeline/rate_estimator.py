@@ -91,7 +91,7 @@ class Estimate:
         The prediction is noisy too. So the distance is divided by the square root of 1 + its
         variance (for points with variance 1): the mean square is then the variance of one y.
         """
-        p = t - self._mean
+        p = t - self._mean                   # p1(t), below p2(t), as in __init__
         predicted = self._start + self._slope * p
         variance = 1.0 + 1.0 / self._n + p * p / self._norm
         if self.degree == 2:

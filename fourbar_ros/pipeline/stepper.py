@@ -155,8 +155,8 @@ class Stepper:
         self.acting: dict[str, ActingInput] = {}
         if scene.acting:
             from fourbar_ros.pipeline.wrenches import in_silence
-            self.acting = {name: (acting or {}).get(name) or in_silence(scene, name, None)
-                           for name in scene.acting}
+            self.acting = {name: acting[name] if acting and name in acting
+                           else in_silence(scene, name, None) for name in scene.acting}
         self._branches: dict[int, _Branch] = {}     # by mode
         self.prepare([self.mode])
 

@@ -173,11 +173,9 @@ class TopicInput:
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
                    ) -> tuple[float, float]:
         """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
-        scene = self._stream.scene
-        settings = rate_estimator.estimator_settings
-        if scene is not self._scene and settings(scene) != settings(
-                self._scene):                # else it keeps its rates
-            self._estimator = rate_estimator.estimator_of(scene)
+        scene, settings_of = self._stream.scene, rate_estimator.estimator_settings
+        if scene is not self._scene and settings_of(scene) != settings_of(self._scene):
+            self._estimator = rate_estimator.estimator_of(scene)     # else it keeps its rates
         self._scene = scene
         estimator = self._estimator
         late, restarts = estimator.late, estimator.restarts
