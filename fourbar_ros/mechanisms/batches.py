@@ -144,7 +144,8 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
 
 
 def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Base) -> NamedFields:
-    """Return the loads for arrays of inputs and of motions of the base that broadcast, real."""
+    """Return the loads for real arrays of inputs and of motions of the base, which broadcast."""
+    # The formula of a mechanism on any base, with columns for the numbers of the base.
     values, shape = _inputs([*mechanism.input_coordinate, *base._fields], [*inputs, *base])
     values = [np.array(np.broadcast_to(value, shape), float) for value in values]
     position, on_base = values[0], mechanism.with_base(Base())

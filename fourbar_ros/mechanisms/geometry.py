@@ -256,8 +256,8 @@ class MechanismGeometry(StatedMechanism):
         stroke, flats = self.cut, set(self.flat_limits)
         if not stroke and not flats:
             return None
-        period = self.period        # of the stroke; a limit comes round in every turn
-        turn = inf if self.is_driven_by_slide else 2.0 * pi
+        period = self.period        # of a stroke, two turns if the branch repeats after two
+        turn = inf if self.is_driven_by_slide else 2.0 * pi     # of a limit, in each turn
         near = BESIDE_FLAT_LIMITS * self.input_unit
 
         def may_be_given(position: Scalar) -> Any:

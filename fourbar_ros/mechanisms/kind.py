@@ -206,7 +206,9 @@ class Kind(Mechanism):
     def _links(self, lengths: Lengths, motion: Any, per_unit: Scalar = 1.0,
                are_ratios: bool = False) -> dict[str, LinkMotion]:
         """Return the motion of three links; ``lengths`` are ``per_unit`` times those in [m]."""
-        # are_ratios: per unit of the input, without accelerations.
+        # are_ratios: at unit rate of the input and zero acceleration. A direction of the motion,
+        # as 'b', is that of a link: x of the crank, COUPLER and OUTPUT of both others, if they
+        # turn.
         rates: dict[Coordinate, tuple[Scalar, Scalar]]
         if are_ratios:
             rates = {self.input_coordinate: (1.0, 0.0), **{

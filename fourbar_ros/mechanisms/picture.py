@@ -346,7 +346,8 @@ def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
         'O_4': (Point(GROUND, SceneLength('linkage.a4', mechanism.a4)), OUTPUT)}
     a, foot = joints['A'][0], Point('output', 0.0, mechanism.offset)
     rods, blocks = [Rod(CRANK, a), Rod(OUTPUT, foot)], []
-    if mechanism.is_driven_by_slide:        # a cylinder: the tube from O4, the rod out of it to A
+    # a cylinder: the tube from O4, the thin rod out of it to A, in proportions that look like one
+    if mechanism.is_driven_by_slide:
         low, high = sorted(map(abs, mechanism.input_ranges[-1]))
         tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
         length, width = min(tube, 0.98 * abs(motion.slide)), 2.4

@@ -77,14 +77,14 @@ class CutCurves:
         self._rates = [np.asarray(rate, complex) for rate in rates or (1.0, 0.0)]
         coordinates = [each for element in mechanism.elements for each in _coordinates(element)]
         self.coordinates = coordinates + [EDGE] * (len(wanted) - len(coordinates))
-        # follows: edges that loads have part in jump themselves at the ends of other curves, so
-        # these come first in ``order``
+        # Edges that are made of loads, so need masses, may jump at the ends of pieces that other
+        # curves bring: they ``follow`` these in ``order``. In the data, lengths and signs stand
+        # before what makes loads.
         first = self._trace.count + len(numbers_of((data.lengths, data.sign)))
         of_loads = set(range(first, self._trace.count + self._trace.size))
         needed = [order_of(self._trace, (k,)).of_inputs for k in wanted]
-        self.follows = [each is EDGE and not of_loads.isdisjoint(
-            i for step in steps for i in self._trace.needed([step]))
-            for each, steps in zip(self.coordinates, needed)]
+        self.follows = [each is EDGE and not of_loads.isdisjoint(self._trace.needed(steps))
+                        for each, steps in zip(self.coordinates, needed)]
         self.order = tuple(sorted(wanted, key=lambda k: (self.follows[k], len(needed[k]))))
 
     def sample(self, which: tuple[int, ...], x: Array) -> tuple[Array, Array]:
@@ -121,7 +121,7 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
         def values(*inputs: Scalar) -> list[Scalar]:
             motion, reports = mechanism.MOTION._make(motion_of(*inputs)), list[Any]()
             moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
-            if with_edges:
+            if with_edges:      # for the reports of friction alone
                 mechanism.loads_formula(n, constants, reports)(motion)
             return [*(each.of(n, moving, inputs[0]) for element in constants.elements
                       for each in _coordinates(element)),

@@ -33,21 +33,22 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()) -> Ranges:
     """Return the ranges of the input [rad or m], cut at flat positions and ends of pieces."""
-    # ends: those of friction, within a cycle; ranges: others than those of the mechanism.
+    # ends: those of friction, within a cycle; ranges: others than those of the mechanism, at most
+    # a cycle before or after it.
     parts = list[tuple[float, float]]()
-    flats = {*mechanism.flat_inputs}
+    cuts = {*mechanism.flat_inputs}
     if ranges and not mechanism.is_driven_by_slide:
         ends = [x + turn * mechanism.cycle for x in ends for turn in (-1, 0, 1)]
     if not ranges and mechanism.turns_fully:
         ranges = ((-0.5 * mechanism.cycle, 0.5 * mechanism.cycle),)
     ranges = ranges or mechanism.input_ranges
-    if not mechanism.is_driven_by_slide:
+    if not mechanism.is_driven_by_slide:        # flat in each turn; a cycle is one, or a few
         turns = round(ranges[0][0] / (2.0 * pi))
-        flats |= {x + 2.0 * pi * turn for x in flats for turn in range(turns - 2, turns + 3)}
-    flats |= {*ends, *(mechanism.pieces.ends if mechanism.pieces else ())}
+        cuts |= {x + 2.0 * pi * turn for x in cuts for turn in range(turns - 2, turns + 3)}
+    cuts |= {*ends, *(mechanism.pieces.ends if mechanism.pieces else ())}
     for low, high in ranges:
-        cuts = [low, *sorted({x for x in flats if low < x < high}), high]
-        parts += zip(cuts, cuts[1:])
+        inner = sorted({x for x in cuts if low < x < high})
+        parts += zip([low, *inner], [*inner, high])
     return tuple(parts)
 
 

@@ -152,21 +152,21 @@ def positions(mechanism: Mechanism, driven: str = CRANK) -> dict[str, Quantity]:
 
 def of_drive(mechanism: Mechanism, driven: str = CRANK) -> dict[str, OfDrive]:
     """Return {name: quantity} of what the drive of a mechanism, or a kind, can be asked for."""
-    turns, (output, _) = mechanism.INPUTS[driven].unit == 'rad', mechanism.OUTPUTS[driven][0]
-    unit, effort = ('N m', 'torque') if turns else ('N', 'force')
-    load = Quantity(f'driving_{effort}', unit, '', True)
-    rate = Quantity(output.rate, f'{output.unit}/s', '', False)
-    of_output = 'N m' if output.unit == 'rad' else 'N'
+    is_angle, (output, _) = mechanism.INPUTS[driven].unit == 'rad', mechanism.OUTPUTS[driven][0]
+    unit, effort = ('N m', 'torque') if is_angle else ('N', 'force')
+    drive = Quantity(f'driving_{effort}', unit, '', is_load=True)
+    output_rate = Quantity(output.rate, f'{output.unit}/s', '', is_load=False)
+    advantage = {('N', 'rad'): 'N m/N', ('N m', 'm'): 'N/(N m)'}.get((unit, output.unit), '')
     return {quantity.name: quantity for quantity in (
-        OfDrive('inertia', 'kg m^2' if turns else 'kg',
-                'inertia at the input: J of T = J alpha + b', load,
+        OfDrive('inertia', 'kg m^2' if is_angle else 'kg',
+                'inertia at the input: J of T = J alpha + b', drive,
                 acceleration=1.0, is_weightless=True),
-        OfDrive('bias', unit, 'drive without acceleration: b of T = J alpha + b', load, None),
-        OfDrive(f'holding_{effort}', unit, f'{effort} of the drive at rest', load),
-        OfDrive('mechanical_advantage', '' if unit == of_output else
-                'N m/N' if of_output == 'N m' else 'N/(N m)',
+        OfDrive('bias', unit, 'drive without acceleration: b of T = J alpha + b', drive,
+                rate=None),
+        OfDrive(f'holding_{effort}', unit, f'{effort} of the drive at rest', drive),
+        OfDrive('mechanical_advantage', advantage,
                 'torque or force that the output can hold, over that of the drive, without '
-                'weight and friction', rate, 1.0, is_inverse=True))}
+                'weight and friction', output_rate, rate=1.0, is_inverse=True))}
 
 
 def by_name(mechanism: Mechanism, more: Sequence[Asked] = ()) -> dict[str, Named]:

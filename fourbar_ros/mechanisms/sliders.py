@@ -308,16 +308,17 @@ class InvertedSlider(Kind):
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
         if not self.is_driven_by_slide:
             return super().read_coordinate(n, curves)
-        # the slide is the part of O4-A along the bar; the block has its joint at A and turns
-        # with the bar
-        link = curves[1]
-        x, cosine, sine, turn = link.x - self.a4, link.cosine, link.sine, link.omega
-        along, across = x * cosine + link.y * sine, link.y * cosine - x * sine
-        d_along = link.v_x * cosine + link.v_y * sine
-        d_across = link.v_y * cosine - link.v_x * sine
-        return (along, d_along + turn * across,
-                link.a_x * cosine + link.a_y * sine + 2.0 * turn * d_across + link.alpha * across
-                - turn * turn * along)
+        # The slide is the part of O4-A along the bar, with lengths and curves in [m] as the ground
+        # sees them. The block has its joint at A and turns with the bar.
+        block = curves[kind.LINKS.index('coupler')]
+        x, cosine, sine, turn = block.x - self.a4, block.cosine, block.sine, block.omega
+        along, across = x * cosine + block.y * sine, block.y * cosine - x * sine
+        v_along = block.v_x * cosine + block.v_y * sine
+        v_across = block.v_y * cosine - block.v_x * sine
+        velocity = v_along + turn * across
+        acceleration = (block.a_x * cosine + block.a_y * sine + 2.0 * turn * v_across
+                        + block.alpha * across - turn * turn * along)
+        return along, velocity, acceleration
 
 
 class YokeDeadPoint(NamedTuple):

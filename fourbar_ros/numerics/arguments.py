@@ -58,8 +58,9 @@ def array(name: str, value: Any, with_complex: bool = False) -> Array:
     # with_complex: complex ones, of a complex step, as complex doubles.
     if isinstance(value, np.ma.MaskedArray):
         masked: Any = value
-        value = (masked.astype(complex if value.dtype.kind == 'c' else float).filled(np.nan)
-                 if value.dtype.kind in 'iufc' else value.data)
+        if value.dtype.kind in 'iuf':       # whole numbers have no NaN
+            masked = masked.astype(float)
+        value = masked.filled(np.nan) if value.dtype.kind in 'iufcO' else masked.data
     try:
         values = np.asarray(value)
     except ValueError:     # rows of unlike length

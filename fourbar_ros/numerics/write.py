@@ -52,7 +52,7 @@ def straight_line(make_formula: Callable[[NumberType], Function], count: int = 1
 
     """
     trace = Trace(lambda n, _: make_formula(n), count)
-    return lines_of(trace.simplified(trace.literals()), (), name)(())
+    return lines_of(trace.simplified(trace.literals()), (), name)(())       # it has no data
 
 
 def lines_of(trace: Trace, zeros: Collection[int], name: str

@@ -94,12 +94,14 @@ class PairRange:
     def square(self, n: NumberType, ends: Ends) -> Scalar:
         """Return |Q - P|^2 of RRR or RPR; the motion has poles where it is zero."""
         # With a pin it is divided by (|a| + |g|)^2.
-        (arm_1, arm_2), (beside, ahead) = self._arms, self.flatness(ends.relative)
+        first, second = self.flatness(ends.relative)
         if self.slides:
-            return beside * beside + arm_2 * arm_2
-        _, _, ss, cc, _ = half_angle(n, ahead, beside, True)
+            sigma, (_, e) = first, self._arms
+            return sigma * sigma + e * e
+        (a, g), sin_x, cos_x = self._arms, first, second
+        _, _, ss, cc, _ = half_angle(n, cos_x, sin_x, True)
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
-        return (arm_1 - arm_2)**2 / (arm_1 + arm_2)**2 * cc + ss
+        return (a - g)**2 / (a + g)**2 * cc + ss
 
     def inputs(self, is_moving: bool, limits: Sequence[Any]) -> list[float]:
         """Return the inputs within limits where a pair of frame and driven link lies flat."""
@@ -125,12 +127,12 @@ def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
     # Lengths are scaled by a power of two and their sums exact, so that a factor is 0.0 just at a
     # change point.
     assert stage.pair is not None
-    unit = number_types.power_of_two(*lengths.sizes[:1 + (stage.kind == 'RRR')],
-                                     *lengths.shape[stage.pair.slides:2])
-    sizes = [size / unit for size in lengths.sizes]
-    squares = REAL.difference_of_squares
     # |a| and |g| (of RRP e); with a slide: sigma where it is zero, not read, and e
-    first, second = [arm / unit for arm in lengths.shape[:2]]
+    first, second = lengths.shape[:2]
+    rods = lengths.sizes[:2] if stage.kind == 'RRR' else lengths.sizes[:1]      # of RPR its offset
+    unit = number_types.power_of_two(*rods, second, *([] if stage.pair.slides else [first]))
+    first, second, *sizes = [length / unit for length in (first, second, *rods)]
+    squares = REAL.difference_of_squares        # (a + b)^2 - (c + d)^2 of (a, b, c, d)
     if stage.pair.slides:
         if stage.kind == 'RPR':
             return [(unit**-2, squares(second, 0.0, sizes[0], 0.0))]
@@ -140,7 +142,7 @@ def _factors(stage: Stage, lengths: DyadLengths) -> list[Factor]:
         r = sizes[0]
         return [(exact_sum((r, -second, first)), exact_sum((r, -second, -first))),
                 (exact_sum((r, second, -first)), exact_sum((r, second, first)))]
-    near, far = (first, -second), (first, second)
+    near, far = (first, -second), (first, second)       # add up to d at x = 0, at x = pi
     if stage.kind == 'RPR':
         return [(squares(*near, sizes[0], 0.0), squares(*far, sizes[0], 0.0))]
     return [(squares(sizes[0], sizes[1], *near), squares(sizes[0], sizes[1], *far)),

@@ -401,9 +401,10 @@ class _Search:
             every = np.array([root for roots in near for root in roots])
             poses, start = self._poses_at(every), 0
             for square, roots in zip(squares, near):
-                # of a chain of equal loops one is enough
+                # Of a chain of equal loops the poles of one are enough: a dyad whose ends meet at
+                # a pole that is known adds none.
                 with np.errstate(all='ignore'):
-                    sizes = np.abs(square.function(poses)) + 0.0 * np.abs(every)
+                    sizes = np.abs(square.function(poses)) + 0.0 * np.abs(every)    # one each
                 if not (sizes[known] < DOUBLE**2).any():
                     known += range(start, start + len(roots))
                 start += len(roots)
@@ -467,7 +468,8 @@ def _to_halve(ends: tuple[Array, Array], inner: tuple[Array, Array], i: Array,
     """Return which pieces a cubic does not describe, or that may hide two roots."""
     # Of any function that is sampled: margins, flatness, squared distances. ends: values and
     # slopes at all samples; inner: those in the middle of the pieces, which begin at samples i and
-    # are width wide. Too narrow pieces and values that are noise are not halved.
+    # are width wide. Too narrow pieces and values that are noise, or NaN, are not halved; a piece
+    # in which the sign changes has its root already, and two more would spoil its cubic.
     (value, slope), (middle_value, middle_slope) = ends, inner
     cubic = 0.5 * (value[i] + value[i + 1]) + 0.125 * width * (slope[i] - slope[i + 1])
     misfit = np.abs(middle_value - cubic)

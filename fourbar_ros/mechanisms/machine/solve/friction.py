@@ -143,13 +143,15 @@ class MachineFriction:
         for joint, name in stage.joints():
             if name not in self._by_joint:
                 continue
-            # what the dyad needs more for an effort of one against the rate
+            # what both links of the dyad need more for an effort of 1 against the rate
             if joint not in structure.SLIDES[stage.kind]:
+                # a couple: 1 on the second of two links, back on the first, which is the carrier
                 first, second = stage.ends(joint)
                 joints.append(self._pin(name, joint, curves[first], curves[second], (
                     Needs(NO_FORCE, (second == stage.link) - float(first == stage.link)),
                     Needs(NO_FORCE, float(second == stage.link + 1)))))
                 continue
+            # a force along t on the block, back on the carrier at the block's joint
             k = list(structure.SLIDES[stage.kind]).index(joint)
             block, (carrier, start, along) = sliding[k]
             t = Vector(*along).along(e[carrier])
@@ -173,8 +175,8 @@ class MachineFriction:
         # rate of the input, needs without the dyad; solve: needs of both links -> forces of the
         # dyad; drive: without the friction of the dyad; borne: {joint: a force that it transmits
         # besides those of the dyad}.
-        joints, is_cylinder = self._joints_of(stage, lengths, slides, e, curves), (
-            stage.name == CYLINDER)
+        joints = self._joints_of(stage, lengths, slides, e, curves)
+        is_cylinder = stage.name == CYLINDER
         if is_cylinder:
             borne = {**borne, BASE: held[1].force}
 

@@ -98,10 +98,11 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     """Return the fields of :func:`.structure.load_fields`."""
     # curves, needs: of the moving links by name, curves at unit rate of the input; slides, sines:
     # of each dyad; unit: of lengths [m], so that moments are in N unit. lengths_of_reversed: of
-    # links that the machine takes from their other joint on. borne: links on first joints that the
-    # ground holds, if that moves in the frame. The force that such a link needs is borne there; it
-    # is left out of all forces of joints, where a weight on O1 would spoil those at A. friction:
-    # of the joints, if any has.
+    # links that the machine takes from their other joint on: their needs are moved there. borne:
+    # links with first joints on the ground, if the ground moves in the frame. The force that such
+    # a link needs is borne at that joint and is left out of the forces here, as a heavy crank on
+    # O1 would spoil the digits of those at A; the caller adds it. friction: of the joints, if any
+    # has.
     drive = shake_x = shake_y = shaking_moment = 0.0
     of_ground = Needs(Vector(0.0, 0.0), 0.0)
     for link, (force, moment) in needs.items():
@@ -154,6 +155,7 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
     loads = (force.x, force.y, n.hypot(force.x, force.y), *of_slide, *fields,
              *((drive, 0.0) if layout.driver == 'crank' else (0.0, drive)),
              shake_x, shake_y, n.hypot(shake_x, shake_y), shaking_moment)
+    # NaN where friction locks a joint
     return tuple([load + friction.gate for load in loads]) if friction else loads
 
 

@@ -39,7 +39,7 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
     # first, second: errors of the links it hangs on. First joints are P and Q of RRR and RPR, P
     # and B of RRP and RPP, B of PRP.
     fabs, (reach_p, reach_q), sizes = n.fabs, lengths.reach, lengths.sizes
-    at_p = first[0] + reach_p * (1.0 + first[1])
+    at_p = first[0] + reach_p * (1.0 + first[1])        # place of the first joint, angle
     at_q = second[0] + reach_q * (1.0 + second[1])
     both, per = at_p + at_q, 1.0 / (fabs(moved.sine) + TINY)
     if stage.kind == 'RRR':                                                               # (V1)
@@ -54,10 +54,11 @@ def errors_of(n: NumberType, stage: Stage, lengths: DyadLengths, first: Errors, 
         offset = sizes[0]
         turn = (both + fabs(offset)) / (fabs(slide) + TINY)
         return (at_p, turn), (at_q, turn)
-    other_slide = moved.slides[3]        # of the yoke (RPP), of the second block (PRP)
-    turn_1 = first[1] if stage.kind == 'PRP' else second[1]                               # (V4)
-    shift = (both + fabs(slide) * turn_1 + fabs(other_slide) * second[1]) * per
-    return ((shift, turn_1) if stage.kind == 'PRP' else (at_p, turn_1)), (shift, second[1])
+    # slides are s, s', s'' of one and of the next: of the slot and the yoke (RPP), of two blocks
+    next_slide, turn_2 = moved.slides[3], second[1]
+    turn_1 = first[1] if stage.kind == 'PRP' else turn_2        # both links of RPP turn alike
+    shift = (both + fabs(slide) * turn_1 + fabs(next_slide) * turn_2) * per                # (V4)
+    return (shift if stage.kind == 'PRP' else at_p, turn_1), (shift, turn_2)
 
 
 def motion_of(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],

@@ -204,7 +204,8 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     # The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
     angle = ends.relative
     a1, a4, half_0, *of_g = lengths.shape
-    first, of_0 = stage.turns_first, turned_by(half_0, half_0)
+    first, of_0 = stage.turns_first, turned_by(half_0, half_0)      # of_0: from g to a at 0
+    # where the dyad's second link hangs on the one that moves, all is mirrored
     side, (a2, a3) = (1.0, lengths.sizes) if first else (-1.0, lengths.sizes[::-1])
     of_a = turned_by(of_0, of_g)
     rod_1, rod_2 = stage.link, stage.link + 1
@@ -271,6 +272,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     (a1, a4, half_0, *of_g), (h,) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a4, h), turned_by(half_0, half_0)
     h, of_a = h / unit, turned_by(of_0, of_g)
+    # theta2 is of the bar as the crank sees it; where the bar hangs on the crank it points back
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), True)
@@ -316,11 +318,12 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     k = n.difference_of_squares(e, 0.0, h, 0.0)
     passes_foot = stage.can_lie_flat and is_zero(n, k)
     meets = stage.can_lie_flat and is_zero(n, n.fabs(e) + n.fabs(h))     # P, Q at sigma = 0
-    x = slide[0] * per + shift
-    sigma, x_left = where(passes_foot, (x, 1.0), (1.0, x))
+    x = slide[0] * per + shift      # sigma
+    # where the block passes the foot, x is left out of l and x: what is left of both, times it
+    factor, x_left = where(passes_foot, (x, 1.0), (1.0, x))
     q = where(meets, 1.0, x * x + e * e)
-    l_left = sign * n.sqrt(where(passes_foot, 1.0, x * x + k))      # over sigma        # (P3)
-    l = l_left * sigma      # noqa: E741
+    l_left = sign * n.sqrt(where(passes_foot, 1.0, x * x + k))                          # (P3)
+    l = l_left * factor     # noqa: E741
     per_l, per_q, h_x, e_l = 1.0 / l_left, 1.0 / q, h * x_left, e * l_left
     d_l, dd_l = x_left * per_l, k * per_l * per_l * per_l                               # (P4)
     over, under = where((h_x * e_l).real > 0.0, (-k, h_x + e_l), (h_x - e_l, q))
