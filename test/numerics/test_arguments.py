@@ -208,7 +208,8 @@ def test_masked_samples_are_nan(case):
         for a, b in zip(masked, plain):
             # hypot has another form beside NaN
             assert a[[0, 2]] == pytest.approx(b[[0, 2]], rel=1e-15)
-    assert np.isnan(mechanism.loads(values, 3.0).f41).tolist() == [False, True, False]
+    for masked in (values, values.astype(object)):
+        assert np.isnan(mechanism.loads(masked, 3.0).f41).tolist() == [False, True, False]
 
 
 @every_input
