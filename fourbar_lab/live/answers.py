@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from math import isfinite, remainder, tau
 from pathlib import Path
@@ -27,6 +27,7 @@ from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import FAMILIES, PARAMETERS
 from fourbar_ros.scene.simulated import simulate_scene
+import numpy as np
 
 Answer = dict[str, Any]         # JSON
 LONGEST = 20.0          # most time for a run [s]
@@ -54,16 +55,7 @@ INTEGERS = sorted({name.rpartition('.')[2] for table in (PARAMETERS, *FAMILIES.v
 def answered(question: str, asked: Answer) -> Answer:
     """Return the answer to a question of a page; {problem, name}: why there is none."""
     try:
-        scene = scene_of(asked.get('scene', {}))
-        if question == 'extrema':
-            return extrema_answer(scene, asked['quantities'], float(asked['acceleration']))
-        if question == 'run':
-            return run_answer(scene, float(asked['until']))
-        if question == 'gif':
-            return gif_answer(scene)
-        if question == 'check':
-            return {'warnings': warnings_of(scene)}
-        return structure_of(scene, str(asked.get('known', '')))
+        return ANSWERS[question](scene_of(asked.get('scene', {})), asked)
     except (FourBarError, KeyError, TypeError, ValueError) as error:
         return {'problem': str(error), 'name': getattr(error, 'name', '')}
 
@@ -103,7 +95,6 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     start = float(scene.drive.start)
     if not (linkage.turns_fully or linkage.is_driven_by_slide):
         start = remainder(start, tau)
-    ranges = [(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges
     return {
         'key': key, **({} if key == known else {'module': module.text}),
         'title': linkage.TITLE, 'description': linkage.description,
@@ -114,7 +105,8 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
             {**module.parameters, 'drive.speed': float(scene.drive.speed)}.items()},
         'input': {'name': coordinate.position, 'rate': coordinate.rate,
                   'acceleration': coordinate.acceleration, 'unit': coordinate.unit},
-        'ranges': ranges, 'turns': linkage.turns if linkage.turns_fully else 0,
+        'ranges': ([(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges),
+        'turns': linkage.turns if linkage.turns_fully else 0,
         'start': start, 'drive': linkage.drive_load, 'outputRate': output.rate,
         'links': [link.name for link in linkage.LINKS],
         'size': max(map(abs, linkage.lengths)),
@@ -170,8 +162,7 @@ def _fields(scene: Scene, module: JsModule) -> list[Answer]:
                 continue
             field['choices'] = {str(mode): text for mode, text in modes.items()}
         fields.append(field)
-    order = {group: i for i, group in enumerate(GROUPS)}
-    return sorted(fields, key=lambda field: order[field['name'].partition('.')[0]])
+    return sorted(fields, key=lambda field: GROUPS.index(field['name'].partition('.')[0]))
 
 
 def run_answer(scene: Scene, until: float) -> Answer:
@@ -179,21 +170,19 @@ def run_answer(scene: Scene, until: float) -> Answer:
     simulated = simulate_scene(scene, until, seconds=LONGEST)
     run = simulated.run
     every = slice(None, None, 1 + run.time.size // 1000)
-    modes = set(run.modes.tolist())
     words = f'{run.status}: {run.reason or f"{run.time[-1]:g} s, error up to {run.error:.2g}"}'
-    if len(modes) > 1:
+    if np.ptp(run.modes):
         raise InvalidParameter('drive.source', scene.drive.source, 'the run goes through both '
                                'assembly modes: see fourbar simulate')
-    return {'words': words, **{name: getattr(run, quantity)[every].tolist() for name, quantity in (
-        ('time', 'time'), ('input', 'position'), ('rate', 'rate'),
-        ('acceleration', 'acceleration'))}}
+    return {'words': words, 'input': run.position[every].tolist(), **{
+        name: getattr(run, name)[every].tolist() for name in ('time', 'rate', 'acceleration')}}
 
 
 def gif_answer(scene: Scene) -> Answer:
     """Return the moving picture of ``fourbar draw --animate``, in base 64."""
     with TemporaryDirectory() as folder:
-        file = animate(scene.linkage, float(scene.drive.speed), scene.points,
-                       Path(folder, 'moving.gif'))
+        file = Path(folder, 'moving.gif')
+        animate(scene.linkage, float(scene.drive.speed), scene.points, file)
         return {'gif': b64encode(file.read_bytes()).decode()}
 
 
@@ -210,3 +199,12 @@ def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> A
                  'not certain' if extremum.proof else '')))} for extremum in extrema]
     return {'extrema': rows, 'proof': 'Found by the search of fourbar show, all there are. '
                                       + (proofs_in_words(extrema) or '')}
+
+
+ANSWERS: dict[str, Callable[[Scene, Answer], Answer]] = {       # {question: answer}
+    'structure': lambda scene, asked: structure_of(scene, str(asked.get('known', ''))),
+    'extrema': lambda scene, asked: extrema_answer(scene, asked['quantities'],
+                                                   float(asked['acceleration'])),
+    'run': lambda scene, asked: run_answer(scene, float(asked['until'])),
+    'gif': lambda scene, asked: gif_answer(scene),
+    'check': lambda scene, asked: {'warnings': warnings_of(scene)}}

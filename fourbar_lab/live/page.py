@@ -12,6 +12,7 @@ from fourbar_lab.export.statements import filled
 from fourbar_lab.live.answers import Answer, INTEGERS, run_answer, structure_of
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.files import nested
+from fourbar_ros.scene.parameters import of_name
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.units import UNITS
 
@@ -34,8 +35,9 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
             'units': UNITS, 'second': second and structure_of(second),
             'run': None if can_ask or not scene else _run(scene),
-            'scene': nested({name: value for name, value in values.items() if _is_given(
-                name, value)}), 'structure': structure_of(scene or load('paper'))}
+            'scene': nested({name: value for name, value in values.items()
+                             if value == value and value != of_name(name).default}),
+            'structure': structure_of(scene or load('paper'))}
     return filled(_text('page.html'), {
         'TITLE': name.replace('&', '&amp;').replace('<', '&lt;'),
         'CONNECT': "'self'" if can_ask else "'none'",
@@ -53,13 +55,7 @@ def _run(scene: Scene) -> Answer | None:
 
 
 def as_json(answer: Any) -> str:
-    """Return an answer as JSON."""
     return json.dumps(answer, allow_nan=False, separators=(',', ':'))
-
-
-def _is_given(name: str, value: Any) -> bool:
-    from fourbar_ros.scene.parameters import of_name
-    return bool(value == value and value != of_name(name).default)
 
 
 def _text(file: str) -> str:

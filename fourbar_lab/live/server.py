@@ -8,9 +8,8 @@ import json
 import os
 from pathlib import Path
 import socket
-from typing import Any
 
-from fourbar_lab.live.answers import Answer, answered, scene_of
+from fourbar_lab.live.answers import Answer, answered, ANSWERS, scene_of
 from fourbar_lab.live.page import as_json, page
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene import files
@@ -18,6 +17,7 @@ from fourbar_ros.scene.scene import load, Scene
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
+from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
@@ -28,7 +28,6 @@ HOST = '127.0.0.1'
 NAMES = (HOST, 'localhost')
 PORT = 8420
 LARGEST = 1_000_000         # [bytes] of a question
-QUESTIONS = 'structure', 'extrema', 'run', 'gif', 'check', 'save'
 # No page of others may show this one in a frame, transparent above buttons of its own.
 HEADERS = {'content-security-policy': "frame-ancestors 'none'", 'x-frame-options': 'DENY',
            'cross-origin-resource-policy': 'same-origin', 'cache-control': 'no-store',
@@ -39,32 +38,6 @@ class PortTaken(FourBarError, OSError):
     """The port of the page is in use, or no port."""
 
 
-class OnlyHere:
-    """
-    ASGI middleware that refuses requests of other pages, and adds :data:`HEADERS`.
-
-    A page elsewhere could otherwise reach this one through the browser, by a script of its own:
-    the Origin header shows it.
-    """
-
-    def __init__(self, served: Any, port: int) -> None:
-        self.served, self.origins = served, {f'http://{name}:{port}' for name in NAMES}
-
-    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Serve a request, or refuse it with status 403."""
-        async def send_with_headers(message: Any) -> None:
-            if message['type'] == 'http.response.start':
-                message['headers'] = [*message['headers'], *(
-                    (name.encode(), value.encode()) for name, value in HEADERS.items())]
-            await send(message)
-
-        origin = dict(scope.get('headers', ())).get(b'origin')
-        served = self.served
-        if origin is not None and origin.decode('latin-1') not in self.origins:
-            served = PlainTextResponse('only for this machine\n', 403)
-        await served(scope, receive, send_with_headers)
-
-
 def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scene | None = None
            ) -> Starlette:
     """Return the application that serves the page of a scene, None: an empty one."""
@@ -72,7 +45,8 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
     file = files.find(path) if path else Path()
     can_save = bool(path) and file not in files.shipped().values()
 
-    def page_of(name: str) -> Response:
+    def html(request: Request) -> Response:
+        name = request.query_params.get('scene', '')
         is_other = name not in ('', str(path), _title(path))
         try:
             shown = load(files.shipped()[name]) if is_other else scene
@@ -81,9 +55,6 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
                                      f'fourbar: start fourbar live {name}\n', 404)
         return Response(page(name if is_other else _title(path), shown, True,
                              can_save and not is_other, second), media_type='text/html')
-
-    async def html(request: Request) -> Response:
-        return await run_in_threadpool(page_of, request.query_params.get('scene', ''))
 
     def answer(question: str, asked: Answer) -> Answer:
         if question != 'save':
@@ -98,7 +69,7 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
 
     async def asked(request: Request) -> Response:
         question = request.path_params['question']
-        if question not in QUESTIONS:
+        if question not in (*ANSWERS, 'save'):
             return PlainTextResponse('no such question\n', 404)
         body = b''
         async for part in request.stream():
@@ -114,8 +85,16 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
         return Response(as_json(await run_in_threadpool(answer, question, tree)),
                         media_type='application/json')
 
+    async def only_here(request: Request, answer: RequestResponseEndpoint) -> Response:
+        # a page elsewhere could reach this one by a script in the browser: its Origin shows it
+        response = (await answer(request) if request.headers.get('origin') in (
+            None, *(f'http://{name}:{port}' for name in NAMES))
+            else PlainTextResponse('only for this machine\n', 403))
+        response.headers.update(HEADERS)
+        return response
+
     return Starlette(routes=[Route('/', html), Route('/{question}', asked, methods=['POST'])],
-                     middleware=[Middleware(OnlyHere, port=port), Middleware(
+                     middleware=[Middleware(BaseHTTPMiddleware, dispatch=only_here), Middleware(
                          TrustedHostMiddleware, allowed_hosts=list(NAMES), www_redirect=False)])
 
 

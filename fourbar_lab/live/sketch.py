@@ -59,15 +59,14 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
                                                f'external.{link}.across')}
         for link in mechanism.EXTERNAL._fields if f'external.{link}.force_x' in parameters]
     for name, element in zip(element_names(scene.values), mechanism.elements):
-        if isinstance(element, Spring):
+        ends: tuple[Any, ...] = (
+            (element.first, element.second) if isinstance(element, Spring) else
+            (element.point, element.apart_from) if isinstance(element, PositionForce) else ())
+        if ends and None not in ends:
             springs.append({'name': name, **{
                 end: (point.link, named(f'{name}.{end}.along', point.along),
                       named(f'{name}.{end}.across', point.across))
-                for end, point in (('first', element.first), ('second', element.second))}})
-        elif isinstance(element, PositionForce) and element.apart_from is not None:
-            springs.append({'name': name, **{
-                end: (point.link, point.along, point.across)
-                for end, point in (('first', element.point), ('second', element.apart_from))}})
+                for end, point in zip(('first', 'second'), ends)}})
     return {'joints': {name: [*map(stated, at)] for name, at in outline.joints.items()},
             'bars': [(stated(start), stated(end)) for start, end, _ in outline.rods],
             'plates': [[*map(stated, plate)] for plate in outline.plates],
