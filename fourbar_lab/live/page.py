@@ -17,7 +17,6 @@ from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.units import UNITS
 
 RUN = 5.0           # [s]
-HERE = Path(__file__).parent
 SCRIPTS = 'engine', 'picture', 'curves', 'panel', 'draw', 'page'
 NOT_IN_FILE = re.compile(r'^import .*\n|^export (?=class|const|function|async)|^//.*\n', re.M)
 
@@ -59,4 +58,4 @@ def as_json(answer: Any) -> str:
 
 
 def _text(file: str) -> str:
-    return (HERE / file).read_text(encoding='utf-8')
+    return (Path(__file__).parent / file).read_text(encoding='utf-8')

@@ -15,6 +15,7 @@ from fourbar_ros.errors import OutOfRange
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.scene import load
+from PIL import Image
 import pytest
 from support.browser import browser, live, needs_browser, Tab
 
@@ -317,6 +318,32 @@ def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, do
     paper.tool('delete')
     paper.press(paper.between('d1_first', 'd1_inner'))
     assert paper.drawn().linkage.cylinder == load(file).linkage.cylinder
+
+
+def test_a_lecturer_finds_the_largest_pin_force_of_a_six_bar_and_takes_a_picture(
+        driver, download, capsys):
+    """From an empty page to the picture: 14 clicks."""
+    with live() as address:
+        paper = Paper(driver, address)
+        paper.press(paper.at(-100, -80), paper.at(-60, 0), paper.at(140, 110), paper.at(150, -80))
+        paper.drawn('d1')
+        paper.press(paper.place('d1_inner'), paper.at(260, 200), paper.at(330, -40))
+        paper.drawn('d1', 'd2')
+        paper.open('Extrema')
+        paper.until(lambda: 'fourbar show' in paper.script(
+            "return document.querySelector('#view-Extrema .proof').textContent"), 'the proof')
+        largest = paper.rows('Extrema')[0]
+        assert largest[1] == 'max\nlargest force of all joints'
+        paper.driver.find_element('css selector', '#view-Extrema .go').click()
+        shown = float(largest[2].removesuffix(' N'))
+        paper.until(lambda: abs(max(paper.script(
+            'return Object.keys(page.structure().sketch.forces).map(name => '
+            'page.engine.get(name))')) - shown) < 1e-4 * shown, 'the pose with this force')
+        picture = Image.open(download(paper, 'picture (PNG)', 'png', 'drawing'))
+        assert picture.width >= 1500
+        file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
+        worst = assert_as_shown(paper, file, capsys)['drive']['worst_pin']
+    assert shown == pytest.approx(worst['force'], rel=1e-4)
 
 
 def test_what_is_dragged_moves_and_undo_takes_it_back(paper):

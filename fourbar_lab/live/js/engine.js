@@ -163,18 +163,26 @@ export class Engine {
     const { inputs, rows } = this.sweep, i = this.index[name], value = i === undefined && this.valueOf(name);
     return { inputs, values: rows.map((row, k) => (value ? value(inputs[k]) : row[i])) };
   }
-  /** Extrema of a quantity: those of the samples, refined on the formula; pairs nearer than a sample are lost. */
+  /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges; pairs nearer than a sample are lost. */
   extrema(name) {
     const { inputs, values } = this.curve(name), value = this.valueOf(name), found = [], n = values.length;
-    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b), size = sizes.at(-1);
-    const boundless = 1e9 * sizes[sizes.length >> 1] || Infinity;      // beyond it is a pole
+    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b), size = sizes.at(-1), usual = sizes[sizes.length >> 1];
     if (Math.max(...values) - Math.min(...values) <= 1e-12 * size) return [];
     const joins = this.turnsFully;      // the last sample is the first one again
-    for (let k = joins ? 0 : 1; k < n - 1; k++) {
-      const before = values[(k || n - 1) - 1], here = values[k], after = values[k + 1];
+    for (let k = 0; k < (joins ? n - 1 : n); k++) {
+      const inward = joins ? 0 : k % SAMPLES === 0 ? 1 : k % SAMPLES === SAMPLES - 1 ? -1 : 0;       // at an end of a range
+      const here = values[k], after = values[inward < 0 ? k - 1 : k + 1], before = inward ? after : values[(k || n - 1) - 1];
       const sign = here > before && here >= after ? 1 : here < before && here <= after ? -1 : 0;
-      if (!sign || Math.abs(here) > 1e12 * Math.max(Math.abs(before), Math.abs(after))) continue;
-      const h = inputs[k + 1] - inputs[k];
+      if (!sign) continue;
+      const h = inputs[inward < 0 ? k - 1 : k + 1] - inputs[k], kind = sign > 0 ? "maximum" : "minimum";
+      if (inward) {
+        // beside a toggle values go with the root of the distance, or as one over it
+        const margin = (1e-9 * Math.abs(h) * (SAMPLES - 1)) / (1 - 2e-9), far = value(inputs[k] + 3 * inward * margin);
+        const isPole = Math.abs(here) > 1.5 * Math.abs(far) && Math.abs(here) > usual;
+        found.push({ quantity: name, input: inputs[k] - inward * margin, value: isPole ? sign * Infinity : 2 * here - far, kind, note: "limit" });
+        continue;
+      }
+      if (Math.abs(here) > 1e12 * Math.max(Math.abs(before), Math.abs(after))) continue;
       let low = inputs[k] - h, high = inputs[k] + h, a = high - GOLDEN * (high - low), b = low + GOLDEN * (high - low);
       let [atA, atB] = [sign * value(a), sign * value(b)];
       for (let i = 0; i < 36; i++) {
@@ -186,22 +194,17 @@ export class Engine {
           atB = sign * value((b = low + GOLDEN * (high - low)));
         }
       }
-      const x = (low + high) / 2, refined = value(x);
-      found.push({ quantity: name, input: x < 0 && joins ? x + inputs[n - 1] : x, value: Math.abs(refined) < boundless ? refined : sign * Infinity, kind: sign > 0 ? "maximum" : "minimum" });
+      const x = (low + high) / 2, refined = value(x), isPole = Math.abs(refined) >= (1e9 * usual || Infinity);
+      found.push({ quantity: name, input: x < 0 && joins ? x + inputs[n - 1] : x, value: isPole ? sign * Infinity : refined, kind });
     }
-    const values_ = found.map(one => one.value);
-    for (const one of found) {
-      one.isGlobal = one.value === (one.kind === "maximum" ? Math.max(...values_) : Math.min(...values_));
-    }
-    return found;
+    const all = found.map(one => one.value), global = { maximum: Math.max(...all), minimum: Math.min(...all) };
+    return found.map(one => ({ ...one, isGlobal: one.value === global[one.kind], note: [one.value === global[one.kind] && "global", one.note].filter(Boolean).join(" ") }));
   }
   /** The largest force of all joints, as an extremum; null without loads. */
   get largestJointForce() {
     const loads = Object.keys(this.structure.sketch.forces).filter(name => this.structure.quantities[name]);
-    const most = name => this.sweep.rows.reduce((best, row) => Math.max(best, row[this.index[name]] || 0), 0);
-    const name = loads.sort((one, two) => most(two) - most(one))[0];
-    const found = name && this.extrema(name).find(({ kind, isGlobal }) => kind === "maximum" && isGlobal);
-    return found ? { ...found, note: "largest force of all joints" } : null;
+    const maxima = loads.flatMap(name => this.extrema(name)).filter(one => one.kind === "maximum").sort((one, two) => two.value - one.value || 0);
+    return maxima.length ? { ...maxima[0], note: "largest force of all joints" } : null;
   }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
   get box() {

@@ -148,10 +148,10 @@ export class Panel {
     const { structure: { quantities }, structure, largestJointForce: largest } = engine, [unitOfInput, perInput] = shownUnit(structure.input.unit);
     const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
     const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
-    const rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input, isGlobal, note }) => {
+    const rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input, note }) => {
       const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
       return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
-        html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note ?? (isGlobal ? "global" : "") })),
+        html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note })),
         html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }),
         html("td", {}, html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: input } }) }))];
     });

@@ -59,6 +59,7 @@ export function label(parent, attributes, words) {
 export const plain = words => words.replace(/[_{}]/g, "");
 /** A value with four digits. */
 export function significant(value) {
+  if (Math.abs(value) === Infinity) return "unbounded";
   const rounded = Number(value.toPrecision(4)), size = Math.abs(rounded);
   return size !== 0 && (size < 1e-3 || size >= 1e7) ? rounded.toExponential() : String(rounded);
 }
