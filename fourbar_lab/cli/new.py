@@ -33,8 +33,8 @@ SCENE = """\
 BODIES = """\
     bodies:
       rods: {{density: {density}, {section}}}
-{slides}    # gravity: {{x: 0.0, y: -9.81}}     # [m/s^2]; without it weight is left out
-"""
+{slides}{gravity}"""
+GRAVITY = '    # gravity: {x: 0.0, y: -9.81}     # [m/s^2]; without it weight is left out\n'
 DESCRIPTION = """\
 Write a scene from a few numbers: lengths, speed, and bars or rods of one section. The scene is
 in SI, with comments; change it as you like.
@@ -122,6 +122,10 @@ def _new(arguments: Namespace) -> None:
     path.write_text(text, encoding='utf-8')
     branch = scene.linkage.branch_in_words
     print(f'{path}: {scene.linkage.description}' + (f'; {branch}' if branch else ''))
+    bodies = scene.linkage.bodies
+    massless = [link for link, body in bodies._asdict().items() if not body.mass] if bodies else []
+    if massless:
+        print(f'without mass: {", ".join(massless)}; give bodies.{massless[-1]}.mass')
     print(f'next:  fourbar show {path}')
     give_warnings(scene, path)
 
@@ -141,7 +145,8 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
         title=kind.replace('_', '-'), kind=kind, mode=mode,
         lengths='\n'.join(f'      {name}: {value!r}  # {texts.get(name, "")} [m]'
                           for name, value in lengths.items()),
-        bodies=BODIES.format(density=density, section=section, slides=''.join(slides))
+        bodies=BODIES.format(density=density, section=section, slides=''.join(slides),
+                             gravity=GRAVITY)
         if section else '',
         speed=speed, rpm=speed / float(UNITS['rad/s']['rpm']),
         loads=', loads, shaking_wrench' if section else '')
@@ -226,8 +231,9 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     if section:
         size = yaml.safe_load(f'{{{section}}}')
         tree['bodies'] = {'rods': {'density': float(density), **size}}
-        if first.kind == 'RRP' and 'dyads' not in tree:
-            tree['bodies']['output'] = {'mass': 0.0}        # of the slider: give its own
+        blocks = ({dyad.links[1] for dyad in dyads if dyad.kind == 'RRP'} if 'dyads' in tree else
+                  {'output'} if first.kind == 'RRP' else set())
+        tree['bodies'] |= {link: {'mass': 0.0} for link in sorted(blocks)}      # give their own
         if 'dyads' in tree:
             rod = (round_rod(a1, density, size['radius']) if 'radius' in size else
                    flat_bar(a1, density, size['width'], size['thickness']))
@@ -240,6 +246,8 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     text = yaml.safe_dump({'/**': {'ros__parameters': {
         name: group for name, group in tree.items() if group}}}, sort_keys=False, width=100,
         default_flow_style=None)
+    if section:
+        text = text.replace('    drive:', GRAVITY + '    drive:', 1)
     return ('# By the coordinates of its joints, with the axes of the drawing from the pivot of '
             f'the crank.\n# Lengths in m, angles in rad, masses in kg. Drawn at '
             f'drive.start.\n{text}')

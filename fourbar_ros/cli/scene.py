@@ -5,8 +5,8 @@ from argparse import Namespace
 from timeit import repeat
 
 from fourbar_ros.cli.common import add_scene, Verbs
-from fourbar_ros.errors import in_words
-from fourbar_ros.pipeline.stepper import evaluate, OUT_OF_RANGE
+from fourbar_ros.pipeline.stepper import evaluate
+from fourbar_ros.scene.linkage import leaves_range, warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
@@ -57,15 +57,13 @@ def _check(arguments: Namespace) -> None:
                 if body.mass == 0.0 and body.inertia == 0.0] if bodies else []
     if massless:
         console.print(f'Links without mass: {", ".join(massless)}.')
-    if drive.source == 'timer' and not linkage.turns_fully:
-        unit = linkage.input_coordinate.unit
-        allowed = in_words(linkage.input_ranges, unit)
-        status, *_ = evaluate(linkage, drive.start, 0.0, 0.0, with_loads=False)
-        console.print(
-            (f'note: drive.start = {drive.start:g} {unit} is outside {allowed}'
-             if status == OUT_OF_RANGE else
-             f'note: the input cannot turn fully: the timer will drive it out of {allowed}')
-            + f' (drive.out_of_range: {drive.out_of_range})')
+    line = leaves_range(scene)
+    if line and line not in warnings_of(scene):
+        console.print(f'note: {line}')
+    if 'springs' in {name.partition('.')[0] for name in scene.values}:
+        from fourbar_ros.scene.elements import springs_of_no_length  # few scenes have any
+        for line in springs_of_no_length(scene.values, linkage, has_preload=False):
+            console.print(f'note: {line}')
     left_out = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
     not_created = [f'not created: {", ".join(left_out)}'] if left_out else []
     sent = [*scene.topics.values(), *scene.pictures.values()]

@@ -105,15 +105,33 @@ def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]
     for name, element in zip(element_names(values), mechanism.elements):
         if not isinstance(element, acting.Spring) or not element.stiffness:
             continue
-
-        def pull(moving: Any, _: Any, spring: acting.Spring = element) -> Any:
-            per_length, _, square = spring.tension(ARRAY, moving)
-            return per_length * np.sqrt(square)
-        force = max(map(abs, pieces.span_of(mechanism, pull)))
+        force = _largest_force(mechanism, element)
         if force < max(WEAK * weight, min(WEAKEST, weight)):
+            masses = {link: body.mass for link, body in mechanism.bodies._asdict().items()}
+            heaviest = max(masses, key=lambda link: masses[link])
             yield (f'{name}.stiffness = {element.stiffness:g} N/m: its force is at most '
                    f'{force:.3g} N, the links weigh {weight:.3g} N: did you mean '
-                   f'{element.stiffness:g} N/mm?')
+                   f'{element.stiffness:g} N/mm, or a mass of the {heaviest} below '
+                   f'{masses[heaviest]:g} kg?')
+
+
+def springs_of_no_length(values: ParameterValues, mechanism: Mechanism, has_preload: bool
+                         ) -> Iterator[str]:
+    """Yield a line for each spring with a free length of 0, as of one that is not given."""
+    for name, element in zip(element_names(values), mechanism.elements):
+        if isinstance(element, acting.Spring) and element.stiffness and (
+                not element.free_length and has_preload is bool(element.preload)):
+            yield (f'{name}.free_length = 0: its force grows with its whole length, up to '
+                   f'{_largest_force(mechanism, element):.4g} N' + (
+                       f', with a preload of {element.preload:g} N at length 0: is its free '
+                       'length missing?' if has_preload else ''))
+
+
+def _largest_force(mechanism: Mechanism, spring: acting.Spring) -> float:
+    def pull(moving: Any, _: Any) -> Any:
+        per_length, _, square = spring.tension(ARRAY, moving)
+        return per_length * np.sqrt(square)
+    return max(map(abs, pieces.span_of(mechanism, pull)))
 
 
 def _attachment(name: str, values: ParameterValues) -> acting.Attachment:

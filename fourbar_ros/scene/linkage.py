@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import degrees, inf, isnan, tau
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.errors import in_words, InvalidParameter, nearest, OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, Gravity, round_rod, UNKNOWN_BASE
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import JOINT_A, Link
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameters import member_of, of_name, unit_in
-from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues
+from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues, TIMER
 
 if TYPE_CHECKING:
     from fourbar_ros.machine import Machine  # only scenes of machines need it
@@ -251,6 +251,18 @@ def _warnings(scene: Scene) -> Iterator[str]:
         too = f' (and {len(wide) - 1} more)' if len(wide) > 1 else ''
         yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{too}'
 
+    line = leaves_range(scene)
+    if line and not linkage.stroke and scene.drive.speed != of_name('drive.speed').default:
+        yield line
+
+    if linkage.bodies is not None and not isnan(density) and any(
+            values[f'gravity.{axis}'] for axis in 'xy'):
+        massless = [link.name for link in linkage.LINKS
+                    if not link.turns and not getattr(linkage.bodies, link.name).mass]
+        if massless:
+            yield (f'bodies: {", ".join(massless)} without mass, as bodies.rods is of rods alone: '
+                   f'give bodies.{massless[-1]}.mass')
+
     carried = scene.drive.carried_inertia       # with which the torque of the rest may be unstable
     if carried != 0.0 and linkage.bodies is not None:
         from fourbar_ros.extrema.over_input import OverInput  # few scenes search for extrema
@@ -267,11 +279,28 @@ def _warnings(scene: Scene) -> Iterator[str]:
                    f'{0.5 * (least + most):.4g} would do with any')
 
     if linkage.elements:
-        from fourbar_ros.scene.elements import beyond_tables, weak_springs  # few scenes have any
-        yield from beyond_tables(values, linkage)
-        yield from weak_springs(values, linkage)
+        from fourbar_ros.scene import elements  # few scenes have any
+        yield from elements.beyond_tables(values, linkage)
+        yield from elements.weak_springs(values, linkage)
+        yield from elements.springs_of_no_length(values, linkage, has_preload=True)
     for joint, friction in linkage.friction:
         coefficient = getattr(friction, 'coefficient', 0.0)
         if coefficient > 1.0:
             yield (f'friction.{joint}.coefficient = {coefficient:g}: dry friction is mostly below '
                    '1')
+
+
+def leaves_range(scene: Scene) -> str:
+    """Return how the timer drives the input out of its ranges, in a line; empty if it does not."""
+    linkage, drive = scene.linkage, scene.drive
+    if drive.source != TIMER or linkage.turns_fully:
+        return ''
+    unit = linkage.input_coordinate.unit
+    allowed = in_words(linkage.input_ranges, unit)
+    policy = f'(drive.out_of_range: {drive.out_of_range})'
+    try:
+        linkage.motion(drive.start)
+    except OutOfRange:
+        return f'drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
+    return (f'drive.speed = {drive.speed:g} {unit}/s: the input cannot turn fully, the timer '
+            f'drives it out of {allowed} {policy}')

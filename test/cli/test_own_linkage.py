@@ -105,6 +105,21 @@ def test_the_block_of_points_slides_in_the_direction_that_is_asked_for(tmp_path_
         assert abs(away.imag) < 1e-14 and (abs(away) < 1e-14) == (ahead == 0.0)
 
 
+def test_weight_of_points_waits_behind_a_hash_as_that_of_a_kind(capsys):
+    points = ['--points', 'O 0 0', 'A 0 45mm', 'Q 250mm 120mm ground', 'K 240mm -40mm',
+              'R 250mm -246mm slide -90deg', '--links', 'O-A', 'A-K', 'Q-K', 'K-R']
+    assert main(['new', 'my.yaml', *points, '--bar', '30x12mm']) == 0
+    out, err = capsys.readouterr()
+    assert 'without mass: Rblock; give bodies.Rblock.mass\n' in out and not err
+    text = Path('my.yaml').read_text()
+    Path('my.yaml').write_text(text.replace('# gravity:', 'gravity:'))
+    assert load_scene('my.yaml').linkage.gravity == (0.0, -9.81)
+    assert main(['scene', 'check', 'my.yaml']) == 0
+    assert 'bodies: Rblock without mass' in capsys.readouterr().err
+    assert main(['new', 'bare.yaml', *points]) == 0
+    assert 'gravity' not in Path('bare.yaml').read_text()
+
+
 @pytest.mark.parametrize(('line', 'text'), [
     ('--points "O1 0"', 'must be "NAME X Y"'), ('--points "O1 0 0 slid 3deg"', 'must be "NAME'),
     ('--points "O1 0 0" "A 1 1" "B 2 0" --links O1-A A-B', 'form no dyads'),

@@ -36,10 +36,21 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({**RODS, **SPRING}, []),
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 500.0}, []),
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 0.5,
-      'springs.back.preload': 400.0}, []),
+      'springs.back.preload': 400.0, 'springs.back.free_length': 0.1}, []),
     ({'drive.start': 90.0}, ['did you mean 90deg?']),
     ({'drive.start': -6.3}, ['drive.start = -6.3 rad is more than a turn']),
     ({'drive.start': 6.28, **RODS}, []),
+    ({**RODS, **SPRING, 'springs.back.stiffness': 500.0, 'springs.back.preload': 40.0},
+     ['springs.back.free_length = 0: its force grows with its whole length, up to 440 N, with']),
+    ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 500.0,
+      'bodies.output.mass': 14000.0, 'bodies.output.inertia': 1.0},
+     ['did you mean 500 N/mm, or a mass of the output below 14000 kg?']),
+    ({'linkage.a2': 0.5, 'drive.speed': '60rpm'}, ['drive.speed = 6.28319 rad/s: the input can']),
+    ({'linkage.a2': 0.5, 'drive.speed': 2.0, 'drive.start': 3.0},
+     ['drive.start = 3 rad is outside [-']),
+    ({'linkage.range': [0.5, 1.0], 'drive.speed': 6.0}, []),
+    ({'linkage.a2': 0.5}, []),
+    ({'linkage.a2': 0.5, 'drive.speed': 6.0, 'drive.source': 'motion'}, []),
     ({'drive.start': '720deg', 'drive.jump': 7.0}, []),
     ({'linkage.range': [30.0, 60.0]}, ['linkage.range = 30 rad']),
     ({**RODS, 'torsion_springs.s.free_angle': 45.0, 'torsion_springs.s.stiffness': 1.0},
@@ -97,6 +108,16 @@ def test_a_force_that_never_acts_is_one_line(changes, said):
         if 'never acts' in line]
     assert len(lines) == bool(said)
     assert all(line.startswith('forces.cut never acts: ') and said in line for line in lines)
+
+
+def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
+    press = {**dict(load('toggle_press').values), **RODS}
+    assert warnings_of(from_values({**press, 'gravity.y': -9.81})) == []
+    press['bodies.ram.mass'] = 0.0
+    assert warnings_of(from_values(press)) == []
+    line, = warnings_of(from_values({**press, 'gravity.y': -9.81}))
+    assert line == ('bodies: ram without mass, as bodies.rods is of rods alone: give '
+                    'bodies.ram.mass')
 
 
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
