@@ -39,11 +39,11 @@ class Code:
     """Header and source of a model, whose values are named by the indices of their steps."""
 
     def __init__(self, model: GeneratedModel) -> None:
-        """Write the formulas, once of motion alone (key False), once with loads (key True)."""
         trace = model.trace
         self.model, self.name, self.writer = model, model.name, Statements()
         self._text_of = Texts(trace, model.data, {
             trace.count + entry.slot: f'from->{entry.field}' for entry in model.tunable}, C)
+        # the formulas, once of motion alone (key False), once with loads (key True)
         self.lines = {with_loads: self.writer.lines(
             trace, model.needed(with_loads), model.refusing(with_loads), self._text_of)
             for with_loads in ((False, True) if model.loads else (False,))}
@@ -64,8 +64,7 @@ class Code:
                    ('motion', model.motion, 'Motion; fields as in Python.')]
         if model.loads:
             records.append(('loads', model.loads, 'Loads; fields as in Python.'))
-        loads = filled(snippet('model.c', 'header_of_loads'), {
-            'STEP': self._signature(True)})
+        loads = filled(snippet('model.c', 'header_of_loads'), {'STEP': self._signature(True)})
         modes = filled(snippet('model.c', 'header_of_modes'), {'NAME': name})
         return filled(snippet('model.c', 'header'), {
             'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
@@ -206,11 +205,7 @@ class Code:
             'STATEMENTS': lines_of(statements)})
 
     def _self_check(self) -> str:
-        """
-        Return the C text of NAME_self_check: it counts results whose bits differ from Python's.
-
-        Python computes the results of one sample now; the text contains them as literals.
-        """
+        """Return the C text of NAME_self_check: results of a sample as literals, compared."""
         name, model = self.name, self.model
         inputs, result_of = model.sample()
         expected = {record: [result_of[entry.name] for entry in entries] for record, entries

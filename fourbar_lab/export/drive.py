@@ -51,8 +51,9 @@ OF_SLIDES = {'rad': 'm', 'rad/s': 'm/s', 'rad/s^2': 'm/s^2', 'N m': 'N'}
 class DriveCode:
     """The C text of the step of a scene that is driven by torque; NotGenerated of some."""
 
+    # writer: of the functions that the step calls
+
     def __init__(self, model: GeneratedModel, writer: Statements) -> None:
-        """Write the formulas that a step calls, as C functions, into ``writer``."""
         scene = model.scene
         assert scene.dynamics is not None
         self._model, self._scene, self._writer = model, scene, writer
@@ -108,11 +109,8 @@ class DriveCode:
 
     @cached_property
     def command(self) -> Named | None:
-        """
-        Return the number that the source takes at each step; None: it takes none.
-
-        A command without a C field is the argument ``torque``.
-        """
+        """Return the number that the source takes at each step; None: it takes none."""
+        # A command without a C field is the argument torque.
         source, is_slide = self._source, self._system.mechanism.is_driven_by_slide
         if self.takes_torque:
             return Named('torque', '', self.fields[1].unit, 'of the source, during the next step',

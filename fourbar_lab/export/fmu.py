@@ -41,27 +41,20 @@ DRIVE_TEXT = ', '.join(f'{i} {text.replace("_", " ")}' for i, text in enumerate(
 
 
 class Variable(NamedTuple):
-    """
-    A variable of an FMU.
-
-    ``reference``: index among the values of the instance; ``is_positive``: 0 or more.
-    """
+    """A variable of an FMU."""
 
     name: str
-    reference: int
+    reference: int                  # index among the values of the instance
     causality: str
     unit: str
     text: str
     start: float
-    is_positive: bool = False
+    is_positive: bool = False       # 0 or more
 
 
 def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]:
-    """
-    Write NAME.fmu; return its path, notes for its user, and the operations per sample.
-
-    Without a compiler the FMU has sources alone, which many masters build.
-    """
+    """Write NAME.fmu; return its path, notes for its user, and the operations per sample."""
+    # Without a compiler the FMU has sources alone, which many masters build.
     if model.outputs is None:
         texts = model.units_and_texts
         model = replace(model, outputs=[
@@ -96,12 +89,9 @@ def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]
 
 
 def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]:
-    """
-    Return the variables of the FMU, in the order of the description.
-
-    Value references: inputs from 0, then parameters, motion, loads, status and time. With a drive
-    its values follow, and no motion is prescribed: a torque, if commanded, is the input.
-    """
+    """Return the variables of the FMU, in the order of the description."""
+    # Value references: inputs from 0, then parameters, motion, loads, status and time. With a
+    # drive its values follow, and no motion is prescribed: a torque, if commanded, is the input.
     position, *rates = model.inputs
     (start, _, _), _ = model.sample()       # the links close there
     groups: dict[str, Sequence[Named]] = {

@@ -10,6 +10,7 @@ length that gets one is another structure: another module.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 import json
@@ -70,22 +71,18 @@ class JsModule:
         return values
 
     def _constants(self, n: NumberType, changed: dict[str, Any]) -> evaluation.Constants:
-        scene, mechanism, values = self.scene, self.mechanism, {**self.scene.values, **changed}
-        constants = constants_of(replace(scene, linkage=mechanism), values, n)
+        """Return the constants of the mechanism, numbers of type n, with changed parameters."""
+        from fourbar_ros.machine import Machine
+        mechanism, values = self.mechanism, {**self.scene.values, **changed}
+        constants = constants_of(replace(self.scene, linkage=mechanism), values, n)
         if isinstance(mechanism.gravity, Base):
             constants = constants._replace(gravity=Base(*[
                 changed[f'base.{field}'] for field in Base._fields]))
-        return constants._replace(sign=self._sign(values))
-
-    def _sign(self, values: dict[str, Any]) -> Any:
-        """Return the sign of the mode, of a machine those of its dyads: 2 mode - 3."""
-        from fourbar_ros.machine import Machine
-        mechanism = self.mechanism
-        if not isinstance(mechanism, Machine):
-            return 2.0 * values['linkage.mode'] - 3.0
-        names = [f'dyads.{dyad.name}.mode' if dyad in mechanism.dyads else 'cylinder.mode'
-                 for dyad in mechanism.stages]
-        return tuple([2.0 * values[name] - 3.0 for name in names])
+        # of a machine the signs of its dyads
+        return constants._replace(sign=(
+            2.0 * values['linkage.mode'] - 3.0 if not isinstance(mechanism, Machine) else
+            tuple([2.0 * values[f'dyads.{dyad.name}.mode' if dyad in mechanism.dyads
+                                else 'cylinder.mode'] - 3.0 for dyad in mechanism.stages])))
 
     def _make_formula(self, n: NumberType, data: Sequence[Scalar]) -> Function:
         changed = dict(zip(self.values, data))
@@ -128,15 +125,16 @@ class JsModule:
 
     @property
     def first_load(self) -> int:
-        return len(self.units) - (len(self.mechanism.LOADS._fields) if self.mechanism.bodies
-                                  else 0)
+        """Return the index of the first load among the results."""
+        loads = self.mechanism.LOADS._fields if self.mechanism.bodies else ()
+        return len(self.units) - len(loads)
 
     @cached_property
     def _indices(self) -> dict[str, int]:
         mechanism = self.mechanism
-        names = [*mechanism.MOTION._fields, *(
-            f'frame.{link.name}.{field}' for link in mechanism.LINKS for field in
-            curves.LinkMotion._fields),
+        names = [*mechanism.MOTION._fields,
+                 *(f'frame.{link.name}.{field}' for link in mechanism.LINKS
+                   for field in curves.LinkMotion._fields),
                  *(f'{name}.{field}' for name in self.scene.points
                    for field in curves.PointMotion._fields),
                  *self._of_points, *(mechanism.LOADS._fields if mechanism.bodies else ())]
@@ -259,20 +257,14 @@ class JsModule:
             (low + (i + 0.618) / CHECKED * (high - low), rate, 0.5) for i in range(CHECKED))]
 
     def sample(self, x: float, rate: float, acceleration: float) -> tuple[int, list[float | None]]:
-        """
-        Return what ``step`` in JavaScript must give: its status, fields of motion and loads.
-
-        Status 0: all, 1: no motion, 2: no loads. None: missing or not finite, as JSON has no NaN.
-        """
+        """Return what ``step`` in JavaScript must give: its status, fields of motion and loads."""
+        # Status 0: all, 1: no motion, 2: no loads. None: missing or not finite, as JSON has no
+        # NaN.
         mechanism, status, results = self.mechanism, 1, dict[str, float]()
-        try:
-            motion = mechanism.motion(x, rate, acceleration)
-            status, results = 0, motion._asdict()
+        with suppress(FourBarError):
+            results, status = mechanism.motion(x, rate, acceleration)._asdict(), 2
             if mechanism.bodies:
-                status = 2
                 results |= mechanism.step(x, rate, acceleration)[1]._asdict()
-                status = 0
-        except FourBarError:
-            pass
+            status = 0
         row = [results.get(name) for name in self.units]
         return status, [None if value is None or not isfinite(value) else value for value in row]

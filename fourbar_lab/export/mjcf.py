@@ -80,11 +80,8 @@ def mjcf(model: RobotModel) -> str:
 
 
 def _geoms(body: Element, shapes: Sequence[Shape], index: int) -> list[Element]:
-    """
-    Add shapes without contacts; return their elements.
-
-    In a scene without masses they give a link its mass, by MuJoCo's density of a geom.
-    """
+    """Add shapes without contacts; return their elements."""
+    # In a scene without masses they give a link its mass, by MuJoCo's density of a geom.
     geoms = []
     for shape in shapes:
         sizes: Any = shape.sizes

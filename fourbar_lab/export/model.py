@@ -282,16 +282,16 @@ class GeneratedModel:
             if self.outputs is None or name in self.outputs or name in always])
 
     def check(self) -> None:
-        mechanism, outputs = self.mechanism, list(self.outputs or ())
-        known = self.names_of_motion
-        for name in outputs:
-            if name in mechanism.LOADS._fields and mechanism.bodies is None:
+        """Refuse outputs and parameters that are not known, or cannot be had."""
+        loads = self.mechanism.LOADS._fields
+        known = (*self.names_of_motion, *loads)
+        for name in self.outputs or ():
+            if name in loads and self.mechanism.bodies is None:
                 raise NotGenerated(f'{self.name}: no loads, so no {name}: '
-                                   f'{self.scene.linkage.why_no_loads}')
-            if name not in (*known, *mechanism.LOADS._fields):
-                raise InvalidParameter('outputs', name,
-                                       one_of((*known, *mechanism.LOADS._fields), name))
-        _ = self._asked
+                                   f'{self.mechanism.why_no_loads}')
+            if name not in known:
+                raise InvalidParameter('outputs', name, one_of(known, name))
+        _ = self._asked         # which refuses parameters
 
     @cached_property
     def units_and_texts(self) -> Mapping[str, tuple[str, str]]:
@@ -316,11 +316,8 @@ class GeneratedModel:
 
     @property
     def depends(self) -> list[int]:
-        """
-        Return for each field of :attr:`motion` its need: 1 the rate, 2 the acceleration, 3 both.
-
-        Terms that are zero in this scene count too.
-        """
+        """Return what each field of the motion needs: 1 the rate, 2 the acceleration, 3 both."""
+        # Terms that are zero in this scene count too.
         trace = self._recorded[0]
         needs = [0, 1, 2] + [0] * (len(trace.steps) - 3)      # the first steps are the inputs
         for index, step in enumerate(trace.steps):
@@ -387,11 +384,8 @@ def word(name: str) -> str:
 
 
 def struct_of(name: str, named: Sequence[Named], about: str) -> list[str]:
-    """
-    Return the lines of a C struct: a double for each of ``named``; ``about``: comment above it.
-
-    C has no empty struct: a struct without fields gets the field ``none``.
-    """
+    """Return the lines of a C struct, a double for each of ``named``; ``about``: a comment."""
+    # C has no empty struct: a struct without fields gets the field none.
     if not named:
         return [f'/* {about} Nothing. */', f'typedef struct {{ double none; }} {name};', '']
     width = max(len(entry.field) for entry in named)

@@ -77,13 +77,11 @@ literal = C.literal
 
 
 class Texts:
-    """
-    The text of the result of each step: a literal, what follows from parameters, a variable.
+    """The text of the result of each step: a literal, what follows from parameters, a variable."""
 
-    ``parameters``: {index of a datum that can change: its text}; ``data``: all data. Called with
-    an index it gives the text in statements that vary with the inputs. What these need of
-    parameters alone is computed once, and kept as k[0], k[1], ...
-    """
+    # parameters: {index of a datum that can change: its text}; data: all data. Called with an
+    # index it gives the text in statements that vary with the inputs. What these need of
+    # parameters alone is computed once, and kept as k[0], k[1], ...
 
     def __init__(self, trace: Trace, data: Sequence[float], parameters: Mapping[int, str],
                  language: Language) -> None:
@@ -130,13 +128,10 @@ class Statements:
 
     def lines(self, trace: Trace, needed: Iterable[int], refusing: Iterable[int],
               name_of: Callable[[int], str], refused: Mapping[str, str] = JUDGED) -> list[str]:
-        """
-        Return the statements of all that varies with the inputs, in order.
-
-        ``needed``: indices of steps whose results are wanted; ``refusing``: indices of steps that
-        refuse some inputs, wanted or not; ``name_of`` gives the name of the result of a step;
-        ``refused`` is {operation: test of its last argument that refuses the inputs}.
-        """
+        """Return the statements of all that varies with the inputs, in order."""
+        # needed: indices of steps whose results are wanted; refusing: indices of steps that refuse
+        # some inputs, wanted or not; name_of gives the name of the result of a step; refused is
+        # {operation: test of its last argument that refuses the inputs}.
         lines, needed = list[str](), set(needed)
         for index in sorted(trace.varies & {*needed, *refusing}):
             step = trace.steps[index]
@@ -153,12 +148,9 @@ class Statements:
 
     def define(self, name: str, step: Step, operands: Sequence[str], is_flag: bool = False,
                is_chosen_by_flag: bool = False) -> list[str]:
-        """
-        Return the definition of the result of a step; ``operands``: names of its arguments.
-
-        ``is_flag``: the result of a comparison is a truth, not 1.0 or 0.0; ``is_chosen_by_flag``:
-        the condition of a choice is such a truth.
-        """
+        """Return the definition of the result of a step; ``operands``: names of its arguments."""
+        # is_flag: the result of a comparison is a truth, not 1.0 or 0.0; is_chosen_by_flag: the
+        # condition of a choice is such a truth.
         operation, language = step.operation, self.language
         kind, forms = language.double, language.forms
         if operation in _SNIPPETS:
@@ -184,12 +176,9 @@ class Statements:
         return [f'{kind} {name} = {text};']
 
     def function(self, name: str, trace: Trace) -> str:
-        """
-        Return the C function of a trace without data: inputs x to results, flat.
-
-        It returns whether it refuses its inputs, as Python's floats do: a root of a negative
-        number, the sine of an infinite one, a division by zero.
-        """
+        """Return the C function of a trace without data: inputs x to results, flat."""
+        # It returns whether it refuses its inputs, as Python's floats do: a root of a negative
+        # number, the sine of an infinite one, a division by zero.
         steps, results = trace.steps, flat(trace.results)
         names = {index: literal(value) for index, value in enumerate(trace.constants([]))
                  if value is not None}

@@ -70,12 +70,9 @@ class Section(NamedTuple):
 
 def printed(item: str, unit: str, text: str, ours: float, verdict: str = AGREES, why: str = '',
             *, within: float = 0.0) -> Row:
-    """
-    Return the Row of a printed number; the digits of its text say how exact it is.
-
-    ``within``: the largest difference that the verdict explains, as a share of our value. A
-    garbled number without a share is a doubt, so it must not agree.
-    """
+    """Return the Row of a printed number; the digits of its text say how exact it is."""
+    # within: the largest difference that the verdict explains, as a share of our value. A garbled
+    # number without a share is a doubt, so it must not agree.
     ours, value = float(ours), float(text or nan)           # ours: of numpy
     is_right = agrees(ours, text)
     is_near = abs(ours - value) <= within * abs(ours)
@@ -107,12 +104,9 @@ def agrees(value: float, text: str) -> bool:
 
 def zero(item: str, *terms: complex, verdict: str = AGREES, why: str = '',
          correct: Sequence[complex] = ()) -> Row:
-    """
-    Return the Row of an equation whose terms, as printed, must add up to zero.
-
-    The size of the sum is divided by the sizes of its terms; vectors are complex numbers. If the
-    verdict is a misprint, the terms must not add up to zero, and those of ``correct`` must.
-    """
+    """Return the Row of an equation whose terms, as printed, must add up to zero."""
+    # The size of the sum is divided by the sizes of its terms; vectors are complex numbers. If the
+    # verdict is a misprint, the terms must not add up to zero, and those of correct must.
     def relative_sum(addends: Sequence[complex]) -> float:
         return abs(sum(addends)) / sum(map(abs, addends)) if addends else nan
 
@@ -123,12 +117,9 @@ def zero(item: str, *terms: complex, verdict: str = AGREES, why: str = '',
 
 def equal(item: str, unit: str, printed: float, ours: float, verdict: str = AGREES, why: str = '',
           *, correct: float = nan) -> Row:
-    """
-    Return the Row of a printed formula, by its value, which must be ours.
-
-    A misprint must differ, and its correction must not. An answer to a question of the document is
-    printed nowhere: both sides are ours.
-    """
+    """Return the Row of a printed formula, by its value, which must be ours."""
+    # A misprint must differ, and its correction must not. An answer to a question of the document
+    # is printed nowhere: both sides are ours.
     printed, ours = float(printed), float(ours)         # of numpy
     scale = max(1.0, abs(ours))
     is_right = abs(printed - ours) <= EXACT * scale

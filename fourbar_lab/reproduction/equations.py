@@ -49,11 +49,8 @@ class Angle(NamedTuple):
 
 
 def half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Angle:
-    """
-    Return an :class:`Angle`, with the derivatives of v by Eqs. (34) and (36) of the slides.
-
-    Eqs. (35) and (37) of the slides are the way back.
-    """
+    """Return an :class:`Angle`, with the derivatives of v by Eqs. (34) and (36) of the slides."""
+    # Eqs. (35) and (37) of the slides are the way back.
     v = np.tan(0.5 * theta)
     stretch = 0.5 * (1.0 + v * v)
     return Angle(theta, omega, alpha, v, stretch * omega, stretch * (alpha + omega**2 * v))

@@ -104,12 +104,9 @@ def table_2() -> Section:
 
 def _extremum(mode: int, quantity: str, kind: str, value: str, in_radians: str,
               in_degrees: str, lost: tuple[str, ...], copies: str = '') -> list[Row]:
-    """
-    Return the Rows of one extremum of Table 2: its value, and its theta1 in rad and deg.
-
-    ``lost`` names those of 'value', 'rad' and 'deg' that lost digits in the search; ``copies``
-    quotes the garbled copies of the value.
-    """
+    """Return the Rows of one extremum of Table 2: its value, and its theta1 in rad and deg."""
+    # lost names those of 'value', 'rad' and 'deg' that lost digits in the search; copies quotes
+    # the garbled copies of the value.
     extremum = published.extreme(published.PAPER.in_mode(mode), quantity, kind, PAPER_SPEED)
     theta1 = extremum.theta1 - tau if in_radians.startswith('-') else extremum.theta1
     how: dict[str, Any] = LOST if 'value' in lost else {}

@@ -13,7 +13,7 @@ from math import atan, degrees, hypot, nan, pi, sqrt
 
 from fourbar_lab.drawing.polygons import acceleration_terms
 from fourbar_lab.reproduction import documents, published
-from fourbar_lab.reproduction.documents import drawn, equal, printed, remark, Row, Section, zero
+from fourbar_lab.reproduction.documents import drawn, equal, printed, remark, Section, zero
 from fourbar_lab.reproduction.equations import equations_of_slides, half_angle
 from fourbar_lab.reproduction.published import FOOT, INCH, largest, TURN
 from fourbar_ros import CROSSED, find_extrema, FourBar, Mechanism, OPEN, point_motion
@@ -130,40 +130,33 @@ def vectors() -> Section:
     """Both sides of an equation, as complex numbers, reach their points over different links."""
     title = ('Slides, Eqs. (1)-(3), (6), (7), (9)-(11), (E1)-(E4), the acceleration '
              'image and the complex polar formulas, at the poses of Examples 7.3, 7.2, 7.5')
-    return Section(title, [*_circle_and_link(), *_polar(), *_moving_frame()])
 
+    def moved(linkage: Mechanism, motion: NamedFields, link: str, along: float
+              ) -> tuple[complex, complex, complex]:
+        """Return position, velocity and acceleration of a point of a link, x + i y each."""
+        point = point_motion(linkage, motion, link, along)
+        return complex(*point.place), complex(*point.velocity), complex(*point.acceleration)
 
-def _in_complex(linkage: Mechanism, motion: NamedFields, link: str, along: float
-                ) -> tuple[complex, complex, complex]:
-    """Return position, velocity and acceleration of a point of a link, x + i y each."""
-    point = point_motion(linkage, motion, link, along)
-    return complex(*point.place), complex(*point.velocity), complex(*point.acceleration)
-
-
-def _circle_and_link() -> list[Row]:
-    """Return the Rows of (1)-(3), C on its circle about D, and (6), B and C, in Example 7.3."""
+    # C on its circle about D, B and C, in Example 7.3
     linkage, m = published.EXAMPLE_7_3, published.EXAMPLE_7_3.motion(*published.GIVEN_7_3)
-    b, _, a_b = _in_complex(linkage, m, 'crank', linkage.a1)
-    c, _, a_c = _in_complex(linkage, m, 'output', linkage.a3)
-    _, v_of_coupler, a_of_coupler = _in_complex(linkage, m, 'coupler', linkage.a2)
+    b, _, a_b = moved(linkage, m, 'crank', linkage.a1)
+    c, _, a_c = moved(linkage, m, 'output', linkage.a3)
+    _, v_of_coupler, a_of_coupler = moved(linkage, m, 'coupler', linkage.a2)
     arm, r = c - linkage.a4, c - b
-    return [
+    rows = [
         zero('Eq. (1), of C of Example 7.3 on its circle about D', v_of_coupler,
              -1j * m.omega4 * arm),
         zero('Eqs. (2) and (3)', a_of_coupler, -1j * m.alpha4 * arm, m.omega4**2 * arm),
         zero('Eq. (6), of C and B', a_c, -a_b, -1j * m.alpha_beta * r, m.omega_beta**2 * r),
     ]
 
-
-def _polar() -> list[Row]:
-    """Return the Rows of (7), (8) and the acceleration image in Example 7.2."""
-    linkage, m = published.EXAMPLE_7_2, published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
-    r2, r3, w2, w3, al2, al3 = (linkage.a1, linkage.a2, m.omega1, m.omega_beta, m.alpha1,
-                                m.alpha_beta)
+    # the acceleration image in Example 7.2
+    slider, m = published.EXAMPLE_7_2, published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
+    r2, r3, w2, w3, al2, al3 = slider.a1, slider.a2, m.omega1, m.omega_beta, m.alpha1, m.alpha_beta
     s2, c2, s3, c3 = m.sin_x, m.cos_x, m.sin_b, m.cos_b
-    (b, _, a_b), (c, _, _) = (_in_complex(linkage, m, 'coupler', along) for along in (0.0, r3))
+    (b, _, a_b), (c, _, _) = (moved(slider, m, 'coupler', along) for along in (0.0, r3))
     image = (m.slide_acceleration - a_b) / (c - b)
-    return [
+    rows += [
         equal('acceleration image of Example 7.2, its angle delta', 'deg',
               180 - degrees(atan(al3 / w3**2)), degrees(phase(image)) % 360.0,
               why='7.2 asks for it and prints no number: the angle from C/B to A_C/B'),
@@ -178,16 +171,15 @@ def _polar() -> list[Row]:
               m.slide_acceleration),
     ]
 
-
-def _moving_frame() -> list[Row]:
-    """Return the Rows of (9)-(11), A and the point Q of the bar under it, in Example 7.5."""
-    linkage, m = published.EXAMPLE_7_5, published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
-    a, _, a_a = _in_complex(linkage, m, 'crank', linkage.a1)
-    _, _, a_q = _in_complex(linkage, m, 'output', m.slide)
-    bar, arm = complex(*linkage.link_motion(m, 'output').direction), a - linkage.a4
+    # A and the point Q of the bar under it, in Example 7.5
+    inverted, m = published.EXAMPLE_7_5, published.EXAMPLE_7_5.motion(*published.GIVEN_7_5)
+    a, _, a_a = moved(inverted, m, 'crank', inverted.a1)
+    _, _, a_q = moved(inverted, m, 'output', m.slide)
+    bar, arm = complex(*inverted.link_motion(m, 'output').direction), a - inverted.a4
     coriolis, rel = -2j * m.omega4 * m.slide_velocity * bar, m.slide_acceleration * bar
     tangential, normal = -1j * m.alpha4 * arm, m.omega4**2 * arm
-    return [
+    return Section(title, [
+        *rows,
         zero('Eqs. (9), (10)', a_a, tangential, normal, coriolis, -rel),
         zero('Eq. (11)', a_a, -a_q, coriolis, -rel),
         zero('Eq. (E1)', a_a, -a_q, coriolis, -rel,
@@ -195,7 +187,7 @@ def _moving_frame() -> list[Row]:
         zero('Eq. (E2)', a_a, m.omega1**2 * a),
         zero('Eq. (E3)', a_q, normal, tangential),
         equal('Eq. (E4)', 'm/s^2', abs(coriolis), 2.0 * abs(m.omega4 * m.slide_velocity)),
-    ]
+    ])
 
 
 def contact() -> Section:

@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import inf, remainder, tau
+from operator import attrgetter
 from typing import Any, TYPE_CHECKING, Union
 
 from fourbar_ros.dynamics.equation import compiled, Equation
@@ -42,12 +43,10 @@ NEXT_TO_TOGGLE = 1e-6             # distance from an end of the range over half 
 
 
 class MotionCoordinate:
-    """
-    Motion of a system in one coordinate p: the input, or the one that goes on at its toggles.
+    """Motion of a system in one coordinate p: the input, or that which goes on at its toggles."""
 
-    ``equation`` is in this coordinate; ``mode`` the assembly mode of the mechanism, of another
-    coordinate than the input where the input grows with it.
-    """
+    # equation: in this coordinate. mode: the assembly mode of the mechanism, of another coordinate
+    # than the input where the input grows with it.
 
     def __init__(self, coordinates: Coordinates, equation: Equation, mode: int) -> None:
         self.all, self.equation, self.is_input = coordinates, equation, equation.is_input
@@ -61,9 +60,8 @@ class MotionCoordinate:
         self.unit_of_ratio = equation.coordinate.input_unit / self._links_of_successor.input_unit
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Pickle the system and which of its coordinates this is."""
-        return _of_system, (self.all.system, self.is_input, self.equation.coordinate.mode,
-                            self.mode)
+        """Pickle the coordinates of the system, and which of them this is."""
+        return Coordinates.of, (self.all, self.is_input, self.equation.coordinate.mode, self.mode)
 
     @cached_property
     def derivative(self) -> Function:
@@ -77,15 +75,14 @@ class MotionCoordinate:
 
     @cached_property
     def successor(self) -> Function:
-        """Return p -> the coordinate that takes over, and its first two derivatives by p."""
+        """Return that formula as a function of one p or an array of them."""
         return compiled(self.make_successor, self.equation.coordinate)
 
     def excess(self, time: float, state: State) -> float:
-        """Return |do/dp| - 2, positive where the successor o has to take over."""
-        # An event of an integrator; out of reach of this coordinate it is the largest number.
+        """Return |do/dp| - 2, positive where the successor o has to take over: an event."""
         try:
             _, ratio, _ = self.successor(float(state[0]))
-        except (FourBarError, ArithmeticError):
+        except (FourBarError, ArithmeticError):     # out of reach of this coordinate
             return FARTHEST - LONGEST
         return float(min(abs(ratio) * self.unit_of_ratio, FARTHEST) - LONGEST)
 
@@ -106,7 +103,7 @@ class MotionCoordinate:
         return self.all.continuous(value), ratio, bend
 
     def states_of_input(self, states: Array) -> Array:
-        """Return states in this coordinate as states in the input, of one shape (states, ...)."""
+        """Return states in this coordinate, (fields, ...), as states in the input."""
         if self.is_input:
             return states
         position, rate, *rest = states
@@ -129,16 +126,10 @@ class MotionCoordinate:
         return np.where(grows, np.array(self.mode, dtype), np.array(self.mode_beyond, dtype))
 
 
-def _of_system(system: System, *key: object) -> MotionCoordinate:
-    return system.coordinates.of(*key)       # type: ignore[arg-type]  # a key of a coordinate
-
-
 class Coordinates:
-    """
-    All coordinates of the motions of a system, in each assembly mode; made when first needed.
+    """All coordinates of the motions of a system, in each mode; made when first needed."""
 
-    ``mechanism``: in its mode at the input ``start``.
-    """
+    # mechanism: in its mode at the input start
 
     def __init__(self, system: System, mechanism: Mechanism, start: float) -> None:
         self.system, self._mechanism = system, mechanism
@@ -154,14 +145,15 @@ class Coordinates:
         self._known: dict[tuple[bool, int, int], MotionCoordinate] = {}
         self.first = self.of(True, mechanism.mode, mechanism.mode)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return attrgetter('coordinates'), (self.system,)
+
     def of(self, is_input: bool, driven_mode: int, mode: int) -> MotionCoordinate:
-        """Return a coordinate; ``driven_mode``: mode of the links as it drives them."""
-        # mode as of MotionCoordinate.
-        key = is_input, driven_mode, mode
+        """Return a coordinate in a mode of the mechanism; ``driven_mode``: of links it drives."""
+        key, drive = (is_input, driven_mode, mode), self.system.drive
         if key not in self._known:
-            equation = self.system.make_equation(
-                self._mechanism.in_mode(mode),
-                None if is_input else self.driven_otherwise[driven_mode])
+            equation = Equation(self._mechanism.in_mode(mode), drive.rigid_inertia if drive
+                                else 0.0, None if is_input else self.driven_otherwise[driven_mode])
             self._known[key] = MotionCoordinate(self, equation, mode)
         return self._known[key]
 
@@ -171,12 +163,9 @@ class Coordinates:
         return self.first.next(state) if has_ended else (self.first, list(state))
 
     def continuous(self, value: Value) -> Value:
-        """
-        Return an input in the range of this motion: an angle within half a turn of its middle.
-
-        From another coordinate the angle of the crank is known but for whole turns; a crank
-        between toggles never turns fully.
-        """
+        """Return an input in the range of this motion: of angles the nearest to its middle."""
+        # From another coordinate the angle of the crank is known but for whole turns; a crank
+        # between toggles never turns fully.
         if self._mechanism.is_driven_by_slide:
             return value
         if isinstance(value, float):                # the same, many times faster than numpy
@@ -190,9 +179,9 @@ class Coordinates:
 
     def taking_over(self, last: MotionCoordinate, value: float, successor: float, ratio: float
                     ) -> MotionCoordinate:
-        """Return the coordinate that goes on near a toggle: the input's, or that in its place."""
-        # value: of the last coordinate; successor: of that which takes over; ratio: d successor /
-        # d value. Where it is negative, the links pass into the other assembly mode.
+        """Return the coordinate that goes on near a toggle, with the value ``successor``."""
+        # value: of the last coordinate; ratio: d successor / d value. Where it is negative, the
+        # links pass into the other assembly mode.
         mode = int(last.modes(value))
         if not last.is_input:
             return self.of(True, mode, mode)

@@ -66,24 +66,15 @@ REACH = 0.5            # of a coordinate in its unit, within which a table does 
 
 
 class Terms(NamedTuple):
-    """Terms of (E1) at one input; each a float, or an array of the input's shape."""
+    """Terms of (E1) in a coordinate q, which need not be the input; numbers of any type."""
 
     inertia: Any             # J [kg m^2], of a slide [kg]
     half_slope: Any          # J'/2 [kg m^2/rad], [kg/m]
-    force: Any               # Q of gravity, loads and springs [N m], [N]
+    force: Any               # Q [N m], [N]; without drive, dampers, friction, forces one way
     damping: Any             # D [N m s/rad], [N s/m]
-
-
-class FullTerms(NamedTuple):
-    """All terms of (E1) in a coordinate q, which need not be the input; of any number type."""
-
-    inertia: Any
-    half_slope: Any
-    force: Any
-    damping: Any
-    couples: Any           # the part of Q without a potential
-    ratio: Any             # r = d input / dq: a torque on the input counts r times
-    ratio_slope: Any       # dr/dq
+    couples: Any             # the part of Q without a potential
+    ratio: Any               # r = d input / dq: a torque on the input counts r times
+    ratio_slope: Any         # dr/dq
 
 
 class Resistance(NamedTuple):
@@ -97,17 +88,15 @@ class Resistance(NamedTuple):
     edges: Sequence[Scalar] = ()
 
 
-class Outside(NamedTuple):
-    """What acts from outside and changes from step to step: the base, forces and couples."""
-
-    base: Base | None
-    wrenches: Mapping[str, Sequence[Any]]       # {link: (force x, force y, couple)}
+# {link: (force x, force y, couple)} that act from outside and change from step to step [N], [N m]
+Wrenches = Mapping[str, Sequence[Any]]
+NO_WRENCHES: Wrenches = {}
 
 
 def compiled(make_formula: MakeFormula, links: DrivenLinks) -> Function:
-    """Return the function of one coordinate q, or of an array, that a formula of the links is."""
-    # make_formula: (links, number type) -> function of q that returns several numbers. At one q it
-    # raises as motion does where the links cannot close; arrays have NaN there.
+    """Return the function of one q, or of an array of them, that a formula of the links is."""
+    # The formula gives several numbers. At one q the function raises as motion does where the
+    # links cannot close; arrays have NaN there.
     line, formula = straight_line(partial(make_formula, links)), make_formula(links, ARRAY)
 
     def results(position: Value) -> Sequence[Any]:
@@ -166,34 +155,13 @@ def make_turning_force(body: Body, base: Base) -> Callable[[LinkMotion], Scalar]
     return turning_force
 
 
-def work_of(link: LinkMotion, body: Body, gravity: tuple[Scalar, Scalar], applied: Applied
-            ) -> Scalar:
-    """Return minus the potential energy of the weight and the applied force of a link [J]."""
-    centre = point_of(link, body.cg_along, body.cg_across)
-    loaded = point_of(link, applied.along, applied.across)
-    return (body.mass * (gravity[0] * centre.x + gravity[1] * centre.y)
-            + applied.force_x * loaded.x + applied.force_y * loaded.y)
-
-
 class Equation:
     """
-    The equation of motion (E1) of a mechanism with all that acts on it.
+    The equation of motion (E1) of a mechanism with all that acts on it; a stroke is no limit here.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-        With bodies. A stroke is no limit here.
-    extra_inertia : float
-        Constant inertia on the input, as of a flywheel [kg m^2], [kg].
-    coordinate : optional
-        One of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate. The
-        extra inertia stays on the input of the mechanism.
-
-    Raises
-    ------
-    MissingBodies
-        Without masses.
-
+    ``extra_inertia``: constant, on the input, as of a flywheel [kg m^2], [kg]. ``coordinate``: one
+    of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate, while the
+    extra inertia stays on the input. Raises MissingBodies without masses.
     """
 
     def __init__(self, mechanism: Mechanism, extra_inertia: float = 0.0,
@@ -223,21 +191,13 @@ class Equation:
         self.has_dampers = any(spring.damping for spring in self._springs)
         # friction and forces one way, which are no functions of q; R of (E9)
         self.has_resistance = mechanism.has_direction
-        # q -> fields of FullTerms
-        self.full_terms = compiled(self.make_terms, self.coordinate)
-
-    @property
-    def is_input(self) -> bool:
-        """Return whether q is the input of the mechanism."""
-        return self.coordinate is self.mechanism
+        self.is_input = self.coordinate is mechanism        # whether q is
+        # q -> the fields of Terms, as a plain tuple
+        self.fields_of_terms = compiled(self.make_terms, self.coordinate)
 
     def make_pose(self, coordinate: DrivenLinks, n: NumberType
                   ) -> Callable[[Scalar], tuple[dict[str, LinkMotion], tuple[Scalar, ...]]]:
-        """
-        Return q -> motions of all links by name; the input with its two derivatives by q.
-
-        The motions are those at unit rate and zero acceleration of q.
-        """
+        """Return q -> motions of all links at dq/dt = 1; the input with its two derivatives."""
         coefficients, read = coordinate.make_coefficients(n), self.mechanism.read_coordinate
         names = [link.name for link in self.mechanism.LINKS]
 
@@ -247,30 +207,23 @@ class Equation:
                     (position, 1.0, 0.0) if self.is_input else read(n, moving))
         return pose
 
-    def make_terms(self, coordinate: DrivenLinks, n: NumberType,
-                   outside: Outside | None = None) -> Function:
-        """
-        Return the formula q -> :class:`FullTerms`, for a coordinate and a number type.
-
-        Without a potential are couples, forces over a position and the turning of the base.
-        ``outside``: numbers of the type ``n`` in place of the mechanism's gravity and of the
-        forces on some links.
-        """
+    def make_terms(self, coordinate: DrivenLinks, n: NumberType, base: Base | None = None,
+                   wrenches: Wrenches = NO_WRENCHES) -> Function:
+        """Return the formula q -> :class:`Terms`, for a coordinate and a number type."""
+        # base and wrenches, of numbers of that type: what acts from outside, in place of the
+        # mechanism's gravity and of the forces on these links.
         pose, extra = self.make_pose(coordinate, n), self.extra_inertia
-        gravity, base, bodies = self._gravity, self._base, self._bodies
-        if outside:
-            base = outside.base or base
-            gravity = field_of(base) if outside.base else gravity
-            bodies = [(name, body, applied if name not in outside.wrenches else unchecked(
-                Applied, *outside.wrenches[name][:2], applied.along, applied.across,
-                outside.wrenches[name][2]))
+        gravity, bodies = field_of(base) if base else self._gravity, self._bodies
+        is_turned, base, is_outside = self._is_turned or base, base or self._base, base or wrenches
+        if is_outside:
+            bodies = [(name, body, applied if name not in wrenches else unchecked(
+                Applied, *wrenches[name][:2], applied.along, applied.across, wrenches[name][2]))
                 for name, (body, applied) in self.mechanism.loads_of_links().items()]
         links = [(name, make_link_terms(body, gravity, applied), applied.couple)
                  for name, body, applied in bodies]
-        turned = [(name, make_turning_force(body, base)) for name, body, _ in bodies
-                  if self._is_turned or outside and outside.base]
+        turned = [(name, make_turning_force(body, base)) for name, body, _ in bodies if is_turned]
 
-        def terms(position: Scalar) -> FullTerms:
+        def terms(position: Scalar) -> Terms:
             motions, (value, turn, bend) = pose(position)
             inertia, half_slope = extra * turn * turn, extra * turn * bend
             force, damping, couples = 0.0, 0.0, 0.0
@@ -291,23 +244,20 @@ class Equation:
                 for element in self.forces:
                     pushed = pushed + element.generalised(n, motions, value)
                 force, couples = force + pushed, couples + pushed
-            return FullTerms(inertia, half_slope, force, damping, couples, turn, bend)
+            return Terms(inertia, half_slope, force, damping, couples, turn, bend)
         return terms
 
-    def make_resistance(self, n: NumberType, outside: Outside | None = None) -> Function:
+    def make_resistance(self, n: NumberType, base: Base | None = None,
+                        wrenches: Wrenches = NO_WRENCHES) -> Function:
         """Return the formula of :func:`.make_resistance`: R of (E9), zero without any."""
         if not self.has_resistance:
             return lambda *_: Resistance(0.0)
         from fourbar_ros.dynamics.resistance import make_resistance  # few mechanisms have any
-        return make_resistance(self, n, outside)
+        return make_resistance(self, n, base, wrenches)
 
     @cached_property
     def resistance(self) -> Function:
-        """
-        Return (q, w, push, J) -> :class:`.Resistance`, of floats.
-
-        ArithmeticError where the links cannot close.
-        """
+        """Return (q, w, push, J) -> Resistance of floats; ArithmeticError: links do not close."""
         line = straight_line(self.make_resistance, 4)
 
         def resistance(*numbers: float) -> Resistance:
@@ -332,12 +282,9 @@ class Equation:
         return compiled(self.make_table_positions, self.coordinate)
 
     def make_excess(self, position: float) -> Callable[[float], float]:
-        """
-        Return q -> how far it is beyond the pieces of all tables at ``position``.
-
-        Over 1 and the size of s; negative within the piece. Positive REACH from ``position``: no
-        point of a table comes round unseen.
-        """
+        """Return q -> how far a table is beyond its piece at ``position``; negative within all."""
+        # That is a distance in s over 1 + |s|. It is positive too at REACH from position, so that
+        # no point of a table comes round unseen.
         starts, reach = self.table_positions(position), REACH * self.coordinate.input_unit
         pieces = [(start, force.value.piece(start), 1.0 + abs(start),
                    isinstance(force.over, LinkAngle))
@@ -354,15 +301,16 @@ class Equation:
         return excess
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
-        """Return the formula q -> (V, sum of the sizes of the parts of V)."""
-        pose = self.make_pose(coordinate, n)
+        pose, (g_x, g_y) = self.make_pose(coordinate, n), self._gravity
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:
-            # forces over a position have none
-            motions, _ = pose(position)
+            motions, _ = pose(position)     # forces over a position have no potential
             energy, size = 0.0, 0.0
             for name, body, applied in self._bodies:
-                work = work_of(motions[name], body, self._gravity, applied)
+                centre = point_of(motions[name], body.cg_along, body.cg_across)
+                loaded = point_of(motions[name], applied.along, applied.across)
+                work = (body.mass * (g_x * centre.x + g_y * centre.y)
+                        + applied.force_x * loaded.x + applied.force_y * loaded.y)
                 energy, size = energy - work, size + n.fabs(work)
             for element in self._springs:
                 stored = element.energy(n, motions)
@@ -376,56 +324,42 @@ class Equation:
         return compiled(self._make_potential, self.coordinate)
 
     def terms(self, position: Value) -> Terms:
-        """Return J, J'/2, Q and D of (E1) at one q or an array; errors as of ``motion``."""
-        return Terms(*self.full_terms(position)[:4])
+        """Return the terms of (E1) at one q or an array of them; errors as of ``motion``."""
+        return Terms(*self.fields_of_terms(position))
 
     def acceleration(self, position: Value, rate: Value, drive: float = 0.0) -> Value:
         """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
-        inertia, half_slope, force, damping = self.terms(position)
+        inertia, half_slope, force, damping, *_ = self.terms(position)
         change: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
         return change
 
     def torque(self, position: Value, rate: Value, acceleration: Value) -> Value:
         """Return the torque (force) of the drive that this motion needs, by (E1)."""
-        inertia, half_slope, force, damping = self.terms(position)
+        inertia, half_slope, force, damping, *_ = self.terms(position)
         torque: Value = inertia * acceleration + (half_slope * rate + damping) * rate - force
         return torque
 
-    def stiffness(self, position: Value) -> Value:
-        """
-        Return the stiffness -dQ/dq [N m/rad], [N/m], of one q or an array: NaN out of reach.
-
-        By the complex step, exact; of users' forces dF/ds is a central difference.
-        """
-        positions = np.asarray(position, float)
-        inputs = np.atleast_1d(positions)
+    def stiffness(self, position: Value) -> Any:
+        """Return the stiffness -dQ/dq [N m/rad], [N/m], of one q or an array: NaN out of reach."""
+        # by the complex step, exact; of users' forces dF/ds is a central difference
+        inputs = np.atleast_1d(np.asarray(position, float))
         with np.errstate(all='ignore'):
             force = self.make_terms(self.coordinate, ARRAY)(inputs + 1j * COMPLEX_STEP).force
-            slopes = np.broadcast_to(-np.imag(force) / COMPLEX_STEP,
-                                     inputs.shape).reshape(positions.shape)
-        result: Any = slopes if positions.shape else float(slopes)
-        return result       # type: ignore[no-any-return]  # of the type of the position
+            slopes = np.broadcast_to(-np.imag(force) / COMPLEX_STEP, inputs.shape)
+        return slopes.reshape(np.shape(position)) if np.ndim(position) else float(slopes[0])
 
     @cached_property
     def _trace(self) -> Trace:
         return Trace(lambda n, _: self.make_terms(self.coordinate, n), 1)
 
     def force_error(self, position: Value) -> Array:
-        """
-        Return a bound of the rounding error of Q and of its data, at one q or each of an array.
-
-        A force that is smaller may be zero: eps times all numbers that it is a sum and product of,
-        each times the derivative of Q by it.
-        """
+        """Return a bound of the rounding error of Q and its data, at one q or each of an array."""
+        # A force that is smaller may be zero: eps times all numbers that it is a sum and product
+        # of, each times the derivative of Q by it.
         positions = np.asarray(position, float)
         bounds: Array = rounding_bound(self._trace, flat(self._trace.results[2])[0],
                                        positions.ravel())
         return bounds.reshape(positions.shape)
-
-    def couples(self, position: Value) -> Value:
-        """Return C, the part of Q without a potential, as of couples."""
-        couples: Value = FullTerms(*self.full_terms(position)).couples
-        return couples
 
     def potential(self, position: Value) -> Value:
         """Return V [J] of gravity, constant forces and springs; -V' is Q without its couples."""
@@ -434,6 +368,5 @@ class Equation:
 
     def energy(self, position: Value, rate: Value) -> Value:
         """Return kinetic plus potential energy [J]."""
-        energy: Value = (0.5 * self.terms(position).inertia * rate * rate
-                         + self.potential(position))
-        return energy
+        kinetic: Value = 0.5 * self.terms(position).inertia * rate * rate
+        return kinetic + self.potential(position)

@@ -77,23 +77,29 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
 
 
 def _with_samples(equation: Equation, count: int, rate: float, most: float) -> Flywheel:
-    """
-    Return the flywheel from so many samples of a turn, with a fluctuation of at most ``most``.
-
-    Damping and friction depend on the rate: motion and torque are found in turn, until the rates
-    stay. Raises InvalidParameter where friction locks the mechanism.
-    """
-    position: Array = np.arange(equation.mechanism.turns * count) * (tau / count)
+    """Return the flywheel by ``count`` samples of a turn, of a fluctuation of ``most`` at most."""
+    # Damping and friction depend on the rate: motion and torque are found in turn, until the rates
+    # stay.
+    mechanism = equation.mechanism
+    position: Array = np.arange(mechanism.turns * count) * (tau / count)
     terms, rates = equation.terms(position), np.full(position.size, rate)
-    resisting: Array = np.zeros(position.size)
-    change: Array = np.zeros(position.size)
+    resisting, change = np.zeros((2, position.size))        # R of (E9), dw/dt
     most = min(most, 2.0)                # at which it comes to rest
     for _ in range(100):
-        if equation.has_resistance:
-            resisting = _resisting(equation, position, rates, change)
+        if equation.has_resistance:         # from the drive that the loads of the motion need
+            drive = getattr(mechanism.loads(position, rates, change), mechanism.drive_load)
+            resisting = drive - (equation.torque(position, rates, change)
+                                 - equation.extra_inertia * change)
+            if not np.isfinite(resisting).all():
+                raise InvalidParameter('equation', None, 'must be that of a mechanism that does '
+                                       'not lock itself by friction')
         force, before = terms.force - terms.damping * rates - resisting, rates
         torque = -float(np.mean(force))
-        gained, inertia = equation.mechanism.turns * _integral(force + torque), 0.0
+        # the integral of a function of zero mean and period 2 pi, by its Fourier series
+        series = np.fft.rfft(force + torque)
+        series[1:] /= 1j * np.arange(1, series.size)
+        series[0] = series[-1] = 0.0
+        gained, inertia = mechanism.turns * np.fft.irfft(series, position.size), 0.0
 
         def lack(fluctuation: float, gained: Array = gained) -> float:
             """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""
@@ -114,22 +120,3 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
     return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)
 
 
-def _resisting(equation: Equation, position: Array, rates: Array, change: Array) -> Array:
-    """Return R of (E9) of a motion, from the drive that its loads need."""
-    mechanism = equation.mechanism
-    drive = getattr(mechanism.loads(position, rates, change), mechanism.drive_load)
-    resisting: Array = drive - (equation.torque(position, rates, change)
-                                - equation.extra_inertia * change)
-    if not np.isfinite(resisting).all():
-        raise InvalidParameter('equation', None, 'must be that of a mechanism that does not lock '
-                               'itself by friction')
-    return resisting
-
-
-def _integral(values: Array) -> Array:
-    """Return the integral of a function of zero mean and period 2 pi, by its Fourier series."""
-    k = np.arange(values.size // 2 + 1)
-    series = np.fft.rfft(values)
-    series[1:] /= 1j * k[1:]
-    series[0] = series[-1] = 0.0
-    return np.fft.irfft(series, values.size)

@@ -1,6 +1,19 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Steps of the node: of given length, through toggles, from one DriveState message to the next."""
+"""
+Steps of the node: of given length, through toggles, from one DriveState message to the next.
+
+A step is made in the input q, next to a toggle in the coordinate p that goes on there
+(:mod:`.coordinate`). At its start p takes over if |dp/dq| > 2. Within the step the other
+coordinate takes over where the one in use changes too slowly. At the end of the first step with
+|dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell the state of most
+samples, as a message does, and a bag can be stepped again. Next to a toggle they hardly change;
+the mover then keeps (p, dp/dt) for the values that it gave last.
+
+In a coordinate a step of RODAS (:mod:`.rosenbrock`) goes over the whole length, or shorter steps
+where its error is too large or a force table bends: stable whatever the stiffness, of bounded
+work. The next state follows from the state alone.
+"""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
@@ -8,15 +21,9 @@ from itertools import chain
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
 
+from fourbar_ros.dynamics import rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
-from fourbar_ros.dynamics.rosenbrock import (
-    Coefficients,
-    count_of,
-    Linearization,
-    SMALLEST,
-    StateVector,
-    StepFormulas,
-)
+from fourbar_ros.dynamics.rosenbrock import Linearization, SMALLEST, StateVector
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
@@ -82,38 +89,23 @@ class DriveValues(NamedTuple):
 
 
 def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
-    """
-    Return the two assembly modes between which steps go through toggles, or () where they do not.
-
-    A stroke is left out: it would hide that the input turns fully.
-    """
-    mechanism = mechanism.without_stroke()
-    if mechanism.turns_fully or mechanism.has_direction:     # it has no toggles, or ends there
-        return ()
-    if not mechanism.driven_otherwise():                 # no other coordinate leads through them
+    """Return the two assembly modes between which steps go through toggles, or () of no steps."""
+    mechanism = mechanism.without_stroke()          # which would hide that the input turns fully
+    if (mechanism.turns_fully or mechanism.has_direction        # it has no toggles, or ends there
+            or not mechanism.driven_otherwise()):        # no other coordinate leads through them
         return ()
     modes: tuple[int, ...] = mechanism.modes_passed
     # a machine may pass more than two; and a mode must fit into the byte of a message
-    fits = len(modes) == 2 and max(modes) <= LARGEST_MODE
-    return modes if fits else ()
+    return modes if len(modes) == 2 and max(modes) <= LARGEST_MODE else ()
 
 
 class Mover:
     """Advances a drive and its linkage, from state to state or from message to message."""
 
-    # A step is made in the input q, next to a toggle in the coordinate p that goes on there
-    # (fourbar_ros.dynamics.coordinate). At its start p takes over if |dp/dq| > 2. Within the step
-    # the other coordinate takes over where the one in use changes too slowly. At the end of the
-    # first step with |dp/dq| <= 2, q takes over again. So q, its rate and the assembly mode tell
-    # the state of most samples, as a message does, and a bag can be stepped again. Next to a
-    # toggle they hardly change (is_told_by_message is false); the mover then keeps (p, dp/dt) for
-    # the values that it gave last. In a coordinate a step of RODAS
-    # (fourbar_ros.dynamics.rosenbrock) goes over the whole length, or shorter steps where its
-    # error is too large or a force table bends: stable whatever the stiffness, of bounded work.
-    # The next state follows from the state alone. tolerance: allowed error of one step, in the
-    # coordinate and the twist, and in speeds times its length; budget: most evaluations of the
-    # equation of motion in a step; takes_commands: the torque comes from a topic; acting: names of
-    # the links, and of the base, whose wrenches and motion come from outside: unknown before act.
+    # tolerance: allowed error of one step, in the coordinate and the twist, and in speeds times
+    # its length; budget: most evaluations of the equation of motion in a step; takes_commands: the
+    # torque comes from a topic; acting: names of the links, and of the base, whose wrenches and
+    # motion come from outside: unknown before act.
 
     def __init__(self, system: System, tolerance: float, budget: int,
                  takes_commands: bool = False, acting: Sequence[str] = ()) -> None:
@@ -131,10 +123,10 @@ class Mover:
         self.taking_over = (system.coordinates.prepare() if self.passes
                             else {system.coordinates.first: ()})
         # the first is the input in the mode of the system
-        self.formulas = {coordinate: StepFormulas(coordinate, drive, self.passes, tolerance,
-                                                  acting) for coordinate in self.taking_over}
-        self._acting: dict[str, Sequence[float]] = {name: (nan,) * count_of(name)
-                                                    for name in acting}
+        self.formulas = {coordinate: rosenbrock.StepFormulas(
+            coordinate, drive, self.passes, tolerance, acting) for coordinate in self.taking_over}
+        self._acting: dict[str, Sequence[float]] = {
+            name: (nan,) * rosenbrock.count_of(name) for name in acting}
         self._outside = tuple(chain(*self._acting.values()))        # their numbers, in this order
         self.budget = budget - EULER - (LINEARIZE + EULER if self.passes else 0)
         self._evaluations = 0        # in this step
@@ -165,7 +157,6 @@ class Mover:
     # --- messages -------------------------------------------------------------------------------
 
     def start(self, command: float = 0.0) -> DriveValues:
-        """Return the values at the start."""
         return self._told(self.first, 0.0, command, 0)
 
     def next(self, values: DriveValues, step: float, command: float = 0.0,
@@ -182,11 +173,10 @@ class Mover:
 
     def _told(self, state: FullState, step: float, command: float, evaluations: int
               ) -> DriveValues:
-        """Return the values of a state, and keep it: next to a toggle it tells more."""
+        # the state is kept, as next to a toggle it tells more than its values
         self.mode = mode_number(state.mode)
-        values = self.values(state, step, command, evaluations)
-        self._last = values, state
-        return values
+        self._last = self.values(state, step, command, evaluations), state
+        return self._last[0]
 
     def values(self, state: FullState, step: float, command: float, evaluations: float
                ) -> DriveValues:
@@ -211,11 +201,9 @@ class Mover:
 
     def state_of(self, values: DriveValues, mode: int | None = None) -> FullState:
         """Return the state that a message tells, in a mode; None: the mode of the system."""
-        # What it lacks, as NaN, is zero.
         source = getattr(values, self._source_field) if self._source_field else 0.0
-        source, twist, speed = 0.0 if isnan(source) else source, 0.0, 0.0
-        if self._has_shaft:
-            twist, speed = 0.0 if isnan(values.twist) else values.twist, values.motor_velocity
+        twist, speed = (values.twist, values.motor_velocity) if self._has_shaft else (0.0, 0.0)
+        source, twist = (0.0 if isnan(value) else value for value in (source, twist))
         return self.state_at(StateVector(values.position, values.velocity, twist, speed, source),
                              mode)
 
@@ -260,17 +248,13 @@ class Mover:
             except REFUSALS:
                 raise CannotGoOn from None
             self._linear = state, Linearization._make(
-                (*fields, StateVector(*change), Coefficients(*coefficients)))
+                (*fields, StateVector(*change), rosenbrock.Coefficients(*coefficients)))
         return self._linear[1]
 
     # --- steps ----------------------------------------------------------------------------------
 
     def advance(self, state: FullState, length: float, command: float = 0.0) -> Stepped:
-        """
-        Return the state after a step of a length [s]; at a limit or an overflow, the same at rest.
-
-        ``command``: torque of the source during the step [N m], where it takes commands.
-        """
+        """Return the state after a step of a length [s]; at a limit or an overflow, at rest."""
         self._take(command)
         self._evaluations, limited = 0, self.system.has_limits
         if not (0.0 < length < inf and all(map(isfinite, (*state.vector, *self._outside)))):
@@ -291,11 +275,8 @@ class Mover:
         return Stepped(new, status, self._evaluations)
 
     def _moved(self, state: FullState, left: float) -> tuple[FullState, bool]:
-        """
-        Return the state after ``left`` seconds, and whether its error is within the tolerance.
-
-        The step is made in stretches, each in one coordinate, until no time is left.
-        """
+        """Return the state after ``left`` seconds, and whether its error is within tolerance."""
+        # in stretches, each in one coordinate, until no time is left
         if self.passes and state.coordinate.is_input and self._linearized(state).room < 0.0:
             state = self._handed_over(state)
         state, left, is_good = self._moved_in_one(state, left)
@@ -313,6 +294,7 @@ class Mover:
                 else state._replace(mode=in_input.mode)), is_good
 
     def _handed_over(self, state: FullState) -> FullState:
+        """Return a state in the coordinate that takes over there."""
         linear = self._linearized(state)
         position, mode = linear.next_position, state.mode
         known = self.taking_over[state.coordinate]
@@ -325,15 +307,11 @@ class Mover:
             position=position, rate=linear.next_ratio * state.vector.rate), mode)
 
     def _moved_in_one(self, state: FullState, left: float) -> tuple[FullState, float, bool]:
-        """
-        Return (state, time left, is_good) after ``left`` seconds, or less, in one coordinate.
-
-        Time is left [s] where another coordinate has to take over. ``is_good``: the error is
-        within the tolerance; if not and time is left, this coordinate cannot finish within the
-        budget. Steps that fail are made shorter; one that would pass a point of a force table ends
-        there. Where the budget is used up, all that is left is one step of RODAS, or else of
-        implicit Euler: stable, its error bounded.
-        """
+        """Return (state, time left, is_good) after ``left`` seconds or less in one coordinate."""
+        # Time is left [s] where another coordinate has to take over. is_good: the error is within
+        # the tolerance; if not and time is left, this coordinate cannot finish within the budget.
+        # Steps that fail are made shorter; one that would pass a point of a force table ends
+        # there.
         equation, linear = state.coordinate.equation, self._linearized(state)
         latest, h = LATE * left, left
         while left > 0.0:
@@ -362,7 +340,7 @@ class Mover:
 
     def _rest(self, state: FullState, linear: Linearization, left: float
               ) -> tuple[FullState, float, bool]:
-        """Return the state after all the time left in one step, as the budget is used up."""
+        """Return (state, time left, False) after all time left in one step, over the budget."""
         # It is one of RODAS if evaluations are left for it, else of implicit Euler. Both are
         # stable: the error is bounded, but above the tolerance.
         new = None
@@ -412,15 +390,10 @@ def _share_to_table(excess: Callable[[float], float], position: float, gain: flo
             return excess(position + share * (gain + share * bend)) > NEAREST
         except REFUSALS:
             return True
-    if not is_beyond(1.0):
-        return 1.0
     low, high = 0.0, 1.0
-    for _ in range(BISECTIONS):
+    for _ in range(BISECTIONS if is_beyond(1.0) else 0):
         share = 0.5 * (low + high)
-        if is_beyond(share):
-            high = share
-        else:
-            low = share
+        low, high = (low, share) if is_beyond(share) else (share, high)
         if high - low <= SHORTEST * high:
             break
     return high if high < 1.0 - SHORTEST else 1.0

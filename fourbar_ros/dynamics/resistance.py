@@ -23,39 +23,32 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
-from fourbar_ros.dynamics.equation import Equation, Resistance
-from fourbar_ros.mechanics.bodies import Applied, unchecked
+from fourbar_ros.dynamics.equation import Equation, NO_WRENCHES, Resistance, Wrenches
+from fourbar_ros.mechanics.bodies import Applied, Base, unchecked
 from fourbar_ros.mechanisms.friction import direction_of
-from fourbar_ros.mechanisms.machine.solve.friction import (
-    Felt,
-    locked,
-    NEAR_SHARES,
-    OpenForces,
-    SHARES,
-    solved,
-)
+from fourbar_ros.mechanisms.machine.solve import friction as joints
 from fourbar_ros.numerics.linear_forms import CONSTANT, form_of, LinearForm
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar, TINY
 
 CHANGE = 'change'      # the unknown dw/dt
 
 
-def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> Function:
+def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
+                    wrenches: Wrenches = NO_WRENCHES) -> Function:
     """Return the formula (q, w, push, J) -> :class:`.Resistance`."""
-    # push: Q - D w - J'/2 w^2 + T; outside as of Equation.make_terms. A fifth argument, felt of a
-    # state near by, saves iterations.
+    # push: Q - D w - J'/2 w^2 + T; base, wrenches as of Equation.make_terms. A fifth argument,
+    # felt of a state near by, saves iterations.
     mechanism, make_pose = equation.mechanism, equation.make_pose(equation.coordinate, n)
     constants = mechanism.constants
-    if outside:
+    if base or wrenches:
         loads = mechanism.loads_of_links()
         constants = constants._replace(
-            gravity=outside.base or constants.gravity,
+            gravity=base or constants.gravity,
             external=constants.external._replace(**{
                 name: unchecked(Applied, force_x, force_y, loads[name][1].along,
                                 loads[name][1].across, couple)
-                for name, (force_x, force_y, couple) in outside.wrenches.items()}))
+                for name, (force_x, force_y, couple) in wrenches.items()}))
     motion_of = mechanism.motion_formula(n, constants)
     one_way = [force for force in mechanism.elements if force.is_one_way]
     # forces of joints are linear forms, whose sizes are not asked for
@@ -63,8 +56,8 @@ def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> F
         y, LinearForm) else n.hypot(x, y))
 
     def resistance(position: Scalar, rate: Scalar, push: Scalar, inertia: Scalar,
-                   near: Sequence[Felt] = ()) -> Resistance:
-        cut, rubbing = 0.0, OpenForces()
+                   near: Sequence[joints.Felt] = ()) -> Resistance:
+        cut, rubbing = 0.0, joints.OpenForces()       # force cut off one way; joints with friction
         if one_way:
             moving, (value, _, _) = make_pose(position)
             direction = direction_of(n, rate, mechanism.slip_speed_in(constants))
@@ -72,7 +65,7 @@ def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> F
                 cut = cut + force.generalised(n, moving, value, direction)
         mechanism.make_joint_loads(of_forms, constants, rubbing)(mechanism.MOTION._make(
             motion_of(position, rate, LinearForm({CHANGE: 1.0}))))
-        paid, felt, edges = form_of(rubbing.paid), list[Felt](), list[Scalar]()
+        paid, felt, edges = form_of(rubbing.paid), list[joints.Felt](), list[Scalar]()
         friction = paid.coefficient(CONSTANT)
         if rubbing:
             change = (push + cut - paid) / inertia
@@ -80,13 +73,13 @@ def make_resistance(equation: Equation, n: NumberType, outside: Any = None) -> F
                       for joint in rubbing]
             at_none, *columns = [[(x.coefficient(name), y.coefficient(name)) for x, y in affine]
                                  for name in (CONSTANT, *[joint.name for joint in rubbing])]
-            sizes, locks, felt = solved(n, [joint.law for joint in rubbing], at_none, columns,
-                                        NEAR_SHARES if near else SHARES[
-                                            :None if rubbing.tilts else -1], False, near)
+            laws = [joint.law for joint in rubbing]
+            shares = joints.NEAR_SHARES if near else joints.SHARES[:None if rubbing.tilts else -1]
+            sizes, locks, felt = joints.solved(n, laws, at_none, columns, shares, False, near)
             # at this acceleration the joints must be free as in a motion that is given: else the
             # loads that are published beside it are none, or of another torque
             with_change = [[form_of(each) for each in joint.felt] for joint in rubbing]
-            locks = locks + locked(n, [joint.law for joint in rubbing], felt, [
+            locks = locks + joints.locked(n, laws, felt, [
                 [(x.coefficient(joint.name), y.coefficient(joint.name)) for x, y in with_change]
                 for joint in rubbing])
             largest = 0.0

@@ -31,7 +31,7 @@ from math import nan
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import FARTHEST, LONGEST, MotionCoordinate
-from fourbar_ros.dynamics.equation import FullTerms, Outside
+from fourbar_ros.dynamics.equation import Terms
 from fourbar_ros.dynamics.sources import Drive, Piece
 from fourbar_ros.dynamics.system import NEAR_TOGGLE
 from fourbar_ros.mechanics.bodies import Base
@@ -119,7 +119,7 @@ class StepStart(NamedTuple):
 
     @classmethod
     def of(cls, numbers: Sequence[Scalar]) -> StepStart:
-        """Return the record of numbers that follow each other."""
+        """Return the record of all these numbers, one after the other."""
         rest = iter(numbers)
         return cls(StateVector(*islice(rest, 5)), next(rest), next(rest),
                    StateVector(*islice(rest, 5)), Coefficients(*islice(rest, 9)), list(rest))
@@ -178,32 +178,12 @@ class StepFormulas:
     # --- formulas -------------------------------------------------------------------------------
 
     def _make_terms(self, n: NumberType, acting: Sequence[Scalar]) -> tuple[Function, Function]:
-        """Return the formulas p -> :class:`FullTerms` of (E1), (p, u, push, J) -> R of (E9)."""
-        outside, numbers = None, iter(acting)
-        if acting:
-            wrenches = {name: list(islice(numbers, count_of(name))) for name in self._acting}
-            base = Base(*wrenches.pop(BASE)) if BASE in wrenches else None
-            outside = Outside(base, wrenches)
-        return (self._equation.make_terms(self._equation.coordinate, n, outside),
-                self._equation.make_resistance(n, outside))
-
-    def _make_taking_over(self, n: NumberType) -> Function:
-        """Return the formula p -> (next_position, next_ratio, room) of a Linearization."""
-        coordinate, mechanism = self._coordinate, self._equation.mechanism
-        middle, half = coordinate.all.middle, coordinate.all.half
-        if self._passes:
-            successor = coordinate.make_successor(self._equation.coordinate, n)
-
-            def between_toggles(p: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-                value, ratio, _ = successor(p)
-                room = LONGEST - n.fabs(ratio) * coordinate.unit_of_ratio
-                if coordinate.is_input:            # not in another range, beyond a gap
-                    room = n.where(n.fabs(p - middle) < half, room, -FARTHEST)
-                return value, ratio, room
-            return between_toggles
-        if mechanism.turns_fully:
-            return lambda p: (0.0, 1.0, 1.0)
-        return lambda p: (0.0, 1.0, 1.0 - NEAR_TOGGLE - n.fabs(p - middle) / half)
+        """Return the formulas p -> :class:`Terms` of (E1), (p, u, push, J) -> R of (E9)."""
+        outside = iter(acting)
+        wrenches = {name: list(islice(outside, count_of(name))) for name in self._acting}
+        base = Base(*wrenches.pop(BASE)) if BASE in wrenches else None
+        return (self._equation.make_terms(self._equation.coordinate, n, base, wrenches),
+                self._equation.make_resistance(n, base, wrenches))
 
     def make_table_positions(self, n: NumberType) -> Function:
         """Return the formula p -> the positions s of all forces with a table."""
@@ -211,12 +191,21 @@ class StepFormulas:
 
     def make_linearization(self, n: NumberType) -> Function:
         """Return the formula of :attr:`linearize`."""
+        coordinate = self._coordinate
+        middle, half = coordinate.all.middle, coordinate.all.half
+
         def linearization(p: Any, u: Any, s: Any, v: Any, z: Any, command: Any,
                           *acting: Any) -> Linearization:
-            x = StateVector(p, u, s, v, z)
-            (terms_of, resists), taking_over_at = (self._make_terms(n, acting),
-                                                   self._make_taking_over(n))
-            next_position, next_ratio, room = taking_over_at(p)
+            x, (terms_of, resists) = StateVector(p, u, s, v, z), self._make_terms(n, acting)
+            next_position, next_ratio, room = 0.0, 1.0, 1.0
+            if self._passes:
+                successor = coordinate.make_successor(self._equation.coordinate, n)
+                next_position, next_ratio, _ = successor(p)
+                room = LONGEST - n.fabs(next_ratio) * coordinate.unit_of_ratio
+                if coordinate.is_input:            # not in another range, beyond a gap
+                    room = n.where(n.fabs(p - middle) < half, room, -FARTHEST)
+            elif not self._equation.mechanism.turns_fully:
+                room = 1.0 - NEAR_TOGGLE - n.fabs(p - middle) / half
             terms = terms_of(p)
             change, torque, motor_torque, law, felt = self._rates(n, terms, resists, x, command)
             acceleration = (change.rate if self._equation.is_input else
@@ -257,7 +246,13 @@ class StepFormulas:
             last = stages[-1]
             errors = [n.fabs(error) for error in (last.position, last.twist, h * last.rate,
                                                   h * last.motor_speed)]
-            return _plus(x, 1.0, last), self._scale(n, errors)
+            # The next length over this one; below 1 the step failed and is made again that much
+            # shorter. The fourth root follows from the order of the method.
+            error = reduce(partial(_larger, n), errors) / self._tolerance
+            longer = SAFETY * _larger(n, error, 1e-10)**-0.25
+            longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
+            scale = n.where(sum(errors) < 1e300, longer, SMALLEST)
+            return _plus(x, 1.0, last), scale
         return attempt
 
     def make_euler(self, n: NumberType) -> Function:
@@ -272,12 +267,9 @@ class StepFormulas:
 
     def _to_bend(self, n: NumberType, command: Scalar, values: tuple[Scalar, Scalar],
                  slopes: tuple[Scalar, Scalar]) -> Scalar:
-        """
-        Return the time to the next kink of the source's torque, at its limit, where a step ends.
-
-        It is that of the tangent: ``values``, speed and state of the source, and ``slopes``, their
-        derivatives by time. NEVER where the torque has no limit or is beyond it for good.
-        """
+        """Return the time [s] until the source's torque comes to its limit, where a step ends."""
+        # That of the tangent. values: speed and state of the source; slopes: their derivatives by
+        # time. NEVER where the torque has no limit or is beyond it for good.
         limited = self._source.limited(command)
         if limited is None:
             return NEVER
@@ -290,13 +282,11 @@ class StepFormulas:
         time: Scalar = n.where(gap > 0.0, gap / _larger(n, slope, 1e-300), NEVER)
         return time
 
-    def _with_resistance(self, n: NumberType, terms: FullTerms, resists: Function, p: Scalar,
-                         u: Scalar, torque: Scalar, felt: Any) -> FullTerms:
-        """
-        Return terms for the Jacobian, in which R is not: with a J and D that account for it.
-
-        They give du/dt without R the slopes by torque and rate that it has with R, by differences.
-        """
+    def _with_resistance(self, n: NumberType, terms: Terms, resists: Function, p: Scalar,
+                         u: Scalar, torque: Scalar, felt: Any) -> Terms:
+        """Return terms for the Jacobian, which lacks R: with a J and D that account for it."""
+        # With them du/dt without R has the slopes by torque and rate, by differences, that it has
+        # with R.
         def change(rate: Scalar, more: Scalar) -> tuple[Scalar, Scalar]:
             push = (terms.force + terms.ratio * torque + more
                     - (terms.damping + terms.half_slope * rate) * rate)
@@ -309,7 +299,7 @@ class StepFormulas:
         damping = inertia * (here - change(aside, 0.0)[0]) / (aside - u)
         return terms._replace(inertia=inertia, damping=damping - 2.0 * terms.half_slope * u)
 
-    def _rates(self, n: NumberType, terms: FullTerms, resists: Function, x: StateVector,
+    def _rates(self, n: NumberType, terms: Terms, resists: Function, x: StateVector,
                command: Scalar, near: Sequence[Any] = ()) -> Rates:
         """Return dx/dt by (RB1); ``near``, the ``felt`` of a state near by, saves iterations."""
         u, v, shaft = x.rate, x.motor_speed, self._shaft
@@ -333,6 +323,7 @@ class StepFormulas:
     def _solver(self, n: NumberType, start: StepStart, g: Scalar, terms_of: Function,
                 resists: Function, near: Sequence[Any] = ()
                 ) -> Callable[[StateVector], StateVector]:
+        """Return b -> y of (g - Jacobian at the start of the step) y = b."""
         step, x = DIFFERENCE * self.unit, start.state
         if self._equation.tables:                  # in the piece that lies ahead
             step = n.where(x.rate < 0.0, -step, step)
@@ -370,16 +361,6 @@ class StepFormulas:
                 [-w_p, -r, 0.0, 1.0, 0.0],
                 [c * w_p / J_m, r * c / J_m, -k / J_m, (T_w - c) / J_m, T_z / J_m],
                 [0.0, 0.0, 0.0, d_w, d_z]]
-
-    def _scale(self, n: NumberType, errors: Sequence[Scalar]) -> Scalar:
-        """Return the next length over that of a step, by its estimated errors."""
-        # Below 1 the step failed and is made again that much shorter. The fourth root follows from
-        # the order of the method.
-        error = reduce(partial(_larger, n), errors) / self._tolerance
-        longer = SAFETY * _larger(n, error, 1e-10)**-0.25
-        longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
-        scale: Scalar = n.where(sum(errors) < 1e300, longer, SMALLEST)
-        return scale
 
 
 def _eliminated(rows: Sequence[Sequence[Scalar]]) -> Callable[[Sequence[Scalar]], list[Scalar]]:

@@ -111,7 +111,7 @@ class Leg(NamedTuple):
     end: str                           # how it ended: REACHED, LIMIT, ...
 
     def at(self, times: Array) -> Array:
-        """Return the states at times within the leg, at steps those of the integrator."""
+        """Return the states at times within the leg, (fields, times); at steps exact ones."""
         states = self.between(times)
         steps = np.clip(np.searchsorted(self.time, times), 0, self.time.size - 1)
         is_step = self.time[steps] == times
@@ -142,8 +142,7 @@ class Work:
         """Return whether a run must be given up at a time [s]; ``reason`` then says why."""
         if self.progress is not None:
             self.progress(time / self.until)
-        judged = max(FIRST_TRY * self.evaluations, LEAST_JUDGED)
-        is_fourth = False
+        judged, is_fourth = max(FIRST_TRY * self.evaluations, LEAST_JUDGED), False
         while len(self.marks) < 4 and (
                 self.used - self.first >= 0.25 * judged * (len(self.marks) + 1)):
             self.marks.append(time)
@@ -172,16 +171,15 @@ class Work:
             self.used += 1
             if self.used > self.most + WITHIN_A_STEP:
                 raise ArithmeticError('evaluations are used up within a step')
+            change = [nan]
             try:
                 change = list(derivative(min(time, latest), state.tolist()))
             except Locked as error:
                 self.locked = error
-                return [nan] * state.size
             except (FourBarError, ArithmeticError):
-                return [nan] * state.size
-            if min(change) > -HUGE and max(change) < HUGE:
-                return change
-            return [nan] * state.size
+                pass
+            is_good = min(change) > -HUGE and max(change) < HUGE
+            return change if is_good else [nan] * state.size
         return rates
 
 
@@ -212,19 +210,13 @@ class Run:
         """Return the times [s], of shape (n,); where a run stops early is one of them."""
         if self.asked is None:
             return np.asarray(np.unique(np.concatenate([leg.time for leg in self.legs])))
-        end = self._end
-        asked: Array = self.asked[self.asked <= end]
+        asked, end = self.asked[self.asked <= self._end], self._end
         stops_early = self.legs[-1].end != REACHED and not (asked.size and asked[-1] == end)
-        if stops_early:
-            asked = np.append(asked, end)
-        return asked
+        return np.append(asked, end) if stops_early else asked
 
     def stuck(self, shortest: float = 1e-3) -> tuple[Stuck, ...]:
-        """
-        Return when friction held the mechanism, or nearly: within its slip speed for some time.
-
-        ``shortest``: such a time [s]; a motion that turns back is within it for less.
-        """
+        """Return when friction held the mechanism: within its slip speed for ``shortest`` [s]."""
+        # a motion that turns back is within it for less
         slip_speed, intervals = self.system.mechanism.slip_speed, list[Stuck]()
         for leg in self.legs if slip_speed else ():
             positions, rates = leg.states[:2]
@@ -241,6 +233,7 @@ class Run:
         return float(self.legs[-1].time[-1])
 
     def _on_legs(self, times: Array) -> Iterator[tuple[Leg, NDArray[np.bool_], Array]]:
+        """Yield (leg, which of the times are on it, its states there) in order."""
         starts = np.array([leg.time[0] for leg in self.legs])
         indices = np.maximum(np.searchsorted(starts, times, 'left') - 1, 0)
         for i in np.unique(indices):
@@ -248,6 +241,7 @@ class Run:
             yield self.legs[i], there, self.legs[i].at(times[there])
 
     def _states(self, times: Array) -> Array:
+        """Return the states in the input at times, rows in the order of the system's names."""
         rows: Array = np.empty((len(self.system.names), times.size))
         for leg, there, states in self._on_legs(times):
             rows[:, there] = leg.coordinate.states_of_input(states)
@@ -312,12 +306,8 @@ class Run:
     # --- between its times, and derived results -------------------------------------------------
 
     def at(self, time: ArrayLike) -> RunState:
-        """
-        Return the state at any times from 0 to the end of the run [s], in any order.
-
-        Fields have the shape of the times. Interpolated between the steps of the integrator; the
-        error is that of the run.
-        """
+        """Return the state at any times [s] of the run, in any order: fields of their shape."""
+        # interpolated between the steps of the integrator; the error is that of the run
         times = array('time', time)
         if not times.size or not (np.min(times) >= 0.0 and np.max(times) <= self._end):
             raise InvalidParameter('time', time, f'must lie between 0 and {self._end:.17g} s')
@@ -350,14 +340,14 @@ class Run:
 
     @property
     def _facts(self) -> dict[str, object]:
-        mechanism, unit = self.system.mechanism, self.system.mechanism.input_coordinate.unit
+        mechanism = self.system.mechanism
         return {'status': self.status, 'reason': self.reason, 'end': f'{self._end:.6g} s',
-                'times': self.time.size, 'error': f'{self.error:.3g} {unit}',
+                'times': self.time.size,
+                'error': f'{self.error:.3g} {mechanism.input_coordinate.unit}',
                 'drift': f'{self.drift:.3g}', 'method': self.method,
                 'evaluations': self.evaluations, 'linkage': mechanism.description}
 
     def __repr__(self) -> str:
-        """Return how the run ended, in at most ten lines."""
         return short_repr('Run', self._facts)
 
     def _repr_html_(self) -> str:
@@ -411,8 +401,11 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     if stop_when is not None and not callable(stop_when):
         raise InvalidParameter('stop_when', stop_when, 'must be a function of time and state')
     _check_start(system)
+    evaluations, seconds = (
+        value if value == inf else finite(name, value, 'must be a positive number', above=0.0)
+        for name, value in (('evaluations', evaluations), ('seconds', seconds)))
     work = Work(system, until, None if times is None else _checked_times(times, until), stop_when,
-                _most('evaluations', evaluations), _most('seconds', seconds), progress)
+                evaluations, seconds, progress)
     if check:
         return _checked(work, method, tolerance)
     only = _first_run(work, method, max(tolerance, TIGHTEST))
@@ -465,23 +458,18 @@ def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, shar
     return replace(run, drift=energy_drift(run))
 
 
-def _most(name: str, value: float) -> float:
-    return inf if value == inf else finite(name, value, 'must be a positive number', above=0.0)
-
-
 def _check_start(system: System) -> None:
-    equation, (position, rate) = system.equation, system.start[:2]
+    position, rate = system.start[:2]
     try:
-        inertia = float(equation.terms(position).inertia)
-        if inertia == 0.0:
-            raise InvalidParameter('bodies', None, 'the inertia of the input is zero at '
-                                   f'{position}: no acceleration follows from a torque')
-        energy = 0.5 * inertia * rate * rate
+        inertia = float(system.equation.terms(position).inertia)
     except InvalidParameter:
         raise
     except FourBarError:           # at a toggle, where another coordinate goes on
         return
-    if not isfinite(energy):
+    if inertia == 0.0:
+        raise InvalidParameter('bodies', None, 'the inertia of the input is zero at '
+                               f'{position}: no acceleration follows from a torque')
+    if not isfinite(0.5 * inertia * rate * rate):
         raise InvalidParameter('rate', rate, 'is too large: its kinetic energy is no number')
 
 
@@ -525,7 +513,12 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     # force table ends, or the run stops. is_finer: legs between jumps of the torque are cut in
     # two, so that the run whose error is estimated and the finer one do not take the same steps.
     system, stop_when = work.system, work.stop_when
-    breaks = _restarts(system, work.until, is_finer)
+    source = system.drive.source if system.drive else None
+    breaks: Array = np.array(source.breaks if source else (), float)
+    breaks = breaks[(breaks > 0.0) & (breaks < work.until)]
+    if is_finer and breaks.size:
+        ends = np.concatenate([[0.0], breaks, [work.until]])
+        breaks = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
     (coordinate, state), first = system.coordinates.begin(system.start), 0.0
     stop_value = nan         # last value of stop_when that is not zero: no run stops at its start
     end, step = REACHED, None
@@ -536,10 +529,14 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         if coordinate.can_end:
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
         if coordinate.equation.tables:
-            events.append(_kink(coordinate, state))
+            excess = coordinate.equation.make_excess(state[0])
+            events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
+                                AT_KINK, direction=1.0))
         used = method
         if coordinate.equation.has_resistance:
-            is_slow = _is_slow(system, coordinate, first, state)
+            beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
+            is_slow = beyond < 0.0 if abs(beyond) > AHEAD else bool(
+                coordinate.derivative(first, state)[1] * state[1] < 0.0)
             events.append(_not_smooth(system, coordinate, first, state, is_slow))
             if is_slow and method in EXPLICIT:      # friction is stiff there
                 used = 'LSODA'
@@ -621,18 +618,6 @@ def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, meth
             raise
 
 
-def _restarts(system: System, until: float, is_finer: bool) -> Array:
-    """Return the times at which integrations restart: where the torque jumps or bends."""
-    # A finer run also restarts between them: otherwise both runs would take the same single step.
-    source = system.drive.source if system.drive else None
-    breaks: Array = np.array(source.breaks if source else (), float)
-    breaks = breaks[(breaks > 0.0) & (breaks < until)]
-    if is_finer and breaks.size:
-        ends = np.concatenate([[0.0], breaks, [until]])
-        breaks = np.unique(np.concatenate([breaks, 0.5 * (ends[1:] + ends[:-1])]))
-    return breaks
-
-
 def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
     passes_toggles = coordinate.can_end or system.mechanism.turns_fully
 
@@ -654,8 +639,7 @@ def _remembered(event: Event, first: float) -> Callable[..., float]:
         if time not in known:
             known[time] = event.function(time, state)
         return known[time]
-    any_function: Any = function
-    any_function.terminal, any_function.direction = True, event.direction
+    vars(function).update(terminal=True, direction=event.direction)     # as solve_ivp reads them
     return function
 
 
@@ -673,33 +657,16 @@ def _watch(work: Work, first: float) -> Event:
     return Event(left, STOPPED, -1.0)
 
 
-def _kink(coordinate: MotionCoordinate, state: list[float]) -> Event:
-    excess = coordinate.equation.make_excess(state[0])
-    return Event(lambda time, state: excess(float(state[0])) - SAME, AT_KINK, direction=1.0)
-
-
-def _is_slow(system: System, coordinate: MotionCoordinate, time: float, state: list[float]
-             ) -> bool:
-    beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
-    if abs(beyond) > AHEAD:
-        return beyond < 0.0
-    return bool(coordinate.derivative(time, state)[1] * state[1] < 0.0)
-
-
 def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state: list[float],
                 is_slow: bool) -> Event:
-    """
-    Return the event at which R of (E9) is not smooth, so that the integrator stops and restarts.
-
-    There the input passes the slip speed, or one of the ``edges`` of :class:`.Resistance` changes
-    its sign: a joint turns back, or a guide changes the face that bears.
-    """
+    """Return the event at which R of (E9) is not smooth: there the integrator starts anew."""
+    # There the input passes the slip speed, or one of the edges of Resistance changes its sign: a
+    # joint turns back, or a guide changes the face that bears.
     resisting = system.make_resisting(coordinate)
 
     def edges_at(time: float, state: Sequence[float]) -> Sequence[float]:
         try:
-            edges: Sequence[float] = resisting(time, state).resistance.edges
-            return edges
+            return tuple(resisting(time, state)[1])
         except (FourBarError, ArithmeticError):      # no step of the integrator ends there
             return ()
     # the start may be such an event itself: the signs are read a little ahead, and an edge that
@@ -743,8 +710,7 @@ def _difference(rough: Run, fine: Run) -> float:
 def energy_drift(run: Run) -> float:
     """Return the largest change of energy less work at the steps, over the energy in play."""
     # It must be constant, so it measures the error of a run; a change that rounding explains does
-    # not count.
-    # of all legs in a coordinate at once, by rows of their states
+    # not count. Computed for all legs in a coordinate at once.
     by_coordinate = dict[int, list[Leg]]()
     for leg in run.legs:
         by_coordinate.setdefault(id(leg.coordinate), []).append(leg)
@@ -761,6 +727,4 @@ def energy_drift(run: Run) -> float:
     in_play = float(np.max(kinetic) + np.ptp(potential) + np.ptp(work))
     rounding = ROUNDING * float(np.max(kinetic) + np.max(size) + np.max(np.abs(work)))
     drift = float(np.max(np.abs(constant - constant[0]))) - rounding
-    if drift > 0.0 and in_play > 0.0:
-        return drift / in_play
-    return 0.0
+    return drift / in_play if drift > 0.0 and in_play > 0.0 else 0.0

@@ -78,25 +78,15 @@ class Piece(NamedTuple):
 
 
 class Law(ABC):
-    """
-    A torque source with a law of speed and state, in steps of the node too.
-
-    Attributes
-    ----------
-    state_field : str
-        The field of a DriveState message that holds the state, one number at most.
-    command : str
-        The field of which each step may take another value, as a torque or a voltage; '': none.
-
-    """
+    """A torque source with a law of speed and state, in steps of the node too."""
 
     breaks: ClassVar[tuple[float, ...]] = ()
-    state_field: ClassVar[str] = ''
-    command: ClassVar[str] = ''
+    state_field: ClassVar[str] = ''     # of a DriveState message, which holds the state
+    command: ClassVar[str] = ''         # field that each step may take anew, as a voltage
 
     @property
     def start(self) -> tuple[float, ...]:
-        """Return the state at the beginning; nothing: it has none."""
+        """Return the state at the beginning, one number at most."""
         return ()
 
     def __post_init__(self) -> None:
@@ -105,8 +95,7 @@ class Law(ABC):
     @abstractmethod
     def piece(self, speed: Scalar, state: Scalar, n: NumberType = REAL,
               command: Scalar | None = None) -> Piece:
-        """Return the law that holds next to a speed and a state."""
-        # command: a value in place of the field that self.command names.
+        """Return the law next to a speed and a state; ``command``: value of that field instead."""
 
     def limited(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         """Return the linear law, and the size of its torque at which it is cut off, if it is."""
@@ -218,10 +207,8 @@ class SpeedController(Law):
         by = kp or ki          # without a proportional part, ki times one second takes its place
 
         def beyond(torque: float) -> tuple[Scalar, ...]:
-            if not ki:
-                return tuple(Piece(torque))
-            return (torque, 0.0, 0.0, wanted + (torque - kp * wanted) / by, kp / by - 1.0,
-                    -ki / by)
+            change = (wanted + (torque - kp * wanted) / by, kp / by - 1.0, -ki / by) if ki else ()
+            return tuple(Piece(torque, 0.0, 0.0, *change))
         torque = inner.torque_at(speed, state)
         return Piece(*n.where(torque.real > limit, beyond(limit), n.where(
             torque.real < -limit, beyond(-limit), tuple(inner))))
@@ -238,11 +225,7 @@ class SpeedController(Law):
 
 @dataclass(frozen=True)
 class InductionMotor(Law):
-    """
-    Induction motor with a gear, by Kloss' formula (A7); fields state units and meanings.
-
-    A negative gear: the shaft behind it turns the other way.
-    """
+    """Induction motor by Kloss' formula (A7); behind a negative gear its shaft turns back."""
 
     breakdown_torque: float = quantity(unit='N m or N', above=0.0,
                                        text='largest torque of the motor')
@@ -282,7 +265,6 @@ class TorqueTable:
     start: ClassVar[tuple[float, ...]] = ()
 
     def __post_init__(self) -> None:
-        """Check times and torques, and keep them as tuples of floats."""
         times, torques = array('times', self.times), array('torques', self.torques)
         if times.ndim != 1 or not times.size or times.shape != torques.shape:
             raise InvalidParameter('torques', torques, 'must be as many as times, at least one')
@@ -310,7 +292,6 @@ class TorqueTable:
         return tuple(times[kept].tolist())
 
     def torque(self, time: float, speed: float, state: State) -> Answer:
-        """Return the torque of the table at a time [N m], and (): it has no state."""
         after = bisect_right(self.times, time)
         before = max(after - 1, 0)
         if not self.linear or after in (0, len(self.times)):
@@ -347,7 +328,6 @@ class Drive:
     shaft: Shaft | None = None
 
     def __post_init__(self) -> None:
-        """Check that the source is one, and that an elastic shaft has a rotor before it."""
         for name in ('start', 'breaks', 'torque'):
             if not hasattr(self.source, name):
                 raise InvalidParameter('source', self.source, 'must be a torque source, as '

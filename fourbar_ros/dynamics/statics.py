@@ -30,9 +30,8 @@ from typing import Any, NamedTuple
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arguments import finite
-from fourbar_ros.numerics.arrays import Array, EPS, Value
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
@@ -72,24 +71,27 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     if not isinstance(equation, Equation):
         raise InvalidParameter('equation', equation, 'must be an Equation')
     drive, mechanism = finite('drive', drive), equation.mechanism
-    results = list[Equilibrium]()
+    results, is_held = list[Equilibrium](), bool(mechanism.friction)
 
-    is_held = bool(mechanism.friction)
+    def push(q: Any) -> Any:        # Q + T; of friction what it cannot hold
+        return (drive - np.clip(drive, *mechanism.holding(q)) if is_held
+                else equation.terms(q).force + drive)
 
-    def push(q: Value) -> Value:
-        if is_held:
-            total: Value = drive - np.clip(drive, *mechanism.holding(q))
-        else:
-            total = equation.terms(q).force + drive
-        return total
-
-    def error(q: Value) -> Array:
+    def error(q: Any) -> Array:
         return equation.force_error(q) + EPS * abs(drive)
 
     cycle = mechanism.turns * tau
-    ranges = [(-pi, cycle - pi)] if mechanism.turns_fully else mechanism.input_ranges
-    for (low, high), samples in zip(ranges, _samples(mechanism, mechanism.turns)):
-        samples = np.union1d(samples, _ends_of_pieces(mechanism, samples))
+    ends_of_pieces = np.array(mechanism.pieces.ends if mechanism.pieces else ())
+    for low, high in [(-pi, cycle - pi)] if mechanism.turns_fully else mechanism.input_ranges:
+        if mechanism.turns_fully:
+            # a sample beyond the turn: its ends, where equilibria are often, are then inside
+            samples = (np.arange(mechanism.turns * SAMPLES + 1) + 0.5) * (tau / SAMPLES) - pi
+            ends_of_pieces = samples[0] + (ends_of_pieces - samples[0]) % mechanism.cycle
+        else:
+            u = (np.arange(SAMPLES) + 0.5) * (pi / SAMPLES)
+            samples = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(u)
+        samples = np.union1d(samples, ends_of_pieces[(ends_of_pieces > samples[0])
+                                                     & (ends_of_pieces < samples[-1])])
         pieces, parts = _without_force(push, error, samples, SHORTEST * mechanism.input_unit)
         roots = [root for part in parts for root in roots_of(push, part, error)]
         ends = samples[0], samples[-1]
@@ -99,8 +101,19 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
             if len(pieces) > 1 and (pieces[0][0], pieces[-1][1]) == ends:        # over the seam
                 (start, _), (_, stop) = pieces.pop(), pieces.pop(0)
                 pieces.append((start, stop + cycle))
-        results += [_equilibrium(equation, root) for root in roots
-                    if not _jumps(equation, root, drive)]
+        for root in roots:
+            aside = 1e-9 * mechanism.input_unit
+            below, above = equation.terms(root + aside * np.array((-1.0, 1.0))).force + drive
+            terms, stiffness = equation.terms(root), float(equation.stiffness(root))
+            # no equilibrium where Q + T jumps over zero
+            if min(abs(below), abs(above)) <= (1e3 * abs(stiffness) * aside
+                                               + 1e-6 * abs(above - below)):
+                frequency, ratio = (                                                       # (H1)
+                    sqrt(stiffness / terms.inertia) / tau,
+                    terms.damping / (2.0 * sqrt(terms.inertia * stiffness))
+                ) if stiffness > 0.0 else (nan, nan)
+                results.append(Equilibrium(root, stiffness > 0.0, stiffness, frequency, ratio,
+                                           root))
         results += [Equilibrium(low if start == ends[0] else start, is_held, 0.0, nan, nan,
                                 high if stop == ends[1] else stop) for start, stop in pieces]
     return tuple(sorted(results))
@@ -108,11 +121,8 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
 
 def _without_force(push: Function, error: Function, samples: Array, shortest: float
                    ) -> tuple[list[tuple[float, float]], list[Array]]:
-    """
-    Return the pieces (first input, last input) with no force but rounding; the samples between.
-
-    A piece ends where the force is larger than its error; it is longer than ``shortest``.
-    """
+    """Return the pieces (first, last input) with no force but rounding; the samples between."""
+    # push, error: input -> force, bound of its error. A piece is longer than shortest.
     def is_zero(q: Any) -> Any:
         return np.abs(push(q)) <= error(q)
 
@@ -124,46 +134,22 @@ def _without_force(push: Function, error: Function, samples: Array, shortest: fl
 
     pieces, parts, rest, last = list[tuple[float, float]](), list[Array](), 0, samples.size - 1
     changes = np.flatnonzero(np.diff(is_zero(samples), prepend=False, append=False)).tolist()
-    for i, j in zip(changes[::2], [change - 1 for change in changes[1::2]]):
+    for i, after in zip(changes[::2], changes[1::2]):
+        j = after - 1           # samples i to j are without force
         if samples[j] - samples[i] > shortest:
             pieces.append((edge(*samples[[i, max(i - 1, 0)]].tolist()),
                            edge(*samples[[j, min(j + 1, last)]].tolist())))
             parts.append(samples[rest:i])
-            rest = j + 1
+            rest = after
     return pieces, [*parts, samples[rest:]]
 
 
-def _jumps(equation: Equation, position: float, drive: float) -> bool:
-    aside = 1e-9 * equation.mechanism.input_unit
-    below, here, above = equation.terms(position + aside * np.arange(-1.0, 2.0)).force + drive
-    bend = abs(float(equation.stiffness(position))) * aside
-    return bool(min(abs(below), abs(above)) > 1e3 * bend + 1e-6 * abs(above - below))
-
-
-def _samples(mechanism: Mechanism, turns: int) -> list[Array]:
-    if mechanism.turns_fully:
-        # a sample beyond the turn: its ends, where equilibria are often, are then inside
-        return [(np.arange(turns * SAMPLES + 1) + 0.5) * (tau / SAMPLES) - pi]
-    u = (np.arange(SAMPLES) + 0.5) * (pi / SAMPLES)
-    return [0.5 * (low + high) - 0.5 * (high - low) * np.cos(u)
-            for low, high in mechanism.input_ranges]
-
-
-def _ends_of_pieces(mechanism: Mechanism, samples: Array) -> Array:
-    ends: Array = np.array(mechanism.pieces.ends if mechanism.pieces else ())
-    if mechanism.turns_fully:
-        ends = samples[0] + (ends - samples[0]) % mechanism.cycle
-    return np.asarray(ends[(ends > samples[0]) & (ends < samples[-1])])
-
-
 def roots_of(function: Function, samples: Array, error: Function | None = None) -> list[float]:
-    """
-    Return the arguments where a function of floats and arrays changes its sign, to the last bits.
-
-    Brackets are the sign changes between samples. Where |f| dips at a sample without a sign
-    change, the dip is searched for its lowest point: beyond zero it gives two brackets more.
-    ``error``: bounds of the rounding errors of values; a value within its error has no sign.
-    """
+    """Return the arguments at which a function changes its sign, to the last bits."""
+    # The function takes floats and arrays. Brackets are the sign changes between samples. Where
+    # |f| dips at a sample without a sign change, the dip is searched for its lowest point: beyond
+    # zero it gives two brackets more. error: bounds of the rounding errors of values; a value
+    # within its error has no sign.
     try:
         from scipy.optimize import brentq, minimize_scalar
     except ModuleNotFoundError as error:
@@ -191,15 +177,6 @@ def roots_of(function: Function, samples: Array, error: Function | None = None) 
             for a, b in brackets]
 
 
-def _equilibrium(equation: Equation, position: float) -> Equilibrium:
-    """Return an equilibrium with its stiffness, frequency and damping ratio by (H1)."""
-    terms, stiffness = equation.terms(position), float(equation.stiffness(position))
-    if stiffness <= 0.0:
-        return Equilibrium(position, False, stiffness, nan, nan, position)
-    return Equilibrium(position, True, stiffness, sqrt(stiffness / terms.inertia) / tau,
-                       terms.damping / (2.0 * sqrt(terms.inertia * stiffness)), position)
-
-
 # --- the period of a free motion -----------------------------------------------------------------
 
 class NotResolved(FourBarError, ArithmeticError):
@@ -210,26 +187,16 @@ def free_period(system: System) -> float:
     """
     Return the time of a period of the mechanism or of a full swing [s].
 
-    The system has no drive and no dampers, and goes round or swings in one assembly mode.
-
-    Raises
-    ------
-    InvalidParameter
-        For a system that is not conservative, rests in an equilibrium, or reaches a limit of its
-        input.
-    NotResolved
-        Where dt/du needs more samples, as next to a change point.
-
+    The system has no drive and no dampers, and goes round or swings in one assembly mode. Raises
+    InvalidParameter for a system that is not conservative, rests in an equilibrium, or reaches a
+    limit of its input; NotResolved where dt/du needs more samples, as next to a change point.
     """
     if not system.is_conservative:
         raise InvalidParameter('system', None, 'must be without drive, dampers and couples')
     equation, mechanism = system.equation, system.mechanism
     energy = float(equation.energy(*system.start[:2]))
     ends = _turning_points(system, energy)
-    if ends is None:
-        cycle, width = mechanism.period, 1.0
-    else:
-        cycle, width = tau, 0.5 * (ends[1] - ends[0])
+    cycle, width = (tau, 0.5 * (ends[1] - ends[0])) if ends else (mechanism.period, 1.0)
 
     def slowness(u: Array) -> Array:
         """Return dt/du by (H2) or (H3)."""
@@ -239,6 +206,7 @@ def free_period(system: System) -> float:
             slope: Array = np.sqrt(scale * equation.terms(q).inertia
                                    / (2.0 * np.abs(energy - equation.potential(q))))
         return slope
+
     # a peak between all samples would leave no trace in the mean
     narrowest = min((abs(z.imag) for z in mechanism.singular_inputs if z.imag), default=inf)
     change, mean, count = inf, inf, 32

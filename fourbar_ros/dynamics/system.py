@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-A mechanism and its drive as one system of first-order equations.
+A mechanism and its drive as one system of first-order equations, which :mod:`.simulation` solves.
 
 State, in order: q, w = dq/dt of the input; p, dp/dt of the motor if there is an elastic shaft; the
 state of the torque source (current, integral of a controller); what friction dissipates, if there
@@ -15,30 +15,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
-from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
-from fourbar_ros.dynamics.equation import Equation, Resistance
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import InvalidParameter, Locked
-from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
+from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Function
 
 State = Sequence[float]
 SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
 NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
-
-
-class Resisted(NamedTuple):
-    """The parts of (E9), with friction and forces one way, at a state."""
-
-    rate: float               # w
-    source_change: State      # derivatives of the source's states
-    couples: float            # T + C - D w
-    push: float               # Q - D w - J'/2 w^2 + T
-    inertia: float            # J
-    resistance: Resistance    # R
 
 
 class System:
@@ -53,7 +40,6 @@ class System:
 
     def __init__(self, mechanism: Mechanism, position: float, rate: float = 0.0,
                  drive: Drive | None = None, slip_speed: float = SLIP_SPEED) -> None:
-        """Set up names and start of the state; integrators use the mechanism without stroke."""
         if not isinstance(drive, (Drive, type(None))):
             raise InvalidParameter('drive', drive,
                                    'must be a Drive, as Drive(ConstantTorque(5.0))')
@@ -89,12 +75,6 @@ class System:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
         return System, (self._with_stroke, *self.start[:2], self.drive)
 
-    def make_equation(self, mechanism: Mechanism, coordinate: DrivenLinks | None = None
-                      ) -> Equation:
-        """Return the equation of motion in a mode and a coordinate, with all that acts."""
-        inertia = self.drive.rigid_inertia if self.drive else 0.0
-        return Equation(mechanism, inertia, coordinate)
-
     @property
     def has_stroke(self) -> bool:
         """Return whether the input has a stroke that ends a run."""
@@ -106,12 +86,9 @@ class System:
         return self.has_stroke or not self.mechanism.turns_fully
 
     def distance_to_limit(self, position: float) -> float:
-        """
-        Return how far an input is from its limits: positive inside, zero where a run stops.
-
-        Limits are the ends of the stroke, as a part of it, and NEAR_TOGGLE before a toggle: at the
-        toggle itself the equation is singular.
-        """
+        """Return how far an input is inside its limits, zero where a run stops, as a share."""
+        # of half the range to NEAR_TOGGLE before a toggle, where the equation is singular; of the
+        # stroke to its ends
         coordinates = self.coordinates
         from_toggle = 1.0 - NEAR_TOGGLE - abs(position - coordinates.middle) / coordinates.half
         return min(from_toggle, self.distance_to_end(position))
@@ -122,13 +99,6 @@ class System:
             return inf
         low, high = self.stroke
         return min((position - low) / (high - low), (high - position) / (high - low))
-
-    def locked(self, position: float) -> Locked:
-        """Return the error where friction leaves no acceleration at an input."""
-        driven = self.mechanism.input_coordinate
-        return Locked(driven.position, position, driven.unit, [
-            name for name, friction in self.mechanism.friction
-            if getattr(friction, 'coefficient', 0.0)])
 
     def torque(self, time: float, state: State) -> float:
         """Return the torque (force) of the drive on the input."""
@@ -156,8 +126,10 @@ class System:
 
     def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
-        terms_of, is_input = coordinate.equation.full_terms, coordinate.is_input
-        resisting = self.make_resisting(coordinate) if self.equation.has_resistance else None
+        terms_of, is_input = coordinate.equation.fields_of_terms, coordinate.is_input
+        if self.equation.has_resistance:
+            resisting = self.make_resisting(coordinate)
+            return lambda time, state: resisting(time, state)[0]
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state
@@ -173,28 +145,25 @@ class System:
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (Q2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
-                    (torque + couples) * rate)
-
-        def with_resistance(time: float, state: State) -> tuple[float, ...]:
-            assert resisting is not None
-            at = resisting(time, state)
-            effort, friction = at.resistance.effort, at.resistance.friction
-            return (at.rate, (at.push - effort) / at.inertia, *at.source_change,
-                    friction * at.rate, (at.couples - effort) * at.rate)
-        return (conservative if self.is_conservative else with_resistance if resisting else driven)
+                    (torque + couples) * rate)                                              # (E6)
+        return conservative if self.is_conservative else driven
 
     def make_resisting(self, coordinate: MotionCoordinate) -> Function:
-        """Return (time, state) -> :class:`Resisted`, which raises Locked."""
-        terms_of, resistance = coordinate.equation.full_terms, coordinate.equation.resistance
+        """Return (time, state) -> d state / dt with friction, ``edges`` of R; it raises Locked."""
+        terms_of, resistance = coordinate.equation.fields_of_terms, coordinate.equation.resistance
 
-        def resisting(time: float, state: State) -> Resisted:
+        def resisting(time: float, state: State) -> tuple[tuple[float, ...], Sequence[float]]:
             position, rate = state[:2]
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque - damping * rate
             push = force + torque - half_slope * rate * rate
-            resists = resistance(position, rate, push, inertia)
-            if resists.friction != resists.friction:
-                raise self.locked(position)
-            return Resisted(rate, change, torque + couples, push, inertia, resists)
+            effort, friction, _, edges = resistance(position, rate, push, inertia)
+            if friction != friction:
+                driven = self.mechanism.input_coordinate
+                raise Locked(driven.position, position, driven.unit, [
+                    name for name, law in self.mechanism.friction
+                    if getattr(law, 'coefficient', 0.0)])
+            return (rate, (push - effort) / inertia, *change, friction * rate,              # (E9)
+                    (torque + couples - effort) * rate), edges                              # (E6)
         return resisting

@@ -17,11 +17,10 @@ from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple, Union
 
 from fourbar_ros.errors import in_words, InvalidParameter
-from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import input_paths, InputPath, unresolved
 from fourbar_ros.extrema.path_search import PathExtremum, search_path
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
-from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms import quantities as table
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
@@ -298,18 +297,18 @@ def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
 
 def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
               find: Callable[..., list[Extremum]]) -> list[Extremum]:
-    name, field, links, rates = (quantity.name, quantity.quantity, quantity.links(linkage),
-                                 quantity.rates(rate))
-    if not quantity.is_inverse:
-        return [extremum._replace(quantity=name, unit=quantity.unit)
-                for extremum in find(links, field, *rates)]
-    output, _ = links.outputs[0]        # where it turns back, its rate is zero
-    every = find(links, (field, Quantity(output.position, output.unit, '', False)), *rates)
-    return _inverse([extremum._replace(quantity=name, unit=quantity.unit) for extremum in every
-                     if extremum.quantity == field.name],
-                    [extremum._replace(quantity=name, unit=quantity.unit) for extremum in every
-                     if extremum.quantity == output.position and extremum.place == INTERIOR
-                     and extremum.kind != CONSTANT])
+    """Return the extrema of a ratio of drive and output, by ``find`` as :func:`find_extrema`."""
+    field, links, asked = quantity.quantity, quantity.links(linkage), [quantity.quantity]
+    output = links.outputs[0].coordinate
+    if quantity.is_inverse:             # where the output turns back, its rate is zero
+        asked.append(Quantity(output.position, output.unit, '', False))
+    every = find(links, asked, *quantity.rates(rate))
+    extrema, turning = ([extremum._replace(quantity=quantity.name, unit=quantity.unit)
+                         for extremum in every if extremum.quantity == name]
+                        for name in (field.name, output.position))
+    return extrema if not quantity.is_inverse else _inverse(extrema, [
+        extremum for extremum in turning
+        if extremum.place == INTERIOR and extremum.kind != CONSTANT])
 
 
 def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[Extremum]:
@@ -347,9 +346,12 @@ def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[E
 
 def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
     """Return names, quantities and functions, one or several, as quantities; refuse others."""
-    if _is_one(quantities):
+    def is_quantity(entry: Any) -> bool:
+        return isinstance(entry, (str, OfDrive)) or hasattr(entry, 'of') or callable(entry)
+
+    if is_quantity(quantities):
         quantities = (quantities,)
-    if not isinstance(quantities, Collection) or not all(map(_is_one, quantities)):
+    if not isinstance(quantities, Collection) or not all(map(is_quantity, quantities)):
         raise InvalidParameter('quantities', quantities, 'must be names of quantities, Quantity '
                                'or functions (motion, loads) -> value: one, or a list of them')
     if not len(quantities):
@@ -360,16 +362,10 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
             raise table.UnknownQuantity(quantity.name, fields)
     names = [quantity for quantity in quantities if isinstance(quantity, str)]
     named = iter(table.select(names, linkage) if names else ())
-    return [quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
-            next(named) if not callable(quantity)
-            else Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''),
-                          '', quantity)
-            for quantity in quantities]
-
-
-def _is_one(quantity: Any) -> bool:
-    return (isinstance(quantity, (str, OfDrive)) or hasattr(quantity, 'of')
-            or callable(quantity))
+    return [next(named) if isinstance(quantity, str) else
+            quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
+            Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
+                     quantity) for quantity in quantities]
 
 
 def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], proof: str,
@@ -395,7 +391,15 @@ def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], p
               if gap else
               'not certain: rounding errors hide which is the most extreme' if i in in_doubt
               else proof for i, extremum in enumerate(extrema)]
-    angles = _crank_angles(linkage, extrema) if is_slide else [extremum.x for extremum in extrema]
+    angles: list[float] = [extremum.x for extremum in extrema]
+    if is_slide:        # the angles of the crank [rad]; NaN without one
+        positions = unit * np.array(angles)
+        # side: +1 at the lower end of a range, -1 at the upper one, 0 inside; a limit that was
+        # rounded outwards has no pose: there the angle a few roundings inside serves
+        inward = np.array([extremum.side for extremum in extrema]) * 4.0 * EPS * np.abs(positions)
+        at_extrema, inside = (linkage.crank_angle(linkage.motion(position))
+                              for position in (positions, positions + inward))
+        angles = fold(np.where(np.isnan(at_extrema), inside, at_extrema)).tolist()
     return [Extremum(name, symbol, mode, _KINDS[extremum.sense], theta1, extremum.value,
                      i in first,
                      INTERIOR if not extremum.side or not extremum.sense else LIMIT,
@@ -406,14 +410,10 @@ def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], p
 
 def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
                   exact: Callable[[list[float]], Array]) -> tuple[set[int], set[int]]:
-    """
-    Return the indices of the lowest (``sense`` -1) or highest extrema (1), and of those in doubt.
-
-    Values are equal that differ by their last bits, or by what a rounding of the lengths changes
-    in them: by symmetry a radial engine has ten equal minima. Where errors may be larger than
-    that, ``exact`` decides: inputs -> the quantity from many digits, NaN where these are not
-    known.
-    """
+    """Return the indices of the lowest (``sense`` -1) or highest extrema, of those in doubt."""
+    # Values are equal that differ by their last bits, or by what a rounding of the lengths changes
+    # in them: by symmetry a radial engine has ten equal minima. Where errors may be larger than
+    # that, exact decides: inputs -> the quantity from many digits, NaN where these are not known.
     values = {i: sense * extremum.value for i, extremum in enumerate(extrema)
               if extremum.sense != -sense and not isnan(extremum.value)}
     if not values:
@@ -448,15 +448,3 @@ def _error(extremum: PathExtremum) -> float:
 def _condition(extremum: PathExtremum) -> float:
     """Return the condition of a value, 0 where it is not known or that of a change point."""
     return extremum.value_condition if extremum.value_condition < TRUSTED else 0.0
-
-
-def _crank_angles(linkage: Mechanism, extrema: Sequence[PathExtremum]) -> list[float]:
-    """Return the angles [rad] of a crank at extrema over a driven slide; NaN without crank."""
-    positions = linkage.input_unit * np.array([extremum.x for extremum in extrema])
-    # side: +1 at the lower end of a range, -1 at the upper one, 0 inside; a limit that was rounded
-    # outwards has no pose: there the angle a few roundings inside serves
-    inward = np.array([extremum.side for extremum in extrema]) * 4.0 * EPS * np.abs(positions)
-    angles, inside = (linkage.crank_angle(linkage.motion(position))
-                      for position in (positions, positions + inward))
-    result: list[float] = fold(np.where(np.isnan(angles), inside, angles)).tolist()
-    return result

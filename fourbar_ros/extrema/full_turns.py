@@ -138,14 +138,11 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
 
 
 def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
-    """
-    Return smooth periodic functions with extrema at the same inputs as samples, (q, n, samples).
-
-    Their samples, shape (samples, q * n); whole turns of each angle in a cycle, which are taken
-    off; and which quantities are positive: of them it is half the square, since a magnitude |F|
-    changes suddenly near a zero of the force and its square does not. Angles in ``samples`` are
-    made continuous, the least of them in [-pi, pi).
-    """
+    """Return smooth periodic functions with extrema at the inputs of (q, n, samples)."""
+    # Returned are their samples, shape (samples, q * n); whole turns of each angle in a cycle,
+    # which are taken off; and which quantities are positive: of them it is half the square, since
+    # a magnitude |F| changes suddenly near a zero of the force and its square does not. Angles in
+    # samples are made continuous, the least of them in [-pi, pi).
     quantities, mechanisms, count = samples.shape
     turns: Array = np.zeros((quantities, mechanisms))
     for i in np.nonzero(is_angle)[0]:

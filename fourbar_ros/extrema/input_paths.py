@@ -15,7 +15,7 @@ z|; kernels of the widths 4 w, 16 w, ... thin out the samples with the distance.
 """
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf, pi
 from typing import NamedTuple, TYPE_CHECKING
@@ -73,8 +73,8 @@ class InputPath(NamedTuple):
     first: int           # index of the point half a step from ``low``
     last: int            # index of the point half a step from ``high``
     period: float = inf  # after which the input begins again [rad]
-    gaps: Array = np.zeros(0)    # (g,), inputs along it where pieces end: quantities jump or kink
-    before_gaps: Array = np.zeros(0, int)       # index of the last sample before each gap
+    cuts: Array = np.zeros(0)    # (c,), inputs along it where pieces end: loads jump or have kinks
+    before_cuts: Array = np.zeros(0, int)       # index of the last sample before each cut
 
     @property
     def is_closed(self) -> bool:
@@ -100,20 +100,8 @@ class InputPath(NamedTuple):
         along = x + (self.period if self.is_closed else 2.0 * pi) * (x < start)
         inorder, order = np.unique(along, return_index=True)
         first, last = (order.tolist().index(i % self.x.size) for i in (self.first, self.last))
-        return self._replace(x=inorder if self.gaps.size else x[order], first=first, last=last,
-                             before_gaps=np.searchsorted(inorder, self.gaps) - 1)
-
-
-def closer_points(end: End | None, count: int) -> Array:
-    """Return the parameters t of points added at an end at t = 0, ever closer to it."""
-    # Among count equal steps of [0, 1] the first point is half a step away: these are at 1/2, 1/4
-    # ... of that next to a toggle, at 1/sqrt(2), 1/2 ... next to a pole; none for no end, and at
-    # that of a piece.
-    if end is None or end.kind == PIECE:
-        return np.zeros(0)
-    octaves = (0.5 * np.arange(1, 1 + POLE_POINTS) if end.is_pole
-               else np.arange(1.0, 1 + TOGGLE_POINTS))
-    return 0.5 / count * 2.0**-octaves
+        return self._replace(x=inorder if self.cuts.size else x[order], first=first, last=last,
+                             before_cuts=np.searchsorted(inorder, self.cuts) - 1)
 
 
 class TooNarrow(FourBarError, ValueError):
@@ -148,22 +136,28 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
     # points is the least number of points of a full turn, without those added at the ends. within:
     # the inputs [rad or m] between which paths are wanted, of angles at most a period apart.
     # poles: those of the mechanism's flat_inputs at which quantities have poles, so that paths end
-    # there. pieces: those of loads with forces over a position. A slide is given in units of
+    # there. pieces: those of loads with forces over a position. Paths of a slide are in units of
     # input_unit.
-    unit, is_slide = mechanism.input_unit, mechanism.is_driven_by_slide
-    turned = (2.0 * pi * round(mechanism.cut[0] / (2.0 * pi))      # the turn of the stroke
-              if mechanism.cut and not is_slide else 0.0)
+    unit, is_slide, stroke = (mechanism.input_unit, mechanism.is_driven_by_slide, mechanism.cut)
+    turned = 2.0 * pi * round(stroke[0] / (2.0 * pi)) if stroke and not is_slide else 0.0
     passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
     singular = np.array([*[z for z in mechanism.singular_inputs
                            if z.imag or z.real in poles or z.real not in passed],
                          *[z - turned for z in (pieces.branch_points if pieces else ())]],
                         complex) / unit
     inner = np.array(pieces.ends if pieces else ()) / unit
-    cuts = _cuts(mechanism, within)
+    # the parts of the input [rad or m] in which paths are wanted; None: all of it
+    wanted: Sequence[tuple[float, float] | None] = (
+        clipped((stroke,), within, mechanism.period) if within and stroke else [within or stroke])
     if mechanism.closes_fully:
         period = mechanism.cycle if pieces else mechanism.period
-        return [path for cut in cuts
-                for path in _of_turns(singular, points, cut, period, inner)]
+        return [path for part in wanted
+                for path in _of_turns(singular, points, part, period, inner)]
+    bounds = list[tuple[float, float]]()        # of angles in each turn in which a range may be
+    for low, high in [part or (-inf, inf) for part in wanted]:
+        turns = [0] if is_slide or low == -inf else [round(low / (2.0 * pi)) + k
+                                                     for k in range(-2, 3)]
+        bounds += [(low - 2.0 * pi * turn, high - 2.0 * pi * turn) for turn in turns]
     paths = []
     for low, high in mechanism.closing_ranges:
         # beside these there are no results
@@ -178,10 +172,10 @@ def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] |
             beside = beside[distance > NARROWEST]
             # pieces may lie in the turn of the stroke
             of_range = inner - 2.0 * pi * np.round((inner - 0.5 * (low + high)) / (2.0 * pi))
-        for begin, end in _in_turns(mechanism, cuts):
-            cut = (max(begin / unit, low + margins[0] if margins[0] else -inf),
-                   min(end / unit, high - margins[1] if margins[1] else inf))
-            paths += _between(low, high, beside, points, cut, of_range)
+        for begin, end in bounds:
+            between = (max(begin / unit, low + margins[0] if margins[0] else -inf),
+                       min(end / unit, high - margins[1] if margins[1] else inf))
+            paths += _between(low, high, beside, points, between, of_range)
     return paths
 
 
@@ -197,26 +191,6 @@ def unresolved(mechanism: Mechanism) -> str:
             return (f'changes within {least:.0e} {coordinate.unit} of {coordinate.position} = '
                     f'{z.real:.9g} are not resolved')
     return ''
-
-
-def _cuts(mechanism: Mechanism, asked: tuple[float, float] | None
-          ) -> Sequence[tuple[float, float] | None]:
-    """Return the parts of the input [rad or m] in which paths are wanted; None: all of it."""
-    if asked and mechanism.cut:
-        return clipped((mechanism.cut,), asked, mechanism.period)
-    return [asked or mechanism.cut]
-
-
-def _in_turns(mechanism: Mechanism, cuts: Sequence[tuple[float, float] | None]
-              ) -> Iterator[tuple[float, float]]:
-    """Yield parts of the input, angles in each turn in which a range may be [rad or m]."""
-    for low, high in [cut or (-inf, inf) for cut in cuts]:
-        if mechanism.is_driven_by_slide or low == -inf:
-            yield low, high
-        else:
-            turns = round(low / (2.0 * pi))
-            yield from ((low - 2.0 * pi * turn, high - 2.0 * pi * turn)
-                        for turn in range(turns - 2, turns + 3))
 
 
 def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
@@ -245,12 +219,9 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
 
 def _between(low: float, high: float, singular: Array, points: int,
              cut: tuple[float, float], inner: Array) -> list[InputPath]:
-    """
-    Return the paths of the range from toggle ``low`` to ``high``: two, if a pole lies between.
-
-    There x = middle + half sin(phi), -pi/2 <= phi <= pi/2. ``cut``: the two inputs to which paths
-    are cut; ``inner``: the ends of pieces.
-    """
+    """Return the paths from toggle ``low`` to toggle ``high``: two, if a pole lies between."""
+    # There x = middle + half sin(phi), -pi/2 <= phi <= pi/2. cut: the two inputs to which paths
+    # are cut; inner: the ends of pieces.
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
 
     def to_phi(x: float) -> float:
@@ -316,7 +287,7 @@ def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array],
         joined.append(InputPath(
             np.concatenate([piece.x for piece in pieces]), pieces[0].low, pieces[-1].high,
             pieces[0].first, int(counts[-1] - sizes[-1]) + pieces[-1].last,
-            gaps=np.array(ends_of_pieces[:inner]), before_gaps=counts[:inner] - 1))
+            cuts=np.array(ends_of_pieces[:inner]), before_cuts=counts[:inner] - 1))
     if not period:
         return joined
     path, = joined
@@ -342,24 +313,22 @@ def _kernels(singular: Array, points: int) -> Kernels:
 
 def _spread(kernels: Kernels, bounds: tuple[float, float],
             ends: Sequence[End]) -> tuple[Array, int, int]:
-    """
-    Return phi at equal steps of t between two bounds, and how many points were added at each end.
-
-    t counts samples, phi [rad] stands for the input, see the top of this file. ``ends``: those of
-    both bounds; () for a full turn.
-    """
+    """Return phi at equal steps of t between two bounds, how many points were added at each."""
+    # t counts samples, phi [rad] stands for the input, see the top of this file. ends: those of
+    # both bounds; () for a full turn. Among equal steps of [0, 1] the first point is half a step
+    # from an end: added are points at 1/2, 1/4 ... of that next to a toggle, at 1/sqrt(2), 1/2 ...
+    # next to a pole, none at the end of a piece.
     begin, end = kernels.samples(np.array(bounds))[0].tolist()
     least = LEAST_OF_PIECE if any(limit.kind == PIECE for limit in ends) else LEAST
     count = max(int(np.ceil(end - begin)), least)
-    before, after = (closer_points(end, count) for end in ends or (None, None))
+    octaves = {PIECE: np.zeros(0), POLE: 0.5 * np.arange(1, 1 + POLE_POINTS)}
+    before, after = (0.5 / count * 2.0**-octaves.get(kind, np.arange(1.0, 1 + TOGGLE_POINTS))
+                     for kind in ([limit.kind for limit in ends] or (PIECE, PIECE)))
     part = np.concatenate((before[::-1], (np.arange(count) + 0.5) / count, 1.0 - after))
-    return _inverse(kernels, bounds, begin + (end - begin) * part), before.size, after.size
-
-
-def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:
-    """Return phi at t(phi) = t."""
-    # Nodes at equal steps of each kernel alone bracket it; a cubic through two of them and their
-    # slopes (Hermite) is good to 1e-4 of a step, with one step of Newton's method to 1e-9.
+    t = begin + (end - begin) * part
+    # phi at t(phi) = t: nodes at equal steps of each kernel alone bracket it; a cubic through two
+    # of them and their slopes (Hermite) is good to 1e-4 of a step, with one step of Newton's
+    # method to 1e-9
     half = 0.5 * (-pi + 2.0 * pi / NODES * np.arange(NODES))
     centres = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
     nodes = np.add.outer(np.arange(-2, 3) * (2.0 * pi), centres).ravel()
@@ -373,4 +342,4 @@ def _inverse(kernels: Kernels, bounds: tuple[float, float], t: Array) -> Array:
            + rise * part * rest * (rest / slope[i] - part / slope[i + 1]))
     phi = np.clip(phi, low, high)
     value, slope = kernels.samples(phi)
-    return np.asarray(np.clip(phi - (value - t) / slope, low, high))
+    return np.clip(phi - (value - t) / slope, low, high), before.size, after.size

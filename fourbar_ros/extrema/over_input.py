@@ -264,8 +264,12 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
     if extrema is None:
         extrema = find_extrema(linkage, quantity, conditions=False)
     ranges, is_angle = linkage.input_ranges, coordinate.unit == 'rad'
-    if linkage.turns_fully and is_angle and (not extrema or _turns_on(linkage, quantity)):
-        return [OutputRange(ranges[0], -pi, pi, True, ())]
+    if linkage.turns_fully and is_angle:
+        sampler = Sampler(linkage, [quantity], (0.0, 0.0))
+        angles = [sampler.along(path).values[0] for path in input_paths(linkage, SAMPLES)]
+        # a path that closes lacks its last step, less than half a turn
+        if not extrema or round(sum(each[-1] - each[0] for each in angles) / tau):
+            return [OutputRange(ranges[0], -pi, pi, True, ())]
 
     def input_in(bounds: tuple[float, float], extremum: Extremum) -> float:
         """Return the input of an extremum, in the turn of a range, on its side of an end."""
@@ -309,12 +313,3 @@ def turning_points(linkage: Mechanism) -> list[Extremum]:
     return [extremum for extremum in ([*extrema] if swept[0].turns_fully else
                                       [each for part in swept for each in part.extrema])
             if not extremum.side and extremum.kind != CONSTANT]
-
-
-def _turns_on(linkage: Mechanism, quantity: Quantity) -> bool:
-    sampler, way = Sampler(linkage, [quantity], (0.0, 0.0)), 0.0
-    for path in input_paths(linkage, SAMPLES):
-        angles = sampler.along(path).values[0]
-        way += angles[-1] - angles[0]
-    # a path that closes lacks its last step, less than half a turn
-    return round(way / tau) != 0

@@ -3,10 +3,12 @@
 """
 Extrema of arbitrary quantities along one input path: interior ones, ends, constant ranges.
 
-Quantities are sampled with their derivatives on the points of
-:mod:`fourbar_ros.extrema.input_paths`. Sign changes of the derivative, hidden pairs of them too,
-are bracketed, and all brackets of all quantities solved at once. For omega4 and alpha4 this does
-the work of both documents' algorithms of extreme values.
+:mod:`.find` calls it for each path. Quantities are sampled with their derivatives on the points of
+:mod:`.input_paths`. Sign changes of the derivative, hidden pairs of them too, are bracketed, and
+all brackets of all quantities solved at once. For omega4 and alpha4 this does the work of both
+documents' algorithms of extreme values. At a *cut* of the path, where pieces of a load meet, a
+load may jump, so that both of its values are extrema, or have a kink, which is one if the slope
+changes its sign there.
 
 Conditions. With F = dQ/dtheta1 at an extremum, its input moves by -sum (dF/da_i) da_i / F' and its
 value by sum (dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums
@@ -19,9 +21,8 @@ from functools import cache
 from math import comb, inf, isnan, nan, pi
 from typing import NamedTuple
 
-from fourbar_ros.extrema.difference_sampling import DifferenceSampler
 from fourbar_ros.extrema.input_paths import End, InputPath, PIECE, REGULAR
-from fourbar_ros.extrema.sampling import Sampler, Samples, SMALLEST
+from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler, Samples, SMALLEST
 from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.roots import find_brackets, newton_roots, rises, SMALL, turn_after
 import numpy as np
@@ -45,7 +46,7 @@ KINK, DEEP = 2.0**-12, 2.0**-12
 # How far from an extremum a quantity is evaluated with many digits to confirm it, in samples.
 BESIDE = 2.0**-6
 # Where values beside the end of a piece are taken, as a part of the input.
-BESIDE_GAP = 2.0**-46
+BESIDE_CUT = 2.0**-46
 # The same where friction jumps: nearer to it the relative rate of a joint may be rounding.
 BESIDE_JUMP = 2.0**-34
 # Values that differ by less, as a part of them, are a constant at the end of a path.
@@ -84,59 +85,9 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
                 more: Sequence[float] = ()) -> list[PathExtremum]:
     """Return all extrema along a path, its ends among them; ``more``: further inputs to sample."""
     samples = sampler.along(path)
-    constant = _constant_values(sampler, samples)
-    start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
-    extrema = [PathExtremum(row, sampler.fold(start), value, 0, side, noise=noise)
-               for row, (value, noise) in constant.items()]
-    rows = np.array([row for row in range(len(samples.values)) if row not in constant], int)
-    if rows.size:
-        inside = sampler.along(path.with_points(np.array(more))) if more else samples
-        at_gaps = None
-        if path.gaps.size:
-            at_gaps = _at_gaps(sampler, samples, rows)
-            extrema += [PathExtremum(jump.quantity, sampler.fold(float(path.gaps[jump.gap])),
-                                     value, 1 if rises == (side < 0) else -1, side,
-                                     is_jump=True)
-                        for jump in at_gaps.jumps
-                        for side, value, rises in zip((-1, 1), jump.values, jump.rises)]
-        extrema += _interior(sampler, inside, rows, with_conditions, at_gaps)
-        for side, end in path.ends():
-            extrema += _at_end(sampler, samples, side, end, rows)
-    return _marked(extrema, path, sampler.period)
-
-
-def _marked(extrema: list[PathExtremum], path: InputPath, turn: float) -> list[PathExtremum]:
-    def along(extremum: PathExtremum) -> tuple[float, int]:
-        if extremum.side and not extremum.is_jump:
-            return -extremum.side * inf, 0
-        return (extremum.x if path.low is None or turn == inf
-                else (extremum.x - path.low.x) % turn), extremum.side
-
-    by_quantity: dict[int, list[PathExtremum]] = {}
-    for extremum in extrema:
-        by_quantity.setdefault(extremum.quantity, []).append(extremum)
-    wrong = set[int]()
-    for quantity, of_quantity in by_quantity.items():
-        inorder = sorted(of_quantity, key=along)
-        following = inorder[1:] + inorder[:path.is_closed]
-        # two jumps may follow each other at one input, or at both ends of a plateau
-        if len(inorder) > 1 and any(
-                a.sense == b.sense and not (a.is_jump and b.is_jump and (
-                    a.x == b.x or abs(a.value - b.value) <= FLAT * abs(a.value)))
-                for a, b in zip(inorder, following)) or any(
-                isnan(extremum.value) for extremum in of_quantity):
-            wrong.add(quantity)
-    if not wrong:
-        return extrema
-    return [extremum._replace(misses=extremum.quantity in wrong) for extremum in extrema
-            if not isnan(extremum.value)]
-
-
-def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[float, float]]:
-    """Return {row: (value, error)} of the quantities that are constant along a path."""
-    # That is, of those whose samples differ by no more than their last bits, error 0, or than
-    # their rounding errors may: then the error is the bound of these, and the value is zero if all
-    # samples are within it.
+    # constant are quantities whose samples differ by no more than their last bits, with the error
+    # 0, or than their rounding errors may: then the error is the bound of these, and the value is
+    # zero if all samples are within it
     value = np.median(samples.values, axis=1)
     away = np.abs(samples.values - value[:, None])
     is_exact = ~(away > 64.0 * EPS * np.abs(value)[:, None]).any(axis=1)
@@ -144,36 +95,63 @@ def _constant_values(sampler: Sampler, samples: Samples) -> dict[int, tuple[floa
     is_zero = is_noise & (np.abs(samples.values) <= samples.noise).all(axis=1)
     value = np.where(is_zero, 0.0, value)
     error = np.where(is_exact, 0.0, samples.noise.max(axis=1))
-    return {row: (float(value[row]), float(error[row]))
-            for row in np.flatnonzero(is_exact | is_noise).tolist()}
+    start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
+    extrema = [PathExtremum(row, sampler.fold(start), float(value[row]), 0, side,
+                            noise=float(error[row]))
+               for row in np.flatnonzero(is_exact | is_noise).tolist()]
+    rows = np.flatnonzero(~(is_exact | is_noise))
+    if rows.size:
+        inside = sampler.along(path.with_points(np.array(more))) if more else samples
+        brackets, at_cuts = _at_cuts(sampler, samples, rows) if path.cuts.size else ((), [])
+        extrema += [PathExtremum(each.quantity, sampler.fold(float(path.cuts[each.cut])), value,
+                                 sense, side, is_jump=True)
+                    for each in at_cuts if each.is_jump
+                    for side, value, sense in zip((-1, 1), each.values, each.senses)]
+        extrema += _interior(sampler, inside, rows, with_conditions, brackets, at_cuts)
+        for side, end in path.ends():
+            extrema += _at_end(sampler, samples, side, end, rows)
+
+    def along(extremum: PathExtremum) -> tuple[float, int]:
+        if extremum.side and not extremum.is_jump:
+            return -extremum.side * inf, 0
+        return (extremum.x if path.low is None or sampler.period == inf
+                else (extremum.x - path.low.x) % sampler.period), extremum.side
+
+    # maxima and minima of a quantity take turns; two jumps may follow each other at one input, or
+    # at both ends of a plateau
+    by_quantity: dict[int, list[PathExtremum]] = {}
+    for extremum in sorted(extrema, key=along):
+        by_quantity.setdefault(extremum.quantity, []).append(extremum)
+    wrong = {quantity for quantity, inorder in by_quantity.items() if len(inorder) > 1 and any(
+        a.sense == b.sense and not (a.is_jump and b.is_jump and (
+            a.x == b.x or abs(a.value - b.value) <= FLAT * abs(a.value)))
+        for a, b in zip(inorder, inorder[1:] + inorder[:path.is_closed])) or any(
+        isnan(extremum.value) for extremum in inorder)}
+    return [extremum._replace(misses=extremum.quantity in wrong) for extremum in extrema
+            if not isnan(extremum.value)]
 
 
-class _Jump(NamedTuple):
-    """A quantity jumps at the end of a piece: values and slopes on both sides."""
+class AtCut(NamedTuple):
+    """A quantity at the end of a piece, where it jumps, or where its slope changes its sign."""
 
-    quantity: int       # its index
-    gap: int            # index of the end of a piece
-    values: tuple[float, float]
-    rises: tuple[bool, bool]
-
-
-class _AtGaps(NamedTuple):
-    """What slopes and values do at the ends of pieces along a path, arrays."""
-
-    brackets: tuple[Array, ...]     # of smooth roots between a gap and a sample next to it
-    kinks: tuple[Array, ...]    # where slopes change their sign at a gap: row, gap, sense, value
-    jumps: list[_Jump]
+    is_jump: bool
+    quantity: int                   # its index
+    cut: int                        # index of the end of a piece along the path
+    values: tuple[float, float]     # of the quantity before and after it
+    senses: tuple[int, int]         # +1: it is a maximum on this side, -1: a minimum
 
 
-def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
-    """Return roots beside and at the ends of pieces; within BESIDE_GAP of them lies no sample."""
-    gaps, before, x = samples.path.gaps, samples.path.before_gaps, samples.path.x
+def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
+             ) -> tuple[Sequence[Array], list[AtCut]]:
+    """Return brackets, as :func:`.find_brackets`, of roots beside cuts, and extrema at them."""
+    # The brackets reach from a cut to the sample next to it: within BESIDE_CUT of it lies none.
+    cuts, before, x = samples.path.cuts, samples.path.before_cuts, samples.path.x
     after = (before + 1) % x.size
-    tiny = BESIDE_GAP * float(np.abs(x).max())      # ends are found at any turn
+    tiny = BESIDE_CUT * float(np.abs(x).max())      # ends are found at any turn
     if sampler.linkage.friction:
         tiny = max(tiny, BESIDE_JUMP)
-    x_after = turn_after(x[after], gaps, sampler.period) if samples.path.is_closed else x[after]
-    values, slopes, _ = sampler.sample(np.concatenate((gaps - tiny, gaps + tiny)))
+    x_after = turn_after(x[after], cuts, sampler.period) if samples.path.is_closed else x[after]
+    values, slopes, _ = sampler.sample(np.concatenate((cuts - tiny, cuts + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
                                                 for part in (values, slopes))
     if sampler.linkage.friction:
@@ -182,35 +160,37 @@ def _at_gaps(sampler: Sampler, samples: Samples, rows: Array) -> _AtGaps:
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
     jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))
+    kinks = ((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps
 
-    def rises(row: int, gap: int, side: int) -> bool:
-        """Return whether a quantity grows towards a jump from below it, or away from it above."""
-        index, value = ((before[gap], v_before[row, gap]) if side < 0 else
-                        (after[gap], v_after[row, gap]))
-        away = np.roll(samples.values[rows[row]], -index)[::side]     # of a plateau at last
-        away = (np.roll(away, 1) if side < 0 else away) - value
-        differs = np.flatnonzero(np.abs(away) > FLAT * abs(value))
-        slope = (s_before if side < 0 else s_after)[row, gap]
-        is_flat = differs.size and differs[0] > 0
-        return bool(side * away[differs[0]] > 0.0 if is_flat else slope >= 0.0)
+    def sense(row: int, cut: int, side: int) -> int:
+        """Return +1 where a quantity grows towards a cut from this side, -1 where it falls."""
+        index, value, slope = (
+            (before[cut], v_before[row, cut], s_before[row, cut]) if side < 0 else
+            (after[cut], v_after[row, cut], s_after[row, cut]))
+        rises = slope >= 0.0
+        if jumps[row, cut]:     # a plateau may lie beside it: what the quantity does at its end
+            away = np.roll(samples.values[rows[row]], -index)[::side]
+            away = (np.roll(away, 1) if side < 0 else away) - value
+            differs = np.flatnonzero(np.abs(away) > FLAT * abs(value))
+            if differs.size and differs[0] > 0:
+                rises = side * away[differs[0]] > 0.0
+        return 1 if rises == (side < 0) else -1
 
-    of_jumps = [_Jump(int(rows[row]), int(gap),
-                      (float(v_before[row, gap]), float(v_after[row, gap])),
-                      (rises(row, gap, -1), rises(row, gap, 1)))
-                for row, gap in zip(*np.nonzero(jumps))]
-    row, gap = np.nonzero(((s_before >= 0.0) != (s_after >= 0.0)) & ~jumps)
-    kinks = (rows[row], gap, np.where(s_before[row, gap] >= 0.0, 1, -1), v_before[row, gap])
+    at_cuts = [AtCut(bool(jumps[row, cut]), int(rows[row]), int(cut),
+                     (float(v_before[row, cut]), float(v_after[row, cut])),
+                     (sense(row, cut, -1), sense(row, cut, 1)))
+               for row, cut in zip(*np.nonzero(jumps | kinks))]
     brackets = []
-    for index, near, there, begin in ((before, s_before, gaps - tiny, True),
-                                      (after, s_after, gaps + tiny, False)):
+    for index, near, there, begin in ((before, s_before, cuts - tiny, True),
+                                      (after, s_after, cuts + tiny, False)):
         sampled = samples.slopes[rows][:, index]
-        row, gap = np.nonzero((sampled >= 0.0) != (near >= 0.0))
+        row, cut = np.nonzero((sampled >= 0.0) != (near >= 0.0))
         sample = x[index] if begin else x_after
         low, high = (sample, there) if begin else (there, sample)
         first = sampled if begin else near
-        brackets.append((index[gap] if begin else before[gap], rows[row], low[gap], high[gap],
-                         first[row, gap], 0.5 * (low + high)[gap]))
-    return _AtGaps(tuple(map(np.concatenate, zip(*brackets))), kinks, of_jumps)
+        brackets.append((index[cut] if begin else before[cut], rows[row], low[cut], high[cut],
+                         first[row, cut], 0.5 * (low + high)[cut]))
+    return tuple(map(np.concatenate, zip(*brackets))), at_cuts
 
 
 class TurningPoints(NamedTuple):
@@ -226,24 +206,25 @@ class TurningPoints(NamedTuple):
     noise: Array        # a bound of that
 
 
-def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | None
-           ) -> TurningPoints:
-    x, is_closed, before_gaps = samples.path.x, samples.path.is_closed, samples.path.before_gaps
+def _roots(sampler: Sampler, samples: Samples, rows: Array, brackets: Sequence[Array],
+           kinks: Sequence[AtCut]) -> TurningPoints:
+    """Return where slopes of the quantities ``rows`` are zero, or change their sign at a kink."""
+    x, is_closed, before_cuts = samples.path.x, samples.path.is_closed, samples.path.before_cuts
     # at a toggle derivatives have poles of a power of sin(mu): without them sign changes show
     # between samples, and a positive factor moves no root
     values = samples.values[rows]
     scale = np.where((values > 0.0).all(axis=1, keepdims=True),
                      values * samples.sine**(2 * AT_TOGGLE - 1), samples.sine**AT_TOGGLE)
     f = np.asarray(samples.slopes[rows].T * scale.T)
-    turn = rises(np.unwrap(x)[:, None], False, before_gaps)[:, 0]
+    turn = rises(np.unwrap(x)[:, None], False, before_cuts)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
                                               lambda i, row: (x[i], turn[i]), f,
-                                              rises(f, is_closed, before_gaps), is_closed,
-                                              sampler.period, before_gaps)
+                                              rises(f, is_closed, before_cuts), is_closed,
+                                              sampler.period, before_cuts)
     row = rows[row]
-    if at_gaps:
+    if brackets:
         i, row, xa, xb, fa, guess = (np.concatenate(both) for both in zip(
-            (i, row, xa, xb, fa, guess), at_gaps.brackets))
+            (i, row, xa, xb, fa, guess), brackets))
     spacing = xb - xa
     # where a force changes its sign the slope of its magnitude |F| jumps, that of F^2/2 does not
     is_positive = ((samples.values > 0.0).all(axis=1) & ~sampler.is_angle)[row]
@@ -265,30 +246,31 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, at_gaps: _AtGaps | N
     sense = np.where(fa >= 0.0, 1, -1)
     if isinstance(sampler, DifferenceSampler) and row.size:
         root = sampler.polish(root, row, sense)
-    if at_gaps:
-        of_kinks, gap, sense_of_kinks, beside_kinks = at_gaps.kinks
-        i, row = np.append(i, before_gaps[gap]), np.append(row, of_kinks)
-        root = np.append(root, samples.path.gaps[gap])
-        sense = np.append(sense, sense_of_kinks)
-        spacing = np.append(spacing, np.full(gap.size, nan))
+    if kinks:
+        cuts = [kink.cut for kink in kinks]
+        i, root = np.append(i, before_cuts[cuts]), np.append(root, samples.path.cuts[cuts])
+        row = np.append(row, [kink.quantity for kink in kinks])
+        sense = np.append(sense, [kink.senses[0] for kink in kinks])
+        spacing = np.append(spacing, np.full(len(kinks), nan))
     # of the input as it is reported, where ``step`` has the same value
     value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
-    if at_gaps and sampler.linkage.friction:        # at the end itself a joint is at rest
-        value[value.size - beside_kinks.size:] = beside_kinks
+    if kinks and sampler.linkage.friction:        # at the end itself a joint is at rest
+        value[-len(kinks):] = [kink.values[0] for kink in kinks]
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
                        for errors in (samples.rounding, samples.noise))
     return TurningPoints(row, i, sense, root, spacing, value, rounding, noise)
 
 
 def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: bool,
-              at_gaps: _AtGaps | None) -> list[PathExtremum]:
+              brackets: Sequence[Array], at_cuts: Sequence[AtCut]) -> list[PathExtremum]:
     """Return the extrema of the quantities ``rows`` between the samples."""
     # Example: |F32| of the paper's linkage at 25 rad/s, at 256 samples of a turn. Its slope is
     # -3769 N/rad at sample 105, theta1 = -0.3396, and +5327 at sample 106, -0.3236; so the root
     # between them, -0.3338, is a minimum. Its value, 46.3 N, is 34 N below sample 106 and 12 below
     # 105, and rounding errors are at most 7e-11: it is accepted. Were the difference within them,
     # it would be none.
-    roots = _roots(sampler, samples, rows, at_gaps)
+    roots = _roots(sampler, samples, rows, brackets,
+                   [each for each in at_cuts if not each.is_jump])
     is_magnitude = np.asarray((samples.values >= 0.0).all(axis=1))[roots.quantity]
     near = samples.values[roots.quantity, roots.before]
     is_small = np.flatnonzero((roots.sense < 0) & is_magnitude & (
@@ -298,7 +280,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
         is_end = np.isnan(roots.spacing[is_small]) & (
             np.abs(roots.value[is_small]) <= roots.rounding[is_small])
         roots.value[is_small[_is_kink(sampler, roots, is_small) | is_end]] = 0.0
-    kept = _beyond_noise(sampler, samples, roots, at_gaps.jumps if at_gaps else ())
+    kept = _beyond_noise(sampler, samples, roots, [each for each in at_cuts if each.is_jump])
     roots = TurningPoints(*(v[kept] for v in roots))
     if not roots.quantity.size:
         return []
@@ -357,7 +339,7 @@ class _Turn(NamedTuple):
 
 
 def _beyond_noise(sampler: Sampler, samples: Samples, roots: TurningPoints,
-                  jumps: Sequence[_Jump]) -> Array:
+                  jumps: Sequence[AtCut]) -> Array:
     """Return the indices of the roots that rounding errors cannot have made."""
     # Maxima and minima take turns along a path. Two neighbours between which no fall is larger
     # than rounding errors are taken out together, the most alike first; so is one beside an end to
@@ -398,13 +380,13 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: TurningPoints,
 
 
 def _between_jumps(turns: list[_Turn], errors: Array, path: InputPath,
-                   jumps: Sequence[_Jump]) -> list[list[_Turn]]:
+                   jumps: Sequence[AtCut]) -> list[list[_Turn]]:
     """Return extrema along a path in parts between jumps, with values there as ends."""
     if not jumps:
         return [turns]
     parts, left, start = list[list[_Turn]](), list(turns), list[_Turn]()
     for jump in jumps:
-        before = int(path.before_gaps[jump.gap])
+        before = int(path.before_cuts[jump.cut])
         ends = [_Turn(value, float(errors[before]), before, -1) for value in jump.values]
         inner = [turn for turn in left if turn.before <= before]
         left = left[len(inner):]
@@ -460,7 +442,7 @@ def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
     nearest = samples.path.inward(side)[0]
     limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
     falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
-    if samples.path.gaps.size:              # some quantities are constant on the last piece
+    if samples.path.cuts.size:              # some quantities are constant on the last piece
         away = samples.values[:, samples.path.inward(side)] - limits[:, None]
         differs = np.abs(away) > FLAT * np.abs(limits)[:, None]
         first = np.where(differs.any(axis=1), differs.argmax(axis=1), 0)
@@ -491,8 +473,8 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
     here, x = values[:, near], path.x[near]
-    if path.gaps.size:              # all in the last piece, in the other mode too
-        ends = np.array([*path.gaps, *np.array(
+    if path.cuts.size:              # all in the last piece, in the other mode too
+        ends = np.array([*path.cuts, *np.array(
             other_mode.linkage.pieces.ends if other_mode.linkage.pieces else ()) / sampler.unit])
         away = np.abs(ends - end.x)
         farthest = np.abs(x - end.x).max()

@@ -85,15 +85,9 @@ class Proof(NamedTuple):
     why_not: str = ''
 
     def verdict(self, extrema: Sequence[PathExtremum]) -> str:
-        """
-        Return a text on whether these are the extrema: as many, of the same kinds, inputs, values.
-
-        Each extremum is matched with a part; the text says how well inputs are confirmed, or
-        which one is not.
-        """
-        if self.why_not:
-            return f'{NOT_PROVED}: {self.why_not}'
-        if why_not := self._differs_at_cuts(extrema):
+        """Return in words whether these are the extrema: as many, of the same kinds and values."""
+        # each is matched with a part; the text says how well inputs are confirmed, or which is not
+        if why_not := self.why_not or self._differs_at_cuts(extrema):
             return f'{NOT_PROVED}: {why_not}'
         interior = [extremum for extremum in extrema if extremum.side == 0 and extremum.sense
                     and not any(self._is_at(extremum, cut) for cut in self.cuts)]
@@ -178,12 +172,9 @@ class Proof(NamedTuple):
                    for side, end, width in self.ends)
 
     def _width(self, extremum: PathExtremum) -> float:
-        """
-        Return how near to its input an extremum is, inf if it may be far or has another value.
-
-        The interval about it is widened until the derivative is not zero at both ends: if it
-        changes its sign as the kind of extremum says, the extremum lies in it.
-        """
+        """Return how near to its input an extremum is; inf: it may be far, or of another value."""
+        # The interval about it is widened until the derivative is not zero at both ends: if it
+        # changes its sign as the kind of extremum says, the extremum lies in it.
         width = NARROW          # beside change points wider intervals tell nothing
         while width < WIDEST and self.enclose:
             c = self.enclose(extremum.x - width, extremum.x + width)
@@ -229,9 +220,24 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
     # extrema: those of each quantity; one that is constant in a range is not proved. check: called
     # before each piece with the share of the paths that is decided; an exception from it ends the
     # proof. seconds: of a processor, for each quantity; those still open then are not proved.
-    paths, unit = [_away_from_ends(path) for path in paths], linkage.input_unit
-    ends = [(side, unit * end.x, unit * abs(end.x - path.x[path.inward(side)[0]]))
-            for path in paths for side, end in path.ends()]
+    unit, ends, pieces = linkage.input_unit, [], list[tuple[float, float]]()
+    for path in paths:
+        x, limits = path.x, path.ends()         # none of a path that closes
+        for _, end in limits:                   # nothing is enclosed next to them
+            width = limits[1][1].x - limits[0][1].x
+            x = x[abs(x - end.x) > (LEFT_OUT if end.is_pole else LEFT_OUT_AT_LIMIT * width)]
+        samples = x.tolist()
+        ends += [(side, unit * end.x, unit * abs(end.x - samples[::side][0]))
+                 for side, end in limits]
+        samples += [samples[0] + path.period] if path.is_closed else []
+        edges = samples[:-1:STRIDE] + samples[-1:]
+        for low, high in zip(edges, edges[1:]):
+            for cut in path.cuts.tolist():
+                if low - LEFT_OUT_AT_CUT < cut < high + LEFT_OUT_AT_CUT:
+                    pieces.append((low, cut - LEFT_OUT_AT_CUT))
+                    low = cut + LEFT_OUT_AT_CUT
+            pieces.append((low, high))
+    pieces = [(low, high) for low, high in pieces if low < high]
     why_not = {i: 'constant in a range' for i, parts in enumerate(extrema)
                if not all(part.sense for part in parts)}
     try:
@@ -239,46 +245,19 @@ def prove(linkage: Mechanism, quantities: Sequence[Asked], rates: tuple[float, f
     except ImportError:
         return [Proof(linkage, [], None, False, False, ends, [], inf, MISSING) for _ in quantities]
     why_not |= enclose.why_not
-    parts = _search(enclose, [piece for path in paths for piece in _pieces(path)], why_not, check,
-                    seconds)
-    cuts = [cut for path in paths for cut in path.gaps.tolist()]
+    parts = _search(enclose, pieces, why_not, check, seconds)
+    cuts = [cut for path in paths for cut in path.cuts.tolist()]
     return [Proof(linkage, parts[i], partial(enclose.coefficients, i), i in enclose.squares,
                   is_position(quantity) or not is_published(quantity), ends, cuts,
                   linkage.cycle if quantity.is_load else linkage.period, why_not.get(i, ''))
             for i, quantity in enumerate(quantities)]
 
 
-def _away_from_ends(path: InputPath) -> InputPath:
-    if path.is_closed:
-        return path
-    ends = [end for _, end in path.ends()]
-    limit = LEFT_OUT_AT_LIMIT * (ends[1].x - ends[0].x)
-    return path._replace(x=path.x[[
-        all(abs(x - end.x) > (LEFT_OUT if end.is_pole else limit) for end in ends)
-        for x in path.x.tolist()]])
-
-
-def _pieces(path: InputPath) -> list[tuple[float, float]]:
-    x = path.x.tolist()
-    x += [x[0] + path.period] if path.is_closed else []
-    edges, pieces = x[:-1:STRIDE] + x[-1:], list[tuple[float, float]]()
-    for low, high in zip(edges, edges[1:]):
-        for cut in [cut for cut in path.gaps.tolist() if low - LEFT_OUT_AT_CUT < cut
-                    < high + LEFT_OUT_AT_CUT]:
-            pieces.append((low, cut - LEFT_OUT_AT_CUT))
-            low = cut + LEFT_OUT_AT_CUT
-        pieces.append((low, high))
-    return [(low, high) for low, high in pieces if low < high]
-
-
 def _search(enclose: Enclosing, pieces: Sequence[tuple[float, float]], why_not: dict[int, str],
             check: Callable[[float], None], seconds: float) -> list[list[ProvenPiece]]:
-    """
-    Return the extrema of each quantity on some pieces: enclose and cut until all are decided.
-
-    Depth first, the lower part first. ``why_not``: {quantity given up: reason}, added to; its
-    parts are not used. ``seconds``: of a processor, for each quantity.
-    """
+    """Return the extrema of each quantity on pieces, which are cut until all are decided."""
+    # Depth first, the lower part first. why_not: {quantity given up: reason}, added to; its parts
+    # are not used. seconds: of a processor, for each quantity.
     asked = [i for i in range(len(enclose.quantities)) if i not in why_not]
     parts: list[list[ProvenPiece]] = [[] for _ in enclose.quantities]
     left, share, begin = [(*piece, asked) for piece in pieces], 0.0, thread_time()
@@ -388,7 +367,10 @@ class Enclosing:
             results: list[Any] = []
             for i, quantity in enumerate(self.quantities):
                 try:
-                    results.append(_recorded(quantity.of(*state)))
+                    value = quantity.of(*state)
+                    if not isinstance(value, (Number, float, int)):
+                        raise TypeError(f'it returns {type(value).__name__}')
+                    results.append(value)
                 except (TypeError, AttributeError) as error:
                     self.why_not[i] = f'the function does not work on enclosures ({error})'
                     results.append(0.0)
@@ -453,9 +435,3 @@ class Enclosing:
             self._table['mul'](values[index], values[index]) if self._is_hypot[i]
             else values[index] for index in self._results[i]])]
         return [*[about[k] for k in range(ORDER + 1)], over[ORDER + 1]]
-
-
-def _recorded(value: Any) -> Any:
-    if not isinstance(value, (Number, float, int)):
-        raise TypeError(f'it returns {type(value).__name__}')
-    return value

@@ -3,7 +3,8 @@
 """
 Quantities of a mechanism and their derivatives with respect to its input, at many points at once.
 
-The derivative is exact: a complex step through the same formulas that compute the quantity.
+The derivative is exact: a complex step through the same formulas that compute the quantity. Users'
+functions that know no complex numbers (abs, max, a table) have differences, in the second class.
 """
 from __future__ import annotations
 
@@ -11,7 +12,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
 from decimal import Decimal, localcontext
-from math import pi
+from itertools import repeat
+from math import pi, sqrt
+from numbers import Real
 from typing import Any, ClassVar, NamedTuple, Union
 
 from fourbar_ros.errors import InvalidParameter
@@ -23,7 +26,7 @@ from fourbar_ros.mechanisms.parts import NamedFields, NoLoads
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
 from fourbar_ros.numerics.arrays import Array, EPS, Value
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
-from fourbar_ros.numerics.number_types import Function, numbers_of, Scalar
+from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.trace import flat
 import numpy as np
@@ -38,7 +41,11 @@ BESIDE_DOUBLE_ROOTS = 2.0**-6
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
 # from a toggle or a pole.
 STEP = 2.0**-200
-
+# Relative steps of a length, for conditions by differences: at most the first; a part of the
+# distance to the next change point, where everything changes; but never lost in rounding.
+MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
+# Step of real differences of fourth order, in samples: their error is about as large as rounding.
+DIFFERENCE = 2.0**-6
 
 State = tuple[NamedFields, Union[NamedFields, NoLoads]]     # motion and loads of floats or arrays
 
@@ -55,22 +62,8 @@ class Samples(NamedTuple):
     sine: Array         # of the transmission angle, but for the factors of flat positions passed
 
 
-def _term_sizes(mechanism: Mechanism, motion: NamedFields) -> dict[str, Scalar]:
-    """Return {unit: size of the terms that add up to rates and accelerations in that unit}."""
-    # A result is uncertain by rounding of its terms, so differences below some eps times these
-    # sizes are taken for noise.
-    size, omega, alpha = max(map(abs, mechanism.lengths)), 0.0, 0.0
-    for joint in [joint.coordinate for joint in mechanism.JOINTS]:
-        # a bar that reaches as far as a slide turns by what it moves, over the distance
-        reach = (1.0 if joint.unit == 'rad'
-                 else np.maximum(abs(getattr(motion, joint.position).real), size))
-        omega = omega + abs(getattr(motion, joint.rate).real) / reach
-        alpha = alpha + abs(getattr(motion, joint.acceleration).real) / reach
-    alpha = alpha + omega * omega
-    return {'rad/s': omega, 'rad/s^2': alpha, 'm/s': size * omega, 'm/s^2': size * alpha}
-
-
 def not_real(quantity: Asked, result: str) -> InvalidParameter:
+    """Return the error of a function whose ``result`` at an input is no finite real number."""
     return InvalidParameter('quantities', quantity.name, 'a function must give a finite real '
                             f'number for each input inside the range, not {result}')
 
@@ -78,10 +71,10 @@ def not_real(quantity: Asked, result: str) -> InvalidParameter:
 class Sampler:
     """Values and derivatives of some quantities of a mechanism in its mode."""
 
-    # The input x is in units of fourbar_ros.mechanisms.mechanism.Mechanism.input_unit. rates: rate
-    # and acceleration of the input. poles: those flat positions of a change point at which the
-    # quantities have poles, as joint reactions may [rad or m]. Raises MissingBodies or
-    # UnknownBaseMotion if a quantity needs loads and the linkage has none.
+    # The input x is in units of Mechanism.input_unit. rates: rate and acceleration of the input.
+    # poles: those flat positions of a change point at which the quantities have poles, as joint
+    # reactions may [rad or m]. Raises MissingBodies or UnknownBaseMotion if a quantity needs loads
+    # and the linkage has none.
 
     # Step of real differences of derivatives, in samples: little enough for Newton's method.
     TURN: ClassVar[float] = 2.0**-24
@@ -137,16 +130,14 @@ class Sampler:
         """Return derivatives of quantity ``row[i]`` at x[i] by log(lengths), (n, lengths)."""
         lengths = np.array(self.linkage.lengths)
         columns = lengths[:, None, None] * (1.0 + 1j * STEP * np.eye(lengths.size)[..., None])
-        by_lengths: Array = self._with(columns).values(
-            np.tile(x + 0.0j, (lengths.size, 1)))[row, ..., np.arange(row.size)].imag / STEP
-        return by_lengths
+        values = self._with(columns).values(np.tile(x + 0.0j, (lengths.size, 1)))
+        return np.asarray(values[row, ..., np.arange(row.size)].imag / STEP)
 
     def _with(self, lengths: Sequence[Any]) -> Sampler:
         """Return a copy for other lengths, columns (n, 1), and for inputs of shape (n, ...)."""
         sampler = copy(self)
-        sampler._values = step_of_arrays(
-            self.linkage, self._has_loads, wanted=self._wanted,
-            data=self.linkage.constants_of(lengths))
+        sampler._values = step_of_arrays(self.linkage, self._has_loads, wanted=self._wanted,
+                                         data=self.linkage.constants_of(lengths))
         return sampler
 
     def fold(self, x: Value) -> Value:
@@ -241,10 +232,10 @@ class Sampler:
         """
         Return the least rounding errors of each quantity, and a bound of them, (quantities, n).
 
-        They follow from the sizes of the terms in its sum. Example: the shaking force of a
-        balanced linkage is zero, and its computed value the rounding of joint reactions that
-        cancel. And the sine that the bound is over, without its zeros at the flat positions that
-        quantities pass. ``state``: a real one at x, as :meth:`sample` returns it.
+        They are some eps times the sizes of the terms that add up to it. Example: the shaking
+        force of a balanced linkage is zero, and its computed value the rounding of joint reactions
+        that cancel. And the sine that the bound is over, (n,), without its zeros at the flat
+        positions that quantities pass. ``state``: a real one at x, as :meth:`sample` returns it.
         """
         motion, loads = state
         sine = np.broadcast_to(np.abs(self.linkage.transmission_sine(motion).real), x.shape)
@@ -267,12 +258,21 @@ class Sampler:
                 away = away - 2.0 * pi * np.round(away / (2.0 * pi))
             sine = np.where(np.abs(away) < BESIDE_DOUBLE_ROOTS,
                             np.minimum(sine, np.abs(away)**3), sine)
-        scales = _term_sizes(self.linkage, motion)
-        scales |= {'rad': 1.0, 'm': max(map(abs, self.linkage.lengths))}
+        # {unit: size of the terms of quantities in it}
+        size, omega, alpha = max(map(abs, self.linkage.lengths)), 0.0, 0.0
+        for joint in [joint.coordinate for joint in self.linkage.JOINTS]:
+            # a bar that reaches as far as a slide turns by what it moves, over the distance
+            reach = (1.0 if joint.unit == 'rad'
+                     else np.maximum(abs(getattr(motion, joint.position).real), size))
+            omega = omega + abs(getattr(motion, joint.rate).real) / reach
+            alpha = alpha + abs(getattr(motion, joint.acceleration).real) / reach
+        alpha = alpha + omega * omega
+        scales: dict[str, Any] = {'rad': 1.0, 'm': size, 'rad/s': omega, 'rad/s^2': alpha,
+                                  'm/s': size * omega, 'm/s^2': size * alpha}
         if self.needs_loads:
             scales['N'] = force = sum(abs(getattr(loads, name).real)
                                       for name in self.linkage.reactions)
-            scales['N m'] = max(map(abs, self.linkage.lengths)) * force
+            scales['N m'] = size * force
             scales['W'] = abs(self.rates[0]) * (
                 force if self.linkage.is_driven_by_slide else scales['N m'])
         least = 64.0 * EPS * np.stack([np.broadcast_to(scales.get(q.unit, 0.0), np.shape(sine))
@@ -281,3 +281,78 @@ class Sampler:
                                 for q in self.quantities])[:, None]
         return least, least / np.where(is_reaction, np.minimum(of_reactions, sine),
                                        np.minimum(sine, 1.0)), sine
+
+
+class DifferenceSampler(Sampler):
+    """The same for quantities without a complex step: derivatives by differences."""
+
+    TURN = DIFFERENCE
+
+    _x: Array                # samples of the path in rising order
+
+    def _rows(self, state: State, x: Array) -> Array:
+        try:
+            return super()._rows(state, x)
+        except (TypeError, ValueError):       # a function of plain numbers: one sample at a time
+            motions, loads = (zip(*(np.broadcast_to(f, x.shape).ravel().tolist() for f in part))
+                              if isinstance(part, tuple) else repeat(part) for part in state)
+            states = [(self.linkage.MOTION(*v), self.linkage.LOADS(*w) if isinstance(w, tuple)
+                       else w)
+                      for v, w in zip(motions, loads)]
+            rows = []
+            for quantity in self.quantities:
+                values = [quantity.of(*state) for state in states]
+                for value in values:
+                    if not isinstance(value, Real) and np.ndim(value) + np.iscomplexobj(value):
+                        raise not_real(quantity, 'complex' if np.iscomplexobj(value)
+                                       else repr(value)) from None
+                try:
+                    rows.append([float(value) for value in values])
+                except (TypeError, ValueError):
+                    raise not_real(quantity, repr(values[0])) from None
+            return np.reshape(rows, (-1, *x.shape))
+
+    def sample(self, x: Array) -> tuple[Array, Array, State]:
+        """Return values and slopes at the samples of a path, whose distances give the steps."""
+        self._x, state = x[np.argsort(x)], self.state(x)
+        return self._rows(state, x), np.stack([self.slope(x, np.full(x.size, row))
+                                               for row in range(len(self.quantities))]), state
+
+    def step(self, x: Array) -> Array:
+        """Return the step of differences at x: a part of the distance of the samples there."""
+        i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
+        return DIFFERENCE * (self._x[i] - self._x[i - 1])
+
+    def value_and_slope(self, x: Array, row: Array) -> tuple[Array, Array]:
+        """Return value and derivative by the five-point formula, of error step^4."""
+        h = self.step(x)
+        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
+        value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
+                                                      np.arange(5 * row.size)], 5)
+        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
+
+    def by_lengths(self, x: Array, row: Array) -> Array:
+        # Steps are parts of the distances to a change point and to lengths that cannot close,
+        # which a range of the input narrows as the root of; NaN where even so nothing closes.
+        linkage, count = self.linkage, len(self.linkage.lengths)
+        width = min([1.0, *((high - low) / self.unit for low, high in linkage.closing_ranges)])
+        step = max(LEAST_CHANGE, min(MOST_CHANGE, PART * linkage.change_point_margin,
+                                     PART * width * width))
+        around = np.array(linkage.lengths)[:, None] * (
+            1.0 + step * np.eye(count)[:, [*range(count)] * 2] * np.repeat((1.0, -1.0), count))
+        values = self._with(around[..., None]).values(np.tile(x, (2 * count, 1)))
+        up, down = np.split(values[row, ..., np.arange(row.size)], 2, axis=1)
+        return np.asarray(self.same_turn(0.0 * up, up - down, row[:, None]) / (2.0 * step))
+
+    def polish(self, x: Array, row: Array, sense: Array) -> Array:
+        """Return extrema x, those of a ``sense`` +-1 at a kink of the quantity more exactly."""
+        # by golden section, which needs no slope
+        low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
+        part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
+        for _ in range(56):     # for all brackets at once, unlike scipy's minimize_scalar
+            left, right = high - part * (high - low), low + part * (high - low)
+            keeps_low = sense * self.values(left)[row, i] > sense * self.values(right)[row, i]
+            low, high = np.where(keeps_low, low, left), np.where(keeps_low, right, high)
+        better = 0.5 * (low + high)
+        gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
+        return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)

@@ -54,12 +54,9 @@ class _Rule:
         self.to_slopes = legendre.legder(np.eye(points))
 
     def tails(self, samples: Array) -> tuple[Array, Array]:
-        """
-        Return the larger of the last two coefficients in intervals, and the error of the mean.
-
-        Coefficients fall as powers, two by two by a factor that is taken from the last two pairs
-        and from all: Gauss's rule is exact up to twice the degree.
-        """
+        """Return the larger of the last two coefficients of intervals, the error of the mean."""
+        # Coefficients fall as powers, two by two by a factor that is taken from the last two pairs
+        # and from all: Gauss's rule is exact up to twice the degree.
         modes = np.abs(self.to_modes @ samples)
         pairs = np.maximum(modes[:, ::2], modes[:, 1::2])
         last, before, first = pairs[:, -1], pairs[:, -2], pairs.max(axis=1)

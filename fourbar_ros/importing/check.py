@@ -51,12 +51,9 @@ class Checked(NamedTuple):
 
 
 def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] = ()) -> Checked:
-    """
-    Return how far a loop's scene is from MuJoCo over its range, at a rate and an acceleration.
-
-    ``model``: an MjModel in which equality constraints close the loops; ``qpos``: the file's pose;
-    ``cut``: equalities that are left out.
-    """
+    """Return how far a loop's scene is from MuJoCo over its range, in motion."""
+    # model: an MjModel in which equality constraints close the loops; qpos: the file's pose; cut:
+    # equalities that are left out.
     import mujoco
     scene, drive, data = loop.scene, loop.drive, mujoco.MjData(model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
@@ -145,11 +142,8 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
 
 
 def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
-    """
-    Return MuJoCo's own model of a file and its joints in the robot's pose.
-
-    MuJoCo reads URDF too, but for its loops: those get equality constraints.
-    """
+    """Return MuJoCo's own model of a file and its joints in the robot's pose."""
+    # MuJoCo reads URDF too, but for its loops: those get equality constraints.
     import mujoco
     spec = mjcf.spec_of(path)[0]
     for joint in robot.joints:

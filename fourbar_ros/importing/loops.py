@@ -21,15 +21,11 @@ OUT_OF_PLANE = 1e-3     # share of the loop's size by which a point may be
 
 @dataclass
 class Loop:
-    """
-    Links that form closed loops with each other: one mechanism.
+    """Links that form closed loops with each other: one mechanism."""
 
-    A link is a set of bodies that do not move to each other, called like the one nearest to the
-    root; ``link_of`` has it of every body.
-    """
-
+    # a link: bodies that do not move to each other, called like the one nearest to the root
     robot: robots.Robot
-    link_of: dict[str, str]
+    link_of: dict[str, str]             # {body: its link}
     joints: list[RobotJoint]
 
     @property
@@ -57,8 +53,9 @@ class Loop:
 
     def name_of(self, link: str) -> str:
         """Return the name of a link: that of its heaviest body, the nearest to the root of two."""
+        inertials = self.robot.inertials
         return max((body for body in self.robot.poses if self.link_of[body] == link),
-                   key=self.robot.mass_of)
+                   key=lambda body: inertials[body].mass if body in inertials else 0.0)
 
     def carried_by(self, link: str) -> set[str]:
         """Return a link and all links that hang on it beside this loop."""
@@ -73,11 +70,8 @@ class Loop:
 
 
 def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] = ()) -> list[Loop]:
-    """
-    Return the loops of a robot; joints of ``lock`` are held, closing joints of ``cut`` left out.
-
-    Raises Refused for an unknown joint, a weld that is open, or if there is no loop.
-    """
+    """Return the loops of a robot; ``lock``: joints that are held, ``cut``: left out."""
+    # Raises Refused for an unknown joint, a weld that is open, or if there is no loop.
     closing = [joint.name for joint in robot.joints if joint.closes]
     for name in cut:
         if name not in closing:
@@ -163,11 +157,8 @@ def _pins_of_two_points(joints: list[RobotJoint], link_of: dict[str, str]) -> li
 
 
 def normal_of(loop: Loop) -> tuple[Array, float]:
-    """
-    Return the unit vector square to a loop's plane, and by how much an axis is off it [deg].
-
-    Raises Refused if the loop is not planar.
-    """
+    """Return the unit vector square to a loop's plane, and by how much an axis is off it [deg]."""
+    # Raises Refused if the loop is not planar.
     pins = [joint for joint in loop.joints if joint.kind == PIN]
     if not pins:
         raise Refused('no pin of the loop states its axis')

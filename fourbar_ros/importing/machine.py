@@ -28,11 +28,8 @@ class Imported(NamedTuple):
 
 
 def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Coupling | None]:
-    """
-    Return the driven joint of a loop, with the gear from a motor elsewhere; raises Refused.
-
-    If the user names none, the motors of the file, or what is geared to one, say it.
-    """
+    """Return the driven joint of a loop, with the gear from a motor elsewhere; raises Refused."""
+    # If the user names none, the motors of the file, or what is geared to one, say it.
     names = {joint.name: joint for joint in loop.joints}
     motors, gear = loop.robot.drives, None
     driven = [name for name in wishes.drive if name in names]
@@ -57,12 +54,10 @@ def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Couplin
 
 
 class LoopInput(NamedTuple):
-    """
-    How a drive moves a loop: ``input`` as ``linkage.input`` of the scene has it.
+    """How a drive moves a loop: ``input`` as ``linkage.input`` of the scene has it."""
 
-    ``hinge`` joins the driven link to the ``carrier``: the base, or a moving link. The cylinder's
-    rod and tube, each with the joint at its far end, are a dyad that the drive slides.
-    """
+    # hinge joins the driven link to the carrier: the base, or a moving link. The cylinder's rod
+    # and tube, each with the joint at its far end, are a dyad that the drive slides.
 
     input: str
     carrier: str
@@ -96,12 +91,9 @@ def _input_of(loop: Loop, drive: RobotJoint, base: str) -> LoopInput:
 
 
 def imported(loop: Loop, wishes: Wishes) -> Imported:
-    """
-    Return a loop as a scene in which the node is a relay for the robot's passive joints.
-
-    Raises Refused if the loop is not planar, has not one degree of freedom or no dyads, or if the
-    file leaves open what drives it or which mode it is in.
-    """
+    """Return a loop as a scene in which the node is a relay for the robot's passive joints."""
+    # Raises Refused if the loop is not planar, has not one degree of freedom or no dyads, or if
+    # the file leaves open what drives it or which mode it is in.
     normal, off = normal_of(loop)
     base = base_of(loop, wishes)
     check_freedom(loop)

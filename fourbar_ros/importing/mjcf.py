@@ -16,11 +16,8 @@ LEAST = 2e-15       # [kg, kg m^2] of frames without mass: MuJoCo moves no body 
 
 
 def spec_of(path: Path) -> tuple[Any, list[str]]:
-    """
-    Return MuJoCo's specification of an MJCF or URDF without shapes, and bodies of unknown mass.
-
-    Their mass is that of meshes, which are not read.
-    """
+    """Return MuJoCo's specification of a file without shapes, and bodies of unknown mass."""
+    # Their mass is that of meshes, which are not read.
     import mujoco
     try:
         root = ElementTree.parse(path).getroot()

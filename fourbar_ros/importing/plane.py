@@ -113,11 +113,8 @@ class Plane:
 
     def add_dyad(self, name: str, ways: Sequence[tuple[str, RobotJoint]], inner: RobotJoint
                  ) -> None:
-        """
-        Add the links of a dyad, or of the cylinder, with the joints that hang them on others.
-
-        ``ways``: (link, joint) at first and second. In machines.md stands what a kind measures.
-        """
+        """Add the links of a dyad or the cylinder, with the joints that hang them on others."""
+        # ways: (link, joint) at first and second. In machines.md stands what a kind measures.
         kinds = ['P' if joint.kind == SLIDE else 'R' for joint in (ways[0][1], inner, ways[1][1])]
         if ''.join(kinds) not in KINDS:
             ways, kinds = ways[::-1], kinds[::-1]
@@ -200,11 +197,8 @@ class Plane:
 
     def set_mode(self, name: str, drive: RobotJoint, bodies: Sequence[str], wishes: Wishes
                  ) -> float:
-        """
-        Set the mode of the newest dyad, in which its loop closes nearest to the file's pose.
-
-        Returns by how much its links turn to that [deg]; raises Refused if it leaves a doubt.
-        """
+        """Set the mode of the newest dyad, in which its loop closes nearest to the file's pose."""
+        # Returns by how much its links turn to that [deg]; raises Refused if it leaves a doubt.
         key, links, start = self.modes[name], [self.links[body] for body in bodies], self.input_of(
             drive)
         before = np.array([phase(link.direction) for link in links])

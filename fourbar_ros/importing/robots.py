@@ -82,13 +82,11 @@ class Inertial(NamedTuple):
 
 @dataclass
 class RobotJoint:
-    """
-    A joint: of the tree, or ``closes`` a loop.
+    """A joint: of the tree, or ``closes`` a loop."""
 
-    The body ``child`` turns or slides about ``axis`` relative to ``parent`` as ``position`` grows
-    [rad or m]. ``on_parent`` and ``on_child`` [m] are its point on both bodies, apart where a loop
-    is open. A ``point`` coincides on both and has no axis: a pin, if its loop is planar.
-    """
+    # The body child turns or slides about axis relative to parent as position grows [rad or m].
+    # on_parent and on_child [m] are its point on both bodies, apart where a loop is open. A point
+    # coincides on both and has no axis: a pin, if its loop is planar.
 
     name: str
     kind: str
@@ -118,25 +116,19 @@ class Coupling(NamedTuple):
 
 @dataclass
 class Robot:
-    """
-    ``poses``: 4 x 4 of each body; ``notes``: a line for each thing that was left out.
-
-    ``frames``: (body, point [m]) of what is fixed to bodies, but where loops are closed.
-    """
+    """Bodies and joints of a file; positions, axes and gravity in the frame of the root."""
 
     format: str
     root: str
-    gravity: Array
-    poses: dict[str, Array] = field(default_factory=dict)
+    gravity: Array                                                      # [m/s^2]
+    poses: dict[str, Array] = field(default_factory=dict)               # 4 x 4 of each body
     inertials: dict[str, Inertial] = field(default_factory=dict)
     joints: list[RobotJoint] = field(default_factory=list)
+    # (body, point [m]) of what is fixed to bodies, but where loops are closed
     frames: dict[str, tuple[str, Array]] = field(default_factory=dict)
     drives: list[str] = field(default_factory=list)
     couplings: list[Coupling] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-
-    def mass_of(self, body: str) -> float:
-        return self.inertials[body].mass if body in self.inertials else 0.0
+    notes: list[str] = field(default_factory=list)                      # of what was left out
 
     def add_inertial(self, body: str, mass: float, pose: Array, inertia: Array) -> None:
         """Add mass and inertia, about the origin of a pose; not those that only stand for none."""

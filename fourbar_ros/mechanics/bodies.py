@@ -18,20 +18,11 @@ _Kind = TypeVar('_Kind', bound='Body | Applied')
 @dataclass(frozen=True)
 class Body:
     """
-    Rigid body of one link.
+    Rigid body of one link, all but the mass by name: ``Body(2.0, cg_along=0.1, inertia=0.02)``.
 
-    The first joint is O1 for the crank, A for the coupler and O4 for the output link.
-
-    All but the mass is given by name: ``Body(2.0, cg_along=0.1, inertia=0.02)``.
-
-    Parameters
-    ----------
-    mass : float
-        Mass [kg], zero or more.
-    cg_along, cg_across : float
-        Centre of gravity from the first joint, along the link and to its left [m].
-    inertia : float
-        Moment of inertia about the centre of gravity [kg m^2], zero or more.
+    ``mass`` [kg] and ``inertia`` about the centre of gravity [kg m^2] are zero or more.
+    ``cg_along``, ``cg_across``: the centre of gravity from the first joint (O1 of the crank, A of
+    the coupler, O4 of the output link), along the link and to its left [m].
     """
 
     mass: float
@@ -52,21 +43,12 @@ class Body:
 @dataclass(frozen=True)
 class Applied:
     """
-    External force and couple on a link.
+    External force [N] and couple [N m] on a link: ``Applied(0.0, -5.0, along=0.2, couple=1.0)``.
 
-    The force acts at a point fixed in the link; its direction, like that of gravity, is constant
-    along the ground axes (x from O1 to O4), whatever the link does. All but the force is given by
-    name: ``Applied(0.0, -5.0, along=0.2, couple=1.0)``.
-
-    Parameters
-    ----------
-    force_x, force_y : float
-        Force [N].
-    along, across : float
-        Where it acts: from the first joint (O1 of the crank, A of the coupler, O4 of the output
-        link), along the link and to its left [m].
-    couple : float
-        Couple, counter-clockwise positive [N m].
+    The force acts at a point fixed in the link, ``along`` it from its first joint (O1 of the
+    crank, A of the coupler, O4 of the output link) and ``across`` to its left [m]. Its direction,
+    like that of gravity, is constant along the ground axes (x from O1 to O4), whatever the link
+    does. A couple is counter-clockwise positive. All but the force is given by name.
     """
 
     force_x: float = 0.0
@@ -88,15 +70,9 @@ class Base(NamedTuple):
     """
     Motion of the body that carries the linkage, as an inertial measurement unit at O1 tells it.
 
-    All along the linkage's own axes. It stands in the place of gravity, which is part of the
-    specific force: at rest and level that is (0, 9.81).
-
-    Parameters
-    ----------
-    force_x, force_y : float
-        Specific force at O1, its acceleration less gravity [m/s^2].
-    rate, acceleration : float
-        Rate [rad/s] and angular acceleration [rad/s^2] of the body in the linkage's plane.
+    The specific force [m/s^2] along the linkage's axes, its acceleration less gravity: at rest and
+    level (0, 9.81); the rate [rad/s] and angular acceleration [rad/s^2] in the linkage's plane. It
+    stands in the place of gravity.
     """
 
     force_x: Scalar = 0.0
@@ -116,15 +92,12 @@ Gravity = tuple[Scalar, Scalar] | Base
 
 
 def field_of(gravity: Gravity) -> tuple[Scalar, Scalar]:
-    """Return the field of gravity (x, y) [m/s^2], of a base that which its specific force is."""
-    if isinstance(gravity, Base):
-        return -gravity.force_x, -gravity.force_y
-    return gravity
+    """Return the field of gravity (x, y) [m/s^2]; of a base minus its specific force."""
+    return (-gravity.force_x, -gravity.force_y) if isinstance(gravity, Base) else gravity
 
 
 def unchecked(kind: type[_Kind], *values: Scalar, **by_name: Scalar) -> _Kind:
-    """Return a :class:`Body` or :class:`Applied` of any numbers, even arrays, without checks."""
-    # All are given, in the order of the fields or by name.
+    """Return a Body or Applied of all its fields, any numbers or arrays, without checks."""
     made = object.__new__(kind)
     for name, value in (*zip([field.name for field in fields(kind)], values), *by_name.items()):
         object.__setattr__(made, name, value)
@@ -149,10 +122,10 @@ class External(NamedTuple):
 
 def round_rod(length: float, density: float, radius: float) -> Body:
     """
-    Return the body of a uniform round rod between its joints, the centre of gravity in the middle.
+    Return the body of a uniform round rod between its joints, as the links of the paper's Table 1.
 
-    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12, a solid cylinder about a transverse axis, as the
-    links of the paper's Table 1. Length [m], density [kg/m^3] and radius [m] are positive.
+    m = rho pi r^2 L, I = m (3 r^2 + L^2)/12, of a solid cylinder about a transverse axis. Length
+    [m], density [kg/m^3] and radius [m] are positive.
     """
     return _uniform(rod_numbers, length=length, density=density, radius=radius)
 

@@ -29,9 +29,8 @@ from fourbar_ros.numerics.number_types import Scalar
 
 
 class Vector:
-    """A vector along the ground axes."""
+    """A vector along the ground axes, of any numbers; a factor stands on its right: a * x."""
 
-    # Its components are numbers of one type, arrays too. A factor stands on its right: a * x.
     __slots__ = ('x', 'y')
     __array_ufunc__ = None       # arrays leave products with a vector to the vector
 

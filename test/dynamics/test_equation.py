@@ -81,10 +81,9 @@ def test_arrays_give_what_single_values_give(case):
             one = equation.terms(float(positions[place]))
             for column, value in zip(many, one):
                 assert abs(column[place] - value) <= 64 * EPS * (abs(value) + one.inertia)
-        for function in (equation.potential, equation.couples):
-            values, one = function(positions), float(positions[2, 3])
-            assert values.shape == positions.shape
-            assert values[2, 3] == pytest.approx(function(one), rel=1e-12)
+        values, one = equation.potential(positions), float(positions[2, 3])
+        assert values.shape == positions.shape
+        assert values[2, 3] == pytest.approx(equation.potential(one), rel=1e-12)
 
 
 def test_a_spring_of_no_length_and_no_free_length_pulls_nothing():
@@ -129,8 +128,8 @@ def test_couples_are_the_part_of_the_force_without_a_potential():
         one, other = Equation(replace(plain, external=on_link)), Equation(plain)
         for q in (0.3, 2.0, 4.5):
             turn = getattr(plain.motion(q, 1.0), rate)
-            assert one.couples(q) == pytest.approx(5.0 * turn, rel=1e-13)
-            assert other.couples(q) == 0.0
+            assert one.terms(q).couples == pytest.approx(5.0 * turn, rel=1e-13)
+            assert other.terms(q).couples == 0.0
             # Q less its couples is minus the slope of the potential, by a central difference
             slope = (one.potential(q + 1e-6) - one.potential(q - 1e-6)) / 2e-6
-            assert one.terms(q).force - one.couples(q) == pytest.approx(-slope, abs=1e-7)
+            assert one.terms(q).force - one.terms(q).couples == pytest.approx(-slope, abs=1e-7)

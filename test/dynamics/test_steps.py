@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 from fourbar_ros import FourBar, SliderCrank
 from fourbar_ros.dynamics import rosenbrock
-from fourbar_ros.dynamics.equation import FullTerms
+from fourbar_ros.dynamics.equation import Terms
 from fourbar_ros.dynamics.node_step import (
     AT_LIMIT,
     DriveValues,
@@ -109,7 +109,7 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
     formulas = StepFormulas(system.coordinates.first, drive, True, 1e-6)
 
     def terms_at(p):
-        return FullTerms(2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
+        return Terms(2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
                          ratio=0.3 + 0.7 * p - 0.2 * p * p, ratio_slope=0.7 - 0.4 * p)
 
     formulas._source = SimpleNamespace(piece=lambda *_: piece)

@@ -84,7 +84,7 @@ def test_the_equation_of_motion_gives_the_drive(case):
         mechanism = mechanism.with_base(base)
         loads, equation = mechanism.loads(*given), Equation(mechanism.without_stroke())
         drive = sum(getattr(loads, name, 0.0) for name in ('driving_torque', 'driving_force'))
-        inertia, half_slope, force, _ = equation.terms(given[0])
+        inertia, half_slope, force, *_ = equation.terms(given[0])
         size = abs(inertia * given[2]) + abs(half_slope * given[1]**2) + abs(force)
         assert abs(equation.torque(*given) - drive) <= 1e-9 * (size + abs(drive))
 
