@@ -246,13 +246,14 @@ class StepFormulas:
             last = stages[-1]
             errors = [n.fabs(error) for error in (last.position, last.twist, h * last.rate,
                                                   h * last.motor_speed)]
+            end = _plus(x, 1.0, last)
             # The next length over this one; below 1 the step failed and is made again that much
             # shorter. The fourth root follows from the order of the method.
             error = reduce(partial(_larger, n), errors) / self._tolerance
             longer = SAFETY * _larger(n, error, 1e-10)**-0.25
             longer = _larger(n, n.where(longer < LARGEST, longer, LARGEST), SMALLEST)
             scale = n.where(sum(errors) < 1e300, longer, SMALLEST)
-            return _plus(x, 1.0, last), scale
+            return end, scale
         return attempt
 
     def make_euler(self, n: NumberType) -> Function:
