@@ -118,5 +118,3 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
         if np.max(np.abs(rates - before)) <= 1e-14 * abs(rate):
             break
     return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)
-
-

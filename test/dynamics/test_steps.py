@@ -110,7 +110,7 @@ def test_the_linear_system_is_that_of_the_derivatives(shaft):
 
     def terms_at(p):
         return Terms(2.0 + p * p, p, 3.0 - p + 0.4 * p * p, 0.5 + 0.1 * p, 0.0,
-                         ratio=0.3 + 0.7 * p - 0.2 * p * p, ratio_slope=0.7 - 0.4 * p)
+                     ratio=0.3 + 0.7 * p - 0.2 * p * p, ratio_slope=0.7 - 0.4 * p)
 
     formulas._source = SimpleNamespace(piece=lambda *_: piece)
     resists = formulas._equation.make_resistance(REAL)      # none
