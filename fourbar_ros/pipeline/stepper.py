@@ -8,6 +8,7 @@ A Stepper evaluates those of a scene, by its policy out of range and in its asse
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, partial
 from math import isfinite, isinf, isnan, nan, nextafter
 from types import MappingProxyType
@@ -267,24 +268,25 @@ class _Branch:
             self.rest_of = inertia.rest_of
         if scene.points or 'links' in scene.outputs:
             from fourbar_ros.mechanisms import points  # imported where a scene needs it
-        # (output, its values where unknown, its function, whether that is of the motion alone,
-        # else of mechanism, motion and loads)
-        self._outputs = list[tuple[str, tuple[float, ...], Callable[..., Iterable[float]], bool]]()
-        for output, group in scene.layout.groups.items():
-            unknown, (family, _, name) = scene.layout.unknown[group], output.partition('/')
+        # {output: function of motion, or of mechanism, motion and loads, that returns its values},
+        # in the order of the layout
+        self._of_motion: dict[str, Callable[..., Iterable[float]]] = {}
+        self._of_loads: dict[str, Callable[..., Iterable[float]]] = {}
+        for output in scene.layout.groups:
+            family, _, name = output.partition('/')
             if family == 'points':
-                point = points.make_point(REAL, scene.linkage, *scene.points[name])
-                self._outputs.append((output, unknown, point, True))
+                self._of_motion[output] = points.make_point(REAL, scene.linkage,
+                                                            *scene.points[name])
             elif family == 'links':
-                link = partial(points.link_fields, scene.linkage, link=name)
-                self._outputs.append((output, unknown, link, True))
+                self._of_motion[output] = partial(points.link_fields, scene.linkage, link=name)
             elif output == 'equation':
-                equation = partial(_equation, scene.linkage.weightless,
-                                   scene.drive.carried_inertia)
-                self._outputs.append((output, unknown, equation, False))
+                self._of_loads[output] = partial(_equation, scene.linkage.weightless,
+                                                 scene.drive.carried_inertia)
             elif output == 'inertia':
-                self._outputs.append((output, unknown, lambda mechanism, motion, _:
-                                      inertia.held_rigid(mechanism, motion), False))
+                self._of_loads[output] = lambda mechanism, motion, _: inertia.held_rigid(
+                    mechanism, motion)
+        self._unknown = {output: scene.layout.unknown[scene.layout.groups[output]]
+                         for output in (*self._of_motion, *self._of_loads)}
 
     def load(self, acting: Mapping[str, ActingInput]) -> None:
         """Let wrenches and the motion of the base act; if any is unknown, no load is known."""
@@ -301,18 +303,15 @@ class _Branch:
 
         The last two are NaN also where the status is not OK.
         """
-        values = list[float]()
-        for name, unknown, function, is_of_motion in self._outputs:
-            if name not in wanted or not is_of_motion and status != OK:
-                values += unknown
-            elif is_of_motion:
-                values += function(motion)
-            else:
-                try:
-                    result = tuple(function(mechanism, motion, loads))
-                except errors.FourBarError:        # an overflow
-                    result = unknown
-                values += result if isfinite(sum(result)) else unknown
+        values, unknown = list[float](), self._unknown
+        for output, of_motion in self._of_motion.items():
+            values += of_motion(motion) if output in wanted else unknown[output]
+        for output, of_loads in self._of_loads.items():
+            result = unknown[output]
+            if output in wanted and status == OK:
+                with suppress(errors.FourBarError):        # an overflow
+                    result = tuple(of_loads(mechanism, motion, loads))
+            values += result if isfinite(sum(result)) else unknown[output]
         return values
 
 

@@ -49,6 +49,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     first, ahead, ticked = 0, 0, -1
 
     def tick() -> None:
+        """Publish the time of the bag, ``clock_rate`` times a second, while nothing is due."""
         nonlocal ticked
         passed = time.monotonic() - begun
         if clock and (tick_count := int(passed * clock_rate)) != ticked:
