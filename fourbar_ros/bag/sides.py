@@ -47,7 +47,12 @@ def _count_of(mechanism: Mechanism) -> int:
 
 
 def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
-    """Return a number that is positive where a dyad is on the side of mode 2, 0.0 if any is."""
+    """
+    Return a number that is positive where a dyad is on the side of mode 2, negative on the other.
+
+    It is the slide of a block, the sine of the angle between the links of another dyad, and 0.0
+    for a dyad of one mode. ``position``: the input [rad or m].
+    """
     motion = mechanism.motion(position, 0.0, 0.0)
     if isinstance(mechanism, Machine):
         stage = mechanism.layout.stages[dyad]

@@ -91,12 +91,16 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
 
 def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: bool
               ) -> Iterator[tuple[reader.Raw, int]]:
-    """Yield each message, and how far log times are ahead of simulated time [ns]."""
+    """
+    Yield each message, and how far log times are ahead of simulated time [ns].
+
+    ``for_a_node``: motions whose rates a node would have to estimate are left out.
+    """
     ahead = unknown = 0
     for raw in bag.raw(set(publishers)):
         motion = bag.decode(raw) if for_a_node else None
         if motion and isfinite(motion.position) and isnan(motion.velocity + motion.acceleration):
-            unknown += 1                         # a node would estimate them
+            unknown += 1
             continue
         if hasattr(publishers[raw.topic].msg_type, 'header') and len(raw.data) >= 12:
             sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
