@@ -86,6 +86,7 @@ export class Panel {
   constructor(holder, page) {
     Object.assign(this, { page, fields: new Map(), shape: "" });
     [this.extrema, this.values, this.parameters, this.facts] = holder.querySelectorAll("section");
+    this.isOfValues = holder.querySelector("#show-Values");      // whose table is not laid out for nothing
     holder.querySelector(innerWidth < 700 ? "#show-Extrema" : "#show-Numbers").checked = true;
     holder.addEventListener("change", () => page.engine && this.drawValues(page.engine));
   }
@@ -136,7 +137,7 @@ export class Panel {
   }
   /** The values of the pose, with ten digits. */
   drawValues(engine) {
-    if (!this.values.offsetParent) return;
+    if (!this.isOfValues.checked) return;
     const { structure, module, index } = engine, names = structure.shown.filter(name => engine.status === 0 || index[name] < module.firstLoad);
     this.values.replaceChildren(table(["now", "value", "unit"], engine.status === 1 ? [] : names.map(name => {
       const [unit, factor] = shownUnit(module.units[index[name]]);

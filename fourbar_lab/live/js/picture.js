@@ -4,7 +4,7 @@
 const SVG = "http://www.w3.org/2000/svg";
 const LONGEST = 0.3;      // of the longest force, over the size of the mechanism
 const INCH = 76;          // [px] for the signs of pivots and blocks
-const AROUND = [-0.8, 0.8, -2.3, 2.3, 0, Math.PI, -1.57, 1.57], FARTHER = [12, 24, 40, 62, 90];
+const AROUND = [0, -0.8, 0.8, -1.57, 1.57, -2.3, 2.3, Math.PI], FARTHER = [12, 24, 40, 62, 90];      // [rad] from the best on, [px]
 
 const hundredths = value => (typeof value === "number" ? Math.round(100 * value) / 100 : value);
 /** A group that is drawn again and again: its elements stay, and get the attributes that have changed. */
@@ -96,17 +96,18 @@ class Room {
   take([x, y], away, width, height) {
     let best = null, least = Infinity;
     for (const far of FARTHER) {
-      for (const turn of [0, ...AROUND]) {
-        const angle = away + turn, c = Math.cos(angle), s = Math.sin(angle);
+      for (const turn of AROUND) {
+        const pure = far * 0.05 + Math.abs(turn) * 0.3, c = Math.cos(away + turn), s = Math.sin(away + turn);
+        if (least <= pure) break;
         const u = x + c * (far + width / 2) - width / 2, v = y + s * (far + height / 2) - height / 2;
         const left = Math.min(Math.max(u, 2), this.width - width - 2), top = Math.min(Math.max(v, 2), this.height - height - 2);
         const box = [left, top, left + width, top + height];
-        let cost = far * 0.05 + Math.abs(turn) * 0.3 + 20 * (Math.abs(left - u) + Math.abs(top - v) > 1);
+        let cost = pure + 20 * (Math.abs(left - u) + Math.abs(top - v) > 1);
         for (const [l, t, r, b] of this.boxes) {
           const w = Math.min(r, box[2]) - Math.max(l, left), h = Math.min(b, box[3]) - Math.max(t, top);
           if (w > 0 && h > 0) cost += 60 + w * h;
         }
-        for (const line of this.lines) if (crosses(line, box)) cost += 40;
+        for (const line of this.lines) if (cost < least && crosses(line, box)) cost += 40;
         if (cost < least) [best, least] = [box, cost];
       }
       if (least < 20) break;
