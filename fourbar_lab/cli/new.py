@@ -198,16 +198,19 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     # the crank's x axis goes to its first point behind the pivot
     a1 = next(joint.along for joint in joints.values() if joint.link == 'crank')
     first, (x, y) = dyads[0], dyads[0].second[1:]
-    known = {'crank': 'crank'}      # {link of the machine: of the scene}
-    if len(dyads) == 1 and first.first[1:] == (a1, 0.0) and (
-            first.kind == 'RRR' and y == 0.0 < x or first.direction_2 == 0.0):
-        lengths = ({'a2': first.length_1, 'a3': first.length_2, 'a4': x} if first.kind == 'RRR'
+    is_four_bar = first.kind == 'RRR' and y == 0.0 < x
+    has_kind = len(dyads) == 1 and first.first[1:] == (a1, 0.0) and (
+        is_four_bar or first.direction_2 == 0.0)
+    link_in_scene = {'crank': 'crank'}      # {link of the machine: its name in the scene}
+    if has_kind:
+        lengths = ({'a2': first.length_1, 'a3': first.length_2, 'a4': x} if is_four_bar
                    else {'a2': first.length_1, 'offset': y})
         tree: dict[str, Any] = {'linkage': {
-            'kind': 'four_bar' if first.kind == 'RRR' else 'slider_crank', 'a1': a1, **lengths,
+            'kind': 'four_bar' if is_four_bar else 'slider_crank', 'a1': a1, **lengths,
             'mode': first.mode}}
-        known |= dict(zip(first.links, ('coupler', 'output')))
+        link_in_scene |= dict(zip(first.links, ('coupler', 'output')))
     else:
+        # points on which dyads hang; one that is the inner pin of a dyad has distance 0 from it
         named = {name: {'x': joints[name].along, 'y': joints[name].across}
                  if joints[name].link == 'ground' else joints[name]._asdict()
                  for name in dict.fromkeys(drawing.ends.values())}
@@ -223,18 +226,17 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
                     **{name: value for name, value in vars(dyad).items() if value is not None
                        and name.startswith(('length', 'direction'))}, 'mode': dyad.mode}
                     for dyad in dyads}}
-        known |= {link: link for dyad in dyads for link in dyad.links}
+        link_in_scene |= {link: link for dyad in dyads for link in dyad.links}
     shared = {*drawing.ends.values(), *[dyad.name for dyad in dyads]}
-    tree['points'] = {name: {**joint._asdict(), 'link': known[joint.link]}
+    tree['points'] = {name: {**joint._asdict(), 'link': link_in_scene[joint.link]}
                       for name, joint in joints.items()
                       if name not in shared and joint.link != 'ground'}
     if section:
         size = yaml.safe_load(f'{{{section}}}')
         tree['bodies'] = {'rods': {'density': float(density), **size}}
-        blocks = ({dyad.links[1] for dyad in dyads if dyad.kind == 'RRP'} if 'dyads' in tree else
-                  {'output'} if first.kind == 'RRP' else set())
+        blocks = {'output' if has_kind else dyad.links[1] for dyad in dyads if dyad.kind == 'RRP'}
         tree['bodies'] |= {link: {'mass': 0.0} for link in sorted(blocks)}      # give their own
-        if 'dyads' in tree:
+        if not has_kind:        # the crank of a machine is no rod with two pins
             rod = (round_rod(a1, density, size['radius']) if 'radius' in size else
                    flat_bar(a1, density, size['width'], size['thickness']))
             tree['bodies']['crank'] = {'mass': rod.mass, 'cg_along': rod.cg_along,
