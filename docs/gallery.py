@@ -79,7 +79,7 @@ def page():
     return ('# Gallery\n\n<!-- gallery -->\n'
             'Every scene that comes with the package: `fourbar list` names them, and each verb '
             'takes a name or a file (`fourbar show watt_line`). Brown curves are paths of points. '
-            'To change one: `fourbar scene print watt_line > my.yaml`.\n\n'
+            'To change one: `fourbar scene print watt_line -o my.yaml`.\n\n'
             'Each of them moves in the browser, without a server: in the site (`make docs`) a '
             'click on a picture opens its page; they are 8 MB and not in the repository. '
             '`fourbar live watt_line -o watt_line.html` writes one.\n\n'

@@ -48,7 +48,7 @@ examples:
       --links O1-A A-B-P B-O4
 
 machines of more links are given by points, or begin with a shipped one:
-  fourbar scene print watt > my.yaml
+  fourbar scene print watt -o my.yaml
 
 then:
   fourbar show my.yaml

@@ -4,7 +4,7 @@
 from argparse import Namespace
 from timeit import repeat
 
-from fourbar_ros.cli.common import add_scene, Verbs
+from fourbar_ros.cli.common import add_output, add_scene, Verbs, write_or_print
 from fourbar_ros.pipeline.stepper import evaluate
 from fourbar_ros.scene.linkage import leaves_range, warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
@@ -33,14 +33,17 @@ def add(verbs: Verbs) -> None:
     check.set_defaults(run=_check)
     show = actions.add_parser(
         'print', help='print the file of a scene, to make your own of it',
-        description='Print the file of a scene: fourbar scene print stephenson > my.yaml')
+        description='Print the file of a scene, or write it: fourbar scene print stephenson -o '
+                    'my.yaml')
     add_scene(show)
+    add_output(show, '-o', '--out', metavar='FILE', suffix='.yaml',
+               help='file to write; default: standard output')
     show.set_defaults(run=_print)
 
 
 def _print(arguments: Namespace) -> None:
-    from fourbar_ros.scene.files import find
-    print(find(arguments.scene).read_text(encoding='utf-8'), end='')
+    from fourbar_ros.scene.files import find, text_of
+    write_or_print(text_of(find(arguments.scene)), arguments.out)
 
 
 def _check(arguments: Namespace) -> None:

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Find and read scene files, ROS 2 parameter files, without ROS."""
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
 from math import isfinite
@@ -14,6 +15,7 @@ from fourbar_ros.scene.units import spelled
 import yaml
 
 NODE = '/fourbar'
+SAVE = 'if it is a text, save it in UTF-8: in Notepad Save as, Encoding; in Excel CSV UTF-8'
 # {root of an XML file: its format}
 DESCRIPTIONS = {'robot': 'URDF', 'sdf': 'SDF', 'mujoco': 'MJCF'}
 ROOT = re.compile(r'\ufeff?\s*(?:<[?!][^>]*>\s*)*<(\w+)')
@@ -198,35 +200,40 @@ def read_table(path: Path, is_periodic: bool = False) -> dict[str, Any]:
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     """Return (number of its line, cells) of each row of a CSV file but comments and blanks."""
     # with ; between columns a comma may be a decimal point
+    text = text_of(path)
     try:
-        text = path.read_text(encoding='utf-8-sig')
         is_german = ';' in next((line for line in text.splitlines()
                                  if line.strip() and not line.lstrip().startswith('#')), '')
         reader = csv.reader(text.splitlines(), delimiter=';' if is_german else ',')
         return [(reader.line_num, [cell.replace(',', '.') for cell in row] if is_german else row)
                 for row in reader
                 if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
+    except csv.Error as error:
+        raise SceneError(f'{path}: not a table as text in UTF-8: {error}') from None
+
+
+def text_of(path: str | Path) -> str:
+    """Return the text of a file in UTF-8, or in UTF-16 with a byte order mark; or SceneError."""
+    try:
+        data = Path(path).read_bytes()      # once: it may be a pipe
+        # UTF-16 is what > writes in PowerShell 5 of Windows
+        encoding = 'utf-16' if data[:2] in (BOM_UTF16_LE, BOM_UTF16_BE) else 'utf-8-sig'
+        return data.decode(encoding).replace('\r\n', '\n')
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise SceneError(f'{path}: not a table as text in UTF-8: {error}') from None
+    except UnicodeDecodeError:
+        raise SceneError(f'{path}: is no text in UTF-8; {SAVE}') from None
 
 
 def document_of(path: str | Path, loader: type[yaml.SafeLoader]) -> tuple[str, Any]:
     """Return (text, its YAML document) of a file; SceneError if the loader refuses it."""
-    text = ''
+    text = text_of(path)
+    root = ROOT.match(text)
+    if root and root[1] in DESCRIPTIONS:         # which users take for a scene
+        raise SceneError(f'{path}: is no scene but a robot description, {DESCRIPTIONS[root[1]]}; '
+                         'fourbar import makes scenes of the loops in URDF and MJCF')
     try:
-        text = Path(path).read_text(encoding='utf-8')
-        root = ROOT.match(text)
-        if root and root[1] in DESCRIPTIONS:         # which users take for a scene
-            raise SceneError(f'{path}: is no scene but a robot description, '
-                             f'{DESCRIPTIONS[root[1]]}; fourbar import makes scenes of the loops '
-                             'in URDF and MJCF')
         return text, yaml.load(text, loader)
-    except OSError as error:
-        raise SceneError(f'{path}: {error.strerror}') from None
-    except UnicodeDecodeError:
-        raise SceneError(f'{path}: is no text in UTF-8, so not a scene') from None
     except (yaml.YAMLError, RecursionError) as error:
         raise SceneError(f'{path}{_why_no_yaml(text, error)}') from None
 

@@ -105,6 +105,34 @@ def test_the_block_of_points_slides_in_the_direction_that_is_asked_for(tmp_path_
         assert abs(away.imag) < 1e-14 and (abs(away) < 1e-14) == (ahead == 0.0)
 
 
+@pytest.mark.parametrize('mark', ['', '\ufeff'])
+@pytest.mark.parametrize('encoding', ['utf-8', 'utf-16-le', 'utf-16-be'])
+def test_a_scene_is_read_as_windows_writes_it(encoding, mark, capsys):
+    """> of PowerShell 5 writes UTF-16 with a mark; without one it is no text that we know."""
+    assert main(['scene', 'print', 'watt', '-o', 'mine']) == 0
+    text = Path('mine.yaml').read_text(encoding='utf-8')
+    assert capsys.readouterr().out == 'mine.yaml\n'
+    assert main(['scene', 'print', 'watt']) == 0 and capsys.readouterr().out == text
+    assert main(['scene', 'print', 'watt', '-o', 'mine']) == 1      # it is there
+    text = f'{mark}# Größe\n{text}'.replace('\n', '\r\n')
+    Path('mine.yaml').write_bytes(text.encode(encoding))
+    if encoding == 'utf-8' or mark:
+        assert load_scene('mine.yaml').as_text == load_scene('watt').as_text
+    else:
+        assert main(['show', 'mine.yaml']) == 1
+
+
+def test_a_text_in_ansi_says_how_to_save_it(capsys):
+    Path('mine.yaml').write_bytes('# Größe\n'.encode('cp1252'))
+    Path('table.csv').write_bytes('Größe [mm]; Kraft [N]\n0; 1\n1; 2\n'.encode('cp1252'))
+    Path('my.yaml').write_text('/**: {ros__parameters: {forces: {f: {table: table.csv}}}}')
+    for words, file in ((['show', 'mine.yaml'], 'mine.yaml'), (['show', 'my.yaml'], 'table.csv'),
+                        (['scene', 'print', 'mine.yaml'], 'mine.yaml')):
+        assert main(words) == 1
+        assert capsys.readouterr().err.startswith(
+            f'fourbar: {file}: is no text in UTF-8; if it is a text, save it in UTF-8: in Notepad')
+
+
 def test_weight_of_points_waits_behind_a_hash_as_that_of_a_kind(capsys):
     points = ['--points', 'O 0 0', 'A 0 45mm', 'Q 250mm 120mm ground', 'K 240mm -40mm',
               'R 250mm -246mm slide -90deg', '--links', 'O-A', 'A-K', 'Q-K', 'K-R']

@@ -192,7 +192,7 @@ def test_files_that_are_none_are_refused_in_one_line(tmp_path):
     with pytest.raises(SceneError, match='other.csv: No such file'):
         scene.load(path)
     (tmp_path / 'binary.csv').write_bytes(b'\xff\xfe\x00')
-    with pytest.raises(SceneError, match='not a table as text'):
+    with pytest.raises(SceneError, match='is no text in UTF-8'):
         read_table(tmp_path / 'binary.csv')
 
 
