@@ -25,7 +25,7 @@ from fourbar_ros.extrema.full_turns import (
 )
 from fourbar_ros.extrema.over_input import EQUAL, settled
 from fourbar_ros.extrema.turns_by_pieces import search_pieces
-from fourbar_ros.mechanisms.batches import step_of_arrays
+from fourbar_ros.mechanisms.batches import are_switched, step_of_arrays
 from fourbar_ros.mechanisms.elements import refuses_turns, turns_of
 from fourbar_ros.mechanisms.parts import NoLoads, OPEN, Quantity
 from fourbar_ros.mechanisms.pieces import CutCurves, ends_of_turns, PieceEnds
@@ -246,10 +246,14 @@ class Designs:
 
     def turn_fully(self, count: int) -> Array:
         """Return whose dyads are certainly nowhere in line, by ``count`` samples, shape (n,)."""
-        sines = [Quantity(name, '', '', False) for name in self.scene.linkage.MOTION._fields
+        linkage = self.scene.linkage
+        sines = [Quantity(name, '', '', False) for name in linkage.MOTION._fields
                  if name.startswith('sine')]
-        return turn_fully(self.function_of(sines, 0.0)(
-            np.broadcast_to(inputs(count), (self.size, count)), np.arange(self.size)))
+        samples = self.function_of(sines, 0.0)(
+            np.broadcast_to(inputs(count), (self.size, count)), np.arange(self.size))
+        # the branch of a change point depends on where it lies flat
+        is_known = ~np.broadcast_to(are_switched(linkage, self._constants), (self.size, 1))[:, 0]
+        return is_known & turn_fully(samples)
 
     def function_of(self, quantities: Sequence[Asked], acceleration: float) -> ColumnFunction:
         """Return inputs of some designs -> their quantities; of no other field than is needed."""

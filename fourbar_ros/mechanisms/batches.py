@@ -143,6 +143,19 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     return step
 
 
+def are_switched(mechanism: Mechanism, data: Constants) -> Array:
+    """Return which of many mechanisms are change points where it is none, or not as it is."""
+    # By their lengths, the columns of data; shape (n, 1), or () if all are alike.
+    formula = formula_of(mechanism, False)
+    trace = trace_of(formula)
+    known = trace.numbers(numbers_of(data.of_motion))
+    with np.errstate(all='ignore'):
+        run(trace, [i for i in trace.makes_switches if known[i] is None], ARRAYS, known)
+    of_this = trace.constants(numbers_of(formula.data), trace.makes_switches)
+    return np.asarray(np.any(np.broadcast_arrays(False, *[
+        known[i] != of_this[i] for i in trace.switches]), axis=0))
+
+
 def loads_on_bases(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], base: Base) -> NamedFields:
     """Return the loads for real arrays of inputs and of motions of the base, which broadcast."""
     # The formula of a mechanism on any base, with columns for the numbers of the base.

@@ -160,24 +160,32 @@ def expected_at(design, measure):
     return design.extreme(measure.quantity, measure.part[:3]).value
 
 
-def test_change_points_and_what_is_beside_them_are_those_of_their_machines(tmp_path):
-    values = shipped('watt', **{'dyads.one.length_2': 0.75})
+# A loop on coupler and rocker that never lies flat; with rods of 7/16 and 3/8 m a change point.
+BETWEEN = {'dyads.two.first.link': 'coupler', 'dyads.two.first.along': 0.9375,
+           'dyads.two.first.across': 0.0, 'dyads.two.second.link': 'rocker',
+           'dyads.two.second.along': 0.375, 'dyads.two.second.across': 0.0}
+
+
+@pytest.mark.parametrize('values, vary', [
+    ({'dyads.one.length_2': 0.75}, {'dyads.one.first.along': [
+        0.4, 0.499, 0.5 - 1e-6, 0.5 - 1e-9, 0.5 - 2.0**-50, 0.5, 0.5 + 2.0**-50, 0.501],
+        'dyads.one.length_1': [1.2, 1.25]}),
+    ({**BETWEEN, 'dyads.one.length_1': 1.25, 'dyads.one.length_2': 0.75,
+      'dyads.one.first.along': 0.25}, {
+        'dyads.two.length_1': [0.45, 0.4376, 0.4375], 'dyads.two.length_2': [0.37, 0.375]})])
+def test_change_points_and_those_beside_are_those_of_their_machines(values, vary, tmp_path):
     study = from_document({
-        'scene': file_of(values, tmp_path).name, 'method': 'grid', 'keep': 'all', 'vary': {
-            'dyads.one.first.along': {'list': [
-                0.4, 0.499, 0.5 - 1e-6, 0.5 - 1e-9, 0.5 - 2.0**-50, 0.5, 0.5 + 2.0**-50,
-                0.501]},
-            'dyads.one.length_1': {'list': [1.2, 1.25]}, 'dyads.two.length_2': {'list': [0.7]}},
+        'scene': file_of(shipped('watt', **values), tmp_path).name, 'method': 'grid',
+        'keep': 'all', 'vary': {name: {'list': sizes} for name, sizes in vary.items()},
         'quantities': ['omega_output', 'two_first.peak', 'least_transmission_angle', 'swing',
                        'input_range']}, tmp_path)
     chunk = compute(study, 0)
-    kept = len(chunk.columns['row'])
-    assert chunk.counts == {'feasible': kept, 'cannot be built': 16 - kept} and kept > 10
+    kept, drawn = len(chunk.columns['row']), study.drawn(0, study.rows)
+    assert chunk.counts['feasible'] == kept > 0.6 * study.rows and not chunk.failures
     for i in range(kept):
         design = Design(from_values(study.values | {
-            name: chunk.columns[name][i].item() for name in study.drawn(0, 1)}))
+            name: chunk.columns[name][i].item() for name in drawn}))
         design.search(study.measures)
         for measure in study.measures:
             value, expected = chunk.columns[measure.name][i], design.of(measure)
             assert value == pytest.approx(expected, rel=1e-9), (i, measure.name)
-    assert 0 < np.sum(chunk.columns['input_range'] < 2.0 * pi) < kept
