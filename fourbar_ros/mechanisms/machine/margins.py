@@ -84,7 +84,7 @@ class PairRange:
         sine, cosine = self.flatness(ends.relative)
         of_plus, of_minus, product = sine * sine, 1.0, 1.0      # a slide: flatness() gives (s, 0)
         if not self.slides:
-            _, _, of_minus, of_plus, _ = half_angle(n, cosine, sine, True)
+            _, _, of_minus, of_plus, _ = half_angle(n, cosine, sine, False)
         for plus, minus in self._toggles:
             # of a slide far above the sizes of ``minus``, so that no pole is near its roots
             size = abs(plus) * of_plus + 64.0 if self.slides else abs(plus) + abs(minus)
@@ -99,7 +99,7 @@ class PairRange:
             sigma, (_, e) = first, self._arms
             return sigma * sigma + e * e
         (a, g), sin_x, cos_x = self._arms, first, second
-        _, _, ss, cc, _ = half_angle(n, cos_x, sin_x, True)
+        _, _, ss, cc, _ = half_angle(n, cos_x, sin_x, False)
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
         return (a - g)**2 / (a + g)**2 * cc + ss
 

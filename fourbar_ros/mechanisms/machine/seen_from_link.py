@@ -73,7 +73,7 @@ class SeenFromLink:
         arm, ground = hypot(*pin), hypot(*at_q)
         # directions of the ground line, Q to O1, and of the crank from the arm of its pin
         of_ground, of_arm = (-at_q[0] / ground, -at_q[1] / ground), (pin[0] / arm, -pin[1] / arm)
-        ground_back = half_angle(REAL, of_ground[0], -of_ground[1], True)     # - its angle / 2
+        ground_back = half_angle(REAL, of_ground[0], -of_ground[1], False)     # - its angle / 2
         back = ground_back.cosine, ground_back.sine
         sign = 1.0 if self.mode == 2 else -1.0
 

@@ -150,8 +150,8 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     # Half the angle of the crank, without a jump in its range, in which psi is on one side of the
     # base line: half its angle where psi = +-pi/2, and half of how far psi is from there.
     (x, y), z = pairs.turned_by(of_base, of_pin), sign * sin_2
-    middle = pairs.half_angle(n, sign * y, -sign * x, True)
-    beyond = pairs.half_angle(n, -z, sign * cos_2, True)
+    middle = pairs.half_angle(n, sign * y, -sign * x, False)
+    beyond = pairs.half_angle(n, -z, sign * cos_2, False)
     half = pairs.turned_by((middle.cosine, middle.sine), (beyond.cosine, beyond.sine))
     error = (rho / b + b / rho + 2.0 * n.fabs(cos_2)) / (n.fabs(sin_2) + TINY)           # (K3)
     square = per * per

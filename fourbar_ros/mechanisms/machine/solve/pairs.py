@@ -111,7 +111,7 @@ class Joints:
         return None
 
 
-def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar, is_cosine_positive: bool) -> HalfAngle:
+def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar, is_sine_positive: bool) -> HalfAngle:
     """Return half of an angle that does not turn fully, without cancellation, (P1)."""
     # The cosine is positive, for x from -pi to pi, or the sine, for x from 0 to 2 pi.
     where, is_ahead, is_left = n.where, cos_x.real > 0.0, sin_x.real > 0.0
@@ -123,8 +123,8 @@ def half_angle(n: NumberType, cos_x: Scalar, sin_x: Scalar, is_cosine_positive: 
     small = 0.5 * sin_x / large
     c, s = where(is_ahead, (large, small), (small, large))      # one of both is positive
     sign_of_small = where(is_left, 1.0, -1.0)
-    sign = where(is_ahead, where(is_cosine_positive, 1.0, sign_of_small),
-                 where(is_cosine_positive, sign_of_small, 1.0))
+    sign = where(is_ahead, where(is_sine_positive, sign_of_small, 1.0),
+                 where(is_sine_positive, 1.0, sign_of_small))
     return HalfAngle(sign * s, sign * c, ss, cc, 0.5 * sin_x)
 
 
@@ -150,13 +150,13 @@ def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints) ->
         t_x, t_y = lengths.sizes[1:]
         a1 = n.hypot(a_x, a_y)
         size = not_zero(n, a1)
-        half = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size, True)
+        half = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size, False)
         half_0 = half.cosine, half.sine
         return a1, g_y * t_x - g_x * t_y, half_0, g_x * t_x + g_y * t_y, x, y
     a1, a4 = n.hypot(a_x, a_y), n.hypot(g_x, g_y)
     scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
     size, of_g = not_zero(n, n.hypot(scalar, cross)), not_zero(n, a4)
-    half = half_angle(n, scalar / size, cross / size, True)
+    half = half_angle(n, scalar / size, cross / size, False)
     return a1, a4, (half.cosine, half.sine), g_x / of_g, g_y / of_g
 
 
@@ -211,7 +211,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     rod_1, rod_2 = stage.link, stage.link + 1
     # of a flat position at x = pi, sin(x/2) keeps its sign there
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
-        n, *turned_by(angle[:2], of_0), n.fabs(n.exact_sum((a1, -a2, -a3, a4))).real > 0.0)
+        n, *turned_by(angle[:2], of_0), is_zero(n, n.exact_sum((a1, -a2, -a3, a4))))
     bars = loop(n, (a1, a2, a3, a4), side * sign, half, stage.can_lie_flat)
     coupler, output = in_frame(bars.b, of_g, angle), in_frame(bars.y, of_g, angle)
     on_moving = in_frame(bars.theta2, of_a, angle)
@@ -239,7 +239,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
         c, s = turned_by(ends.half, half_0)
         cos_v, sin_v = SQRT_HALF * (c - s), SQRT_HALF * (c + s)
     else:
-        of_2v = half_angle(n, -sin_x, cos_x, n.fabs(n.exact_sum((a2, e, -a1))).real > 0.0)
+        of_2v = half_angle(n, -sin_x, cos_x, is_zero(n, n.exact_sum((a2, e, -a1))))
         sin_v, cos_v = of_2v.sine, of_2v.cosine
     slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
                                 cos_v, stage.can_lie_flat)
@@ -275,7 +275,7 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     # theta2 is of the bar as the crank sees it; where the bar hangs on the crank it points back
     side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
-        n, *turned_by(angle[:2], of_0), True)
+        n, *turned_by(angle[:2], of_0), False)
     block = slides.block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
     bar, (cos_2, sin_2, *changes) = in_frame(block.y, of_g, angle), block.theta2
     on_moving: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
