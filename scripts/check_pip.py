@@ -69,7 +69,7 @@ COMMANDS = {
     'fourbar reproduce': '',
     'fourbar reproduce --html reproduced.html': 'matplotlib',
     'fourbar simulate motor --until 0.2': 'scipy',
-    'fourbar simulate motor --until 0.1 -o bag': 'scipy rclpy',
+    'fourbar simulate motor --until 0.1 -o bag': 'scipy mcap zstandard rosbags rclpy',
     'fourbar balance paper': 'clarabel scipy',
     'fourbar balance paper --minimize torque --mass 5': 'clarabel scipy',
     'fourbar balance paper --plot balance.png': 'clarabel scipy matplotlib',
