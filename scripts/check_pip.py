@@ -16,7 +16,7 @@ package run in these two environments alone.
   make check-pip ARGS=--quick                       the wheel alone, and one command
 
 Packages come from the registry once for each Python, as wheels; then nothing but the disk is
-asked. Seconds are those of pip from there, MB all that it wrote, with bytecode.
+asked. Seconds are pip's of the processor, from there; MB are all that it wrote, with bytecode.
 """
 import argparse
 import json
@@ -148,8 +148,10 @@ def interpreter(name):
         return path                         # a shim of another version manager may not run
     if not shutil.which('uv'):
         fail(f'no {name} here: install it, or uv, which brings it')
-    must('uv', 'python', 'install', name.removeprefix('python'))
-    return must('uv', 'python', 'find', name.removeprefix('python')).strip()
+    find = 'uv', 'python', 'find', '--no-project', name.removeprefix('python')
+    if subprocess.run(find, capture_output=True, check=False).returncode:
+        must('uv', 'python', 'install', name.removeprefix('python'))
+    return must(*find).strip()
 
 
 def user_extras():
@@ -262,9 +264,11 @@ def check(python, extra, wheel, sdist, folder, commands):
     wanted = f'{wheel}[{extra}]' if extra else wheel
     environment.pip('download', '-q', '--only-binary', ':all:', '-d', wheels, '--find-links',
                     wheels, wanted)
-    bytes_before, start = environment.size(), time.monotonic()
+    bytes_before, before = environment.size(), os.times()
     environment.pip('install', '-q', '--no-index', '--find-links', wheels, wanted)
-    seconds = time.monotonic() - start
+    after = os.times()          # of processes that have ended; a busy machine does not change it
+    seconds = (after.children_user + after.children_system
+               - before.children_user - before.children_system)
     megabytes = (environment.size() - bytes_before) / 1e6
     versions = environment.versions()
     mends = {command: environment.what_mends(command, needed, versions)
