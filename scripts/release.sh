@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes what is published: dist/ with sdist and wheel, which `twine check` takes and which, installed into a bare
-# environment, run every command (scripts/check_pip.py); and CHANGELOG.rst for ROS tools, of CHANGELOG.md.
+# Makes what is published: dist/ with sdist and wheel, which `twine check` takes and which, installed into bare
+# environments, alone and with all extras, run every command (scripts/check_pip.py); and, for ROS tools, CHANGELOG.rst.
 # On a commit with a tag, as the workflow that publishes, the tag must be the version and the changelog dated.
 #
 #   make release
@@ -21,7 +21,9 @@ if [ -n "$tag" ]; then
 fi
 
 rm -rf dist
-"${PYTHON:-python3}" scripts/check_pip.py --dist "$PWD/dist" ${QUICK:+--quick}
+environments=(--only "" all)
+[ -z "${QUICK:-}" ] || environments=(--quick)
+"${PYTHON:-python3}" scripts/check_pip.py --dist "$PWD/dist" "${environments[@]}"
 "${PYTHON:-python3}" scripts/changelog.py >CHANGELOG.rst
 echo "release: $(cd dist && echo *) and CHANGELOG.rst are good"
 [ "$dated" = 1 ] || echo "release: before the tag, give *Unreleased* in CHANGELOG.md the number $version and a date"
