@@ -228,13 +228,21 @@ def test_a_six_bar_of_watt_is_three_clicks_more(paper):
     assert scene.values[f'linkage.points.{point}.distance_2'] == 0.0    # the pin stands once
 
 
+def differing(one, two):
+    """Return the values that differ of two scenes: both NaN are the same."""
+    return {name: (one.get(name), two.get(name)) for name in {*one, *two}
+            if one.get(name) != two.get(name) and one.get(name) == one.get(name)}
+
+
 def assert_as_shown(paper, file, capsys):
     """Hold ranges, extrema of the drive and the largest pin force against ``fourbar show``."""
     capsys.readouterr()
     assert main(['show', str(file), '--json']) == 0
     shown = json.loads(capsys.readouterr().out)
-    assert paper.script('return page.engine.ranges')[-1] == pytest.approx(
-        [0.0, tau] if shown['input']['turns_fully'] else shown['input']['ranges'][-1], abs=1e-9)
+    ranges = pytest.approx([0.0, tau] if shown['input']['turns_fully'] else
+                           shown['input']['ranges'][-1], abs=1e-9)
+    paper.until(lambda: paper.script('return page.engine.ranges')[-1] == ranges,
+                'the ranges of the server')
     drive = paper.script('return page.structure().drive')
     known = [extremum['value'] for extremum in shown['extrema'] if extremum['quantity'] == drive
              and extremum['value'] not in ('inf', '-inf')]
@@ -268,9 +276,10 @@ def test_a_slider_crank_driven_at_its_slide_is_drawn_from_nothing(paper, downloa
     assert scene.linkage.dyads[0].first == ('slider', 0.0, 0.0)
     assert scene.linkage.dyads[0].length_1 < dyad.length_1
     paper.click('undo')
-    assert paper.in_python().values == before
+    assert not differing(paper.in_python().values, before)
     file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
-    assert load(file).values == before and main(['scene', 'check', str(file)]) == 0
+    assert not differing(load(file).values, before)
+    assert main(['scene', 'check', str(file)]) == 0
     assert_as_shown(paper, file, capsys)
 
 
@@ -311,9 +320,10 @@ def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, do
     assert scene.linkage.dyads[0].first == scene.linkage.cylinder.pin != pin
     paper.click('undo')
     paper.click('undo')
-    assert paper.in_python().values == before
+    assert not differing(paper.in_python().values, before)
     file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
-    assert load(file).values == before and main(['scene', 'check', str(file)]) == 0
+    assert not differing(load(file).values, before)
+    assert main(['scene', 'check', str(file)]) == 0
     assert_as_shown(paper, file, capsys)
     paper.tool('delete')
     paper.press(paper.between('d1_first', 'd1_inner'))

@@ -276,7 +276,7 @@ export function drivenAt(sketch, link) {
 export function addDrawing(page) {
   const { store, say, refuse } = page;
   let draft = {};             // clicks that are no scene yet: drive, origin, pin of the driven link, ends [{name, pin, link, at}], guide
-  let expected = {};          // {dyad: place of its pin} as drawn: a mode that shows another one is the other
+  let expected = {};          // {scene, pins: {dyad: place}} as drawn: a mode that shows a pin elsewhere is the other
   const scene = () => store.state.scene;
   /** A change of numbers, with what follows from it. */
   page.alsoChanged = set => ({ ...set, ...crankOf(scene(), written(scene(), set)) });
@@ -385,20 +385,22 @@ export function addDrawing(page) {
 
   // --- changes ---------------------------------------------------------------------------------------
 
-  function expect(sketch) { expected = Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner])); }
+  /** Make a change that gives the scene of a sketch. */
+  function dispatchDrawn(sketch, change) {
+    store.dispatch({ ...change, view: { at: sketch.x } });
+    expected = { scene: scene(), pins: Object.fromEntries(sketch.dyads.filter(dyad => dyad.inner).map(dyad => [dyad.name, dyad.inner])) };
+  }
   function dispatchSketch(sketch, before, merge, held) {
     const set = changesOf(scene(), sketch, before, held);
-    expect(sketch);
-    if (Object.keys(set).length) store.dispatch({ set, merge, view: { at: sketch.x } });
+    if (Object.keys(set).length) dispatchDrawn(sketch, { set, merge });
   }
   page.onStructure = () => {
-    if (!canSketch() || !page.engine.at(page.engine.inside(store.state.view.at))) return;
-    for (const [name, place] of Object.entries(expected)) {
-      if (!scene().dyads?.[name] || distance(page.engine.joint(`${name}_inner`), place) < 0.01 * size()) continue;
-      delete expected[name];                              // once: what is drawn may be impossible
-      return flip(name, `mode ${name}`);
-    }
-    expected = {};
+    if (scene() !== expected.scene || !canSketch() || !page.engine.at(page.engine.inside(store.state.view.at))) return;
+    const name = Object.keys(expected.pins).find(of => distance(page.engine.joint(`${of}_inner`), expected.pins[of]) > 0.01 * size());
+    if (!name) return;
+    delete expected.pins[name];                           // once: what is drawn may be impossible
+    flip(name, `mode ${name}`);
+    expected.scene = scene();
   };
   function flip(name, merge) {
     store.dispatch({ set: { [`dyads.${name}.mode`]: 3 - (scene().dyads[name].mode ?? 2) }, merge });
@@ -510,8 +512,7 @@ export function addDrawing(page) {
     const { drive, pin, origin } = draft, { view } = page.picture, made = changesOf({}, sketch);
     draft = {};
     Object.assign(view, { x: view.x - origin[0], y: view.y - origin[1] });
-    expect(sketch);
-    store.dispatch({ view: { at: sketch.x }, scene: written({
+    dispatchDrawn(sketch, { scene: written({
       linkage: { kind: 'machine', input: drive }, bodies: { rods: NEW_RODS, ...(drive !== 'slide' && { crank: rodOf(NEW_RODS, Math.hypot(...pin)) }) },
       drive: drive === 'crank' ? { source: 'timer', speed: 10.0 } : { source: 'motion', speed: 0.1 },
       outputs: ['state', 'output', 'joint_states', 'loads', 'links', 'reactions'] }, made) });
@@ -698,8 +699,7 @@ export function addDrawing(page) {
       const external = Object.fromEntries(now.riders.map(({ path, link }, i) => [path, link, sketch.riders[i].link]).filter(([path]) => path.startsWith('external.')).map(([, from, to]) => [to, before.external[from]]));
       let made = { ...before, linkage: { kind: 'machine' }, dyads: {}, bodies: { ...bodies, ...crank }, external };
       made = written(made, changesOf(made, sketch));
-      expect(sketch);
-      store.dispatch({ scene: made, view: { at: sketch.x } });
+      dispatchDrawn(sketch, { scene: made });
     },
   });
   addTool({
