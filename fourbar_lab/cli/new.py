@@ -92,7 +92,9 @@ def _bar(text: str) -> str:
     """Return the YAML of '20x5mm': a unit is that of both."""
     match = BAR.fullmatch(text)
     if not match:
-        raise ArgumentTypeError(f'{text!r}: must be WIDTHxTHICKNESS, e.g. 20x5mm')
+        raise ArgumentTypeError(f'{text!r}: must be ' + (
+            f'written {text.replace(",", ".")}: a comma is no decimal point' if ',' in text
+            else 'WIDTHxTHICKNESS, e.g. 20x5mm'))
     width, thickness = (of('m')(size + match[3]) for size in match.groups()[:2])
     return f'width: {width!r}, thickness: {thickness!r}'
 

@@ -122,6 +122,11 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
 
 
 def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
+    for si, unit in shown_units.items():
+        if si not in curves.units and UNITS.get(si) != unit:
+            kinds = ', '.join(dict.fromkeys(filter(None, curves.units)))
+            raise InvalidParameter('units', unit, f'is of no column: they are in {kinds}, or in '
+                                                  'units of these')
     units = tuple(shown_units.get(unit, unit) for unit in curves.units)
     return curves._replace(units=units, values=np.array(
         [in_unit(*column) for column in zip(curves.values, curves.units, units)]),
@@ -196,7 +201,8 @@ def missed_peaks(curves: Curves, with_jumps: Curves) -> str:
 def write_table(curves: Curves, path: Path, style: CsvStyle) -> None:
     """Write a table as CSV to a file, or ``-`` for standard output; CannotDraw if it cannot be."""
     if path != STDOUT and path.suffix != '.csv':
-        raise CannotDraw(f'{path}: must end in .csv, or be - for standard output')
+        raise CannotDraw(f'{path}: must end in .csv, which --excel writes for Excel, or be - for '
+                         'standard output')
     with nullcontext() if path == STDOUT else writing(path):
         style.save(path, *rows_of(curves))
 

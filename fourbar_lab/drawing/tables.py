@@ -201,10 +201,10 @@ def _cycle(linkage: Mechanism, cycle: LinkageRecord) -> str:
     if linkage.friction:
         words += f' = {cycle["without_friction"]:.6g} J without friction + ' + (
             f'{cycle["friction"]:.6g} J friction')
-        if not cycle['without_friction']:
-            words += ', no force takes work out over a cycle'
-        elif isfinite(cycle['efficiency']):
+        if cycle['without_friction'] and isfinite(cycle['efficiency']):
             words += f', efficiency {cycle["efficiency"]:.6g}'
+    if not cycle['without_friction'] and (linkage.friction or linkage.elements):
+        words += ', no force takes work out over a cycle'
     if cycle['without_friction'] < 0.0:
         words += ', the loads drive it (is the sign of a force wrong?)'
     return f'{words}, mean power {cycle["mean_power"]:.6g} W'

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import copysign, isfinite, isnan, nan, pi
+from math import copysign, degrees, isfinite, isnan, nan, pi
 from typing import Any, NamedTuple
 
 from fourbar_lab.studies import measures as kinds
@@ -211,6 +211,9 @@ class _OfMeasure:
         return Sensitivity(self._measure, self._value, dict(zip(self._names, slopes.tolist())),
                            self._why_unknown if np.isnan(slopes).any() else '')
 
+    def _shown(self, x: float) -> str:
+        return f'{x:.6g} m' if self._linkage.is_driven_by_slide else f'{degrees(x):.6g} deg'
+
     def _unknown(self, why: str) -> Array:
         self._why_unknown = self._why_unknown or why
         return np.full(len(self._names), nan)
@@ -274,10 +277,9 @@ class _OfMeasure:
             return self._unknown('it is infinite')
         tied = [(sign, extremum) for score, sign, extremum in scores
                 if largest - score <= TIE * abs(largest)]
-        first_two = ' and '.join(f'{extremum.quantity} at {extremum.input:.6g}'
+        first_two = ' and '.join(f'{extremum.quantity} at {self._shown(extremum.input)}'
                                  for _, extremum in tied[:2])
-        why = (f'it has a kink: {len(tied)} extrema tie, as {first_two} '
-               f'{self._linkage.input_coordinate.unit}')
+        why = f'it has a kink: {len(tied)} extrema tie, as {first_two}'
         slopes = [self._of_extremum(extremum) for _, extremum in tied]
         if not self._is_of_inputs:
             return self._agreed([sign * of_value for (sign, _), of_value in zip(tied, slopes)],
@@ -319,14 +321,14 @@ class _OfMeasure:
         if not extremum.side:
             of_value, of_input = self._derivatives.at_extremum(name, x)
             if np.isnan(of_value[~self._derivatives.leaves_branch]).any():
-                self._unknown(f'it has a kink or a jump at the input {x:.6g}')
+                self._unknown(f'it has a kink or a jump at the input {self._shown(x)}')
             return of_input if self._is_of_inputs else of_value
         if x in (self._linkage.stroke or ()):               # an end that stays where it is
             _, slopes = self._derivatives.of(name, np.array([x]))
             return np.zeros_like(self._sizes) if self._is_of_inputs else slopes[:, 0]
         ends = self._linkage.pieces.ends if self._linkage.pieces else ()
         is_jump = any(abs(self._linkage.distance(x, end)) <= JUMP for end in ends)
-        return self._unknown(f'it jumps at the input {x:.6g}' if is_jump else TOGGLE)
+        return self._unknown(f'it jumps at the input {self._shown(x)}' if is_jump else TOGGLE)
 
     def _angles(self, x: Array) -> tuple[tuple[str, ...], Array, Array]:
         """Return the transmission angles of all dyads at inputs x, (dyads, n), and which count."""
@@ -354,7 +356,7 @@ class _OfMeasure:
                              for side in (-1.0, 1.0))
             jumps = np.abs(after - before) > JUMP * np.max(np.abs(before), initial=0.0)
             if jumps.any():
-                return self._unknown(f'it jumps at the input {ends[jumps][0]:.6g}')
+                return self._unknown(f'it jumps at the input {self._shown(ends[jumps][0])}')
         most, results = TURN_NODES if self._linkage.turns_fully else RANGE_NODES, []
         for points in (most, most // 2):
             x, weights = nodes(self._linkage, points)

@@ -194,7 +194,9 @@ def mapping_of(entry: str, value: Yaml, keys: tuple[str, ...] = ()) -> dict[str,
         raise InvalidParameter(entry, value, f'must be a mapping{allowed}')
     for key in value if keys else ():
         if key not in keys:
-            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(str(key), keys)}')
+            raise InvalidParameter(f'{entry}.{key}', None, f'unknown{nearest(str(key), keys)}' if (
+                key != 'levels') else 'stands in a range: vary: {linkage.a1: {range: [0.2, 0.6], '
+                                      'levels: 5}}')
     return {str(key): below for key, below in value.items()}
 
 

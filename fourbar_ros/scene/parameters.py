@@ -18,7 +18,7 @@ VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings
           'doubles': list}
 IN_WORDS = {'integer': 'a whole number', 'string': 'a text', 'bool': 'true or false',
             'strings': 'a list of texts: [a, b]', 'doubles': 'a list of numbers: [1.0, 2.0]'}
-LISTED = '; docs/reference.md lists all'
+LISTED = '; docs/reference_desk.md lists those of a scene, reference_robot.md of its node'
 ABSENT = 'gears', 'cams'       # which other programs have
 OF_MACHINES = 'dyads.', 'linkage.points.'
 JOINTS = 'O1, A, B, O4, guide or drive; of a machine base or DYAD_inner'
@@ -141,6 +141,10 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
         return f'is a group of parameters, not a value{nearest("", below)}'
     if beside:
         return f'unknown parameter of {group}{nearest(last, beside) or LISTED}'
+    families = [family for family in settings.FAMILIES if _of_member(f'{family}.{name}')]
+    if families:        # ram.mass, indented too little
+        meant = ' or '.join(f'{family}.{name}' for family in families)
+        return f'unknown parameter; did you mean {meant}?'
     return f'unknown parameter{nearest(name, known) or LISTED}'
 
 

@@ -26,9 +26,9 @@ usage: fourbar_node [NODE ...] --ros-args --params-file SCENE
                     [-p NAME:=VALUE ...] [-r FROM:=TO ...]
 
 The node of one linkage. SCENE is a parameter file, e.g. config/paper.yaml; fourbar scene check
-SCENE explains it, docs/reference.md lists all parameters. Several linkages of one robot run in one
-process: NODE ... are their names, as in the file. Exit codes: 0 stopped by a signal; 2 the scene
-is invalid.
+SCENE explains it, docs/reference_robot.md and reference_desk.md list all parameters. Several
+linkages of one robot run in one process: NODE ... are their names, as in the file. Exit codes: 0
+stopped by a signal; 2 the scene is invalid.
 """
 
 # A plain list, not an Event: a signal may come while the main thread holds the lock of that.
