@@ -126,7 +126,7 @@ class DriveCode:
 
     @property
     def defined(self) -> set[str]:
-        """Return the fields that this drive has, besides position, velocity and acceleration."""
+        """Return the fields of a DriveState that this drive has, besides its motion."""
         names = {'torque', 'motor_torque', 'evaluations'}
         if self._source.start:
             names.add(self._source.state_field)
@@ -137,6 +137,7 @@ class DriveCode:
         return names
 
     def declarations(self) -> str:
+        """Return the text of the header: the struct of the drive, its statuses and functions."""
         name, drive, command = self._model.name, self._scene.drive, self.command
         fields = list(self.fields)
         if self.modes:
@@ -191,6 +192,7 @@ class DriveCode:
             ' PASSED': ', 0.0' if self.takes_torque else ''})
 
     def _constants(self) -> list[str]:
+        """Return the C constants of this drive: phases, their modes and successors, tolerances."""
         mover, middle = self._mover, literal(self._system.coordinates.middle)
         low, high = self._system.stroke
         index_of = {phase: i for i, phase in enumerate(self._phases)}
@@ -218,6 +220,7 @@ class DriveCode:
                 f'  return {middle} + remainder(value - {middle}, {literal(tau)});', '}', '']
 
     def _of_tables(self) -> list[str]:
+        """Return the C arrays of all force tables, by which a step ends at their points."""
         tables = self._tables
         if not tables:
             return [snippet('tables.c', 'no_tables')]

@@ -126,6 +126,7 @@ def _variables(model: GeneratedModel, drive: DriveCode | None) -> list[Variable]
 
 
 def _source(code: Code) -> str:
+    """Return the C text of the FMU: the generated code, its settings, the functions of FMI."""
     model, name = code.model, code.name
     drive = code.drive
     command = drive.command if drive else None

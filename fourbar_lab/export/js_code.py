@@ -85,6 +85,7 @@ class JsModule:
                                 else 'cylinder.mode'] - 3.0 for dyad in mechanism.stages])))
 
     def _make_formula(self, n: NumberType, data: Sequence[Scalar]) -> Function:
+        """Return (position, rate, acceleration) -> all results, for values of the parameters."""
         changed = dict(zip(self.values, data))
         constants = self._constants(n, changed)
         scene = alike(self.scene, constants)
@@ -131,6 +132,7 @@ class JsModule:
 
     @cached_property
     def _indices(self) -> dict[str, int]:
+        """Return {name of a result: index of its step in the trace}."""
         mechanism = self.mechanism
         names = [*mechanism.MOTION._fields,
                  *(f'frame.{link.name}.{field}' for link in mechanism.LINKS
@@ -208,6 +210,7 @@ class JsModule:
 
     @property
     def _reach(self) -> list[str]:
+        """Return the statements that refuse inputs that overflow or lie outside the stroke."""
         mechanism, cut, period = self.mechanism, self.mechanism.cut, self.mechanism.period
         far = 'x0' if mechanism.is_driven_by_slide else f'x0 * {mechanism.overflowing!r}'
         lines = [f'if (({far} + x1 * x1 + x2) * 0 !== 0) return refuse(to);']
@@ -223,6 +226,7 @@ class JsModule:
 
     @property
     def _bounds(self) -> list[tuple[str, float, bool]]:
+        """Return (name, least value, whether it may be reached) of parameters that have one."""
         bounds = list[tuple[str, float, bool]]()
         for name in self.parameters:
             parameter = of_name(name) if not name.startswith('base.') else None
@@ -235,6 +239,7 @@ class JsModule:
         return bounds
 
     def _table(self, i: int, force: Any) -> str:
+        """Return the text of ``called_i``: the cubic pieces of a force over a position."""
         if not isinstance(force, elements.TableForce):
             raise NotGenerated(f'{self.name}: a force that is a Python function')
         table, middle = force.table, force.middle

@@ -171,6 +171,7 @@ class GeneratedModel:
 
     @cached_property
     def _asked(self) -> frozenset[int]:
+        """Return the indices in the data of what is asked to change at run time; refuse others."""
         names = [name for name, _ in self.names]
         wanted = self.parameters or ()
         topics = self.from_topics
@@ -193,7 +194,7 @@ class GeneratedModel:
 
     @cached_property
     def names(self) -> list[tuple[str, str]]:
-        """Return name and unit of each number of the data; a fixed number has no name."""
+        """Return name and unit of each number of the data, in their order; fixed: no name."""
         constants = self.constants
         # the point of an end that a name stands for follows from that of the name
         names = [('' if self.scene.values.get(f'dyads.{name.rpartition(".")[0]}') else name, 'm')
@@ -219,6 +220,7 @@ class GeneratedModel:
         return names
 
     def _names_in(self, name: str, record: Any) -> Iterable[tuple[str, str]]:
+        """Yield (name in the scene or empty, unit) of each number of an element or friction."""
         for field in fields(record):
             value, renamed = getattr(record, field.name), POINTS_OF_FORCE.get(field.name)
             if is_dataclass(value) and not callable(value):

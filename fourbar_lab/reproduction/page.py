@@ -137,6 +137,7 @@ def page(sections: Sequence[Section], when: str) -> str:
 
 
 def _section(section: Section) -> str:
+    """Return a section as HTML: its table, its reasons, its figure."""
     def row(tag: str, cells: Sequence[str]) -> str:
         return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
 

@@ -301,6 +301,7 @@ class Equation:
         return excess
 
     def _make_potential(self, coordinate: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula q -> (V, the sum of the sizes of its parts) [J]."""
         pose, (g_x, g_y) = self.make_pose(coordinate, n), self._gravity
 
         def potential(position: Scalar) -> tuple[Scalar, ...]:

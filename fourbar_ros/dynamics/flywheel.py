@@ -94,8 +94,8 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
                 raise InvalidParameter('equation', None, 'must be that of a mechanism that does '
                                        'not lock itself by friction')
         force, before = terms.force - terms.damping * rates - resisting, rates
-        torque = -float(np.mean(force))
-        # the integral of a function of zero mean and period 2 pi, by its Fourier series
+        torque = -float(np.mean(force))                                                  # (W1)
+        # the integral G of a function of zero mean and period 2 pi, by its Fourier series
         series = np.fft.rfft(force + torque)
         series[1:] /= 1j * np.arange(1, series.size)
         series[0] = series[-1] = 0.0
@@ -112,6 +112,7 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
         else:
             fluctuation = halve(lambda fluctuation: lack(fluctuation) > 0.0, 0.0, most)[1]
         total = terms.inertia + inertia
+        # E0, at its largest lower bound (W2); the motion follows by (W1)
         energy = np.max(0.5 * (rate * (1.0 - 0.5 * fluctuation))**2 * total - gained)
         rates = np.copysign(np.sqrt(2.0 * (energy + gained) / total), rate)
         change = (force + torque - terms.half_slope * rates * rates) / total

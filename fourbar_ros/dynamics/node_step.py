@@ -241,6 +241,7 @@ class Mover:
             self._torque, self._linear = command, None
 
     def _linearized(self, state: FullState) -> Linearization:
+        """Return the equations at a state, kept for the last one; raises CannotGoOn."""
         if self._linear is None or self._linear[0] != state:
             try:
                 *fields, change, coefficients = self.formulas[state.coordinate].linearize(
@@ -383,8 +384,9 @@ class Mover:
 def _share_to_table(excess: Callable[[float], float], position: float, gain: float, bend: float
                     ) -> float:
     """Return the share of a step, in (0, 1], after which a force table comes to its next piece."""
-    # 1: it comes to none. The position is quadratic: after a share x of the step it is position +
-    # x (gain + x bend); out of reach counts as beyond.
+    # 1: it comes to none. excess: of Equation.make_excess; gain, bend: of the step, its length
+    # times the rate, and half its square times the acceleration: after a share x of it the input
+    # is position + x (gain + x bend). Out of reach counts as beyond.
     def is_beyond(share: float) -> bool:
         try:
             return excess(position + share * (gain + share * bend)) > NEAREST

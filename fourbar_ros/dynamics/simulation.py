@@ -252,6 +252,7 @@ class Run:
         return self._states(self.time)
 
     def _record(self, rows: Array) -> RunState:
+        """Return states, rows in the order of the names of the system, as a record."""
         drive = self.system.drive
         has_shaft = drive is not None and drive.shaft is not None
         motor = rows[2:4] if has_shaft else rows[:2] if drive else np.full_like(rows[:2], nan)
@@ -361,35 +362,21 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
     """
     Integrate a system from time 0 and check the result.
 
-    Parameters
-    ----------
-    system : System
-    until : float
-        End of the run [s].
-    tolerance : float
-        Largest error of the position at every time, relative to 1 rad (of a slide to its unit of
-        length), and of the energy relative to the energy in play.
-    method : str
-        One of :data:`METHODS`.
-    times : sequence of float, optional
-        Where the answer is wanted; not given: at the steps of the integrator.
-    check : bool
-        False: one run at this tolerance of the integrator, with the status :data:`NOT_CHECKED`.
-    evaluations, seconds : float
-        Most evaluations of the equation of motion in all runs, and most time [s]. A run that needs
-        more ends with the status :data:`STOPPED`.
-    progress : callable, optional
-        Called with the part of a run that is done, 0 to 1, once for each step.
-    stop_when : callable, optional
-        (time, state) -> number: the run stops where it crosses zero after the start, with the
-        status :data:`EVENT`. The state is that of the input, named by ``system.names``:
-        ``lambda t, y: y[0] - pi`` stops at half a turn, ``lambda t, y: y[1]`` at the next rest.
-        It is asked after each step of the integrator: two zeros within one step are not seen.
+    ``until``: end of the run [s]. ``tolerance``: largest error of the position at every time,
+    relative to 1 rad (of a slide to its unit of length), and of the energy relative to the energy
+    in play. ``method``: one of :data:`METHODS`. ``times``: where the answer is wanted [s]; not
+    given: at the steps of the integrator. ``check``: False gives one run at this tolerance of the
+    integrator, with the status :data:`NOT_CHECKED`. ``evaluations``, ``seconds``: most evaluations
+    of the equation of motion in all runs, and most time [s]; a run that needs more ends with the
+    status :data:`STOPPED`. ``progress``: called with the part of a run that is done, 0 to 1, once
+    for each step.
 
-    Raises
-    ------
-    InvalidParameter, MissingPackage
+    ``stop_when``: (time, state) -> number; the run stops where it crosses zero after the start,
+    with the status :data:`EVENT`. The state is that of the input, named by ``system.names``:
+    ``lambda t, y: y[0] - pi`` stops at half a turn, ``lambda t, y: y[1]`` at the next rest. It is
+    asked after each step of the integrator: two zeros within one step are not seen.
 
+    Raises InvalidParameter, and MissingPackage without scipy.
     """
     if not isinstance(system, System):
         raise InvalidParameter('system', system, 'must be a System')
@@ -413,6 +400,7 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 
 
 def _checked(work: Work, method: str, tolerance: float) -> Run:
+    """Return a run that agrees with a rougher one; tolerances are tightened until it does."""
     system, allowed = work.system, tolerance * work.system.mechanism.input_unit
     rough = _first_run(work, method, max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
@@ -459,6 +447,7 @@ def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, shar
 
 
 def _check_start(system: System) -> None:
+    """Refuse a start without inertia, or whose kinetic energy overflows."""
     position, rate = system.start[:2]
     try:
         inertia = float(system.equation.terms(position).inertia)
@@ -570,6 +559,7 @@ def _unless_zero(value: float, instead: float) -> float:
 
 def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float], method: str,
          tolerance: float, work: Work, events: list[Event], step: float | None) -> Leg:
+    """Return the leg that begins at a state, over a span of time or to the first of the events."""
     start = np.array(state)
     rates = work.counted(coordinate.derivative, span[1])
     result = _solved(rates, span, start, method, tolerance, dense_output=True,
@@ -619,6 +609,7 @@ def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, meth
 
 
 def _limits(system: System, coordinate: MotionCoordinate) -> list[Event]:
+    """Return the event, if any, at which the input comes to an end of its range or stroke."""
     passes_toggles = coordinate.can_end or system.mechanism.turns_fully
 
     def limit(time: float, state: Any) -> float:

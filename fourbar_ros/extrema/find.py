@@ -124,35 +124,22 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     """
     Return all extrema over the input, in the mode of the linkage, by quantity, then by input.
 
-    Parameters
-    ----------
-    linkage : Mechanism
-        FourBar, SliderCrank, InvertedSlider, ScotchYoke or Machine.
-    quantities : sequence of str, Quantity or callable
-        Names (see :func:`~fourbar_ros.mechanisms.quantities.by_name`), or functions (Motion,
-        Loads) -> value, located to about 1e-10 rad by differences. Attributes ``unit`` and
-        ``__name__`` are used. Empty: all rates, accelerations and loads for which the linkage has
-        data; positions only by name.
-    rate, acceleration : float
-        Rate and acceleration of the input, the same everywhere: [rad/s] and [rad/s^2], or [m/s]
-        and [m/s^2] of a driven slide; at most 1e100 in size.
-    certify : bool
-        Also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`, with python-flint:
-        tenths of a second for all quantities together, seconds for those of a machine.
-    conditions : bool
-        Also compute condition numbers, which takes a quarter of the time; else they are NaN.
-    check : callable
-        Called between the pieces of the work, during a proof every tenth of a second or so; an
-        exception from it ends the search.
-    seconds : float
-        Time of a processor that a proof may take, for each quantity [s]; then it says so.
-    progress : callable
-        Called like ``check``, during a proof, with the share of it that is done.
-    within : tuple of 2 floats, optional
-        Lowest and highest input [rad or m]; of angles at most a turn apart,
-        so (-0.5, 0.5) goes through zero. The values at both count too, as 'limit'. What lies
-        beyond the input range is left out.
+    ``quantities``: names (see :func:`~fourbar_ros.mechanisms.quantities.by_name`), Quantity or
+    functions (Motion, Loads) -> value, one or several. Functions are located to about 1e-10 rad by
+    differences; their attributes ``unit`` and ``__name__`` are used. Empty: all rates,
+    accelerations and loads for which the linkage has data; positions only by name.
+    ``rate``, ``acceleration``: of the input, the same everywhere, [rad/s] and [rad/s^2], or [m/s]
+    and [m/s^2] of a driven slide; at most 1e100 in size. ``within``: lowest and highest input [rad
+    or m]; of angles at most a turn apart, so (-0.5, 0.5) goes through zero. The values at both
+    count too, as 'limit'; what lies beyond the input range is left out. ``conditions``: also
+    compute condition numbers, which takes a quarter of the time; else they are NaN.
 
+    ``certify``: also prove that none is missing, see :mod:`fourbar_ros.extrema.proof`, with
+    python-flint: tenths of a second for all quantities together, seconds for those of a machine.
+    ``seconds``: time of a processor that a proof may take, for each quantity [s]; then it says so.
+    ``check`` is called between the pieces of the work, during a proof every tenth of a second or
+    so; an exception from it ends the search. So is ``progress``, with the share of a proof that is
+    done. Raises InvalidParameter, and UnknownQuantity of a name.
     """
     if not isinstance(linkage, Mechanism):
         raise InvalidParameter('linkage', linkage, 'must be a mechanism: FourBar, SliderCrank, '
@@ -284,6 +271,7 @@ class Search:
 
 
 def _checked_part(linkage: Mechanism, within: Any) -> tuple[float, float]:
+    """Return the two inputs of ``within`` as the mechanism counts them, or refuse them."""
     if not isinstance(within, Iterable) or len(ends := list(within)) != 2:
         raise InvalidParameter('within', within, 'must be two finite inputs')
     low, high = (finite('within', end, 'must be two finite inputs') for end in ends)
@@ -306,20 +294,15 @@ def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
     extrema, turning = ([extremum._replace(quantity=quantity.name, unit=quantity.unit)
                          for extremum in every if extremum.quantity == name]
                         for name in (field.name, output.position))
-    return extrema if not quantity.is_inverse else _inverse(extrema, [
-        extremum for extremum in turning
-        if extremum.place == INTERIOR and extremum.kind != CONSTANT])
-
-
-def _inverse(extrema: Sequence[Extremum], turning: Sequence[Extremum]) -> list[Extremum]:
-    """Return the extrema of one over a rate from those of the rate."""
-    # turning: interior extrema of the position. There, and where the rate only touches zero, it is
-    # infinite on both sides.
+    if not quantity.is_inverse:
+        return extrema
+    # one over a rate: infinite on both sides of interior extrema of the position, and where the
+    # rate only touches zero; poles: (where, on which side, whether it is inf or -inf there)
     largest = max([abs(extremum.value) for extremum in extrema if isfinite(extremum.value)],
                   default=0.0)
     inverse = list[Extremum]()
-    # (where, on which side, whether it is inf or -inf there)
     poles = [(extremum, side, sense if side < 0 else -sense) for extremum in turning
+             if extremum.place == INTERIOR and extremum.kind != CONSTANT
              for side in (-1, 1) for sense in [1 if extremum.kind == MAXIMUM else -1]]
     for extremum in extrema:
         if extremum.kind == CONSTANT:

@@ -132,13 +132,13 @@ class Kernels(NamedTuple):
 
 def input_paths(mechanism: Mechanism, points: int, within: tuple[float, float] | None = None,
                 poles: Sequence[float] = (), pieces: Pieces | None = None) -> list[InputPath]:
-    """Return the paths that make up the motion of a mechanism in its mode."""
+    """Return the paths of the input, sampled, that make up a mechanism's motion in its mode."""
     # points is the least number of points of a full turn, without those added at the ends. within:
     # the inputs [rad or m] between which paths are wanted, of angles at most a period apart.
     # poles: those of the mechanism's flat_inputs at which quantities have poles, so that paths end
     # there. pieces: those of loads with forces over a position. Paths of a slide are in units of
     # input_unit.
-    unit, is_slide, stroke = (mechanism.input_unit, mechanism.is_driven_by_slide, mechanism.cut)
+    unit, is_slide, stroke = mechanism.input_unit, mechanism.is_driven_by_slide, mechanism.cut
     turned = 2.0 * pi * round(stroke[0] / (2.0 * pi)) if stroke and not is_slide else 0.0
     passed = {*mechanism.flat_inputs, *[-x for x in mechanism.flat_inputs if x == pi]}
     singular = np.array([*[z for z in mechanism.singular_inputs
@@ -257,9 +257,11 @@ def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[flo
 def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array], Array],
            period: float = 0.0) -> list[InputPath]:
     """Return the paths between ends {phi: End}, pieces joined; ``period`` of one that closes."""
-    paths, outer = [], np.array([phi for phi, end in ends.items() if end.kind != PIECE])
+    # ends: of ranges and pieces in order; to_input: phi -> x
+    outer = np.array([phi for phi, end in ends.items() if end.kind != PIECE])
     ends = {phi: end for phi, end in ends.items() if end.kind != PIECE or not outer.size
             or np.abs(outer - phi).min() > BESIDE_END}
+    runs = list[list[InputPath]]()          # of pieces that follow each other
     for first, last in zip(ends, list(ends)[1:]):
         low, high = ends[first], ends[last]
         phi, before, after = _spread(kernels, (first, last), (low, high))
@@ -270,13 +272,9 @@ def _paths(kernels: Kernels, ends: dict[float, End], to_input: Callable[[Array],
         x = x[~(near[0] | near[1])]
         if min(before, after) < 0:
             raise TooNarrow
-        paths.append(InputPath(x, low, high, before, x.size - 1 - after))
-    runs = list[list[InputPath]]()          # of pieces that follow each other
-    for path in paths:
-        if runs and path.low and path.low.kind == PIECE:
-            runs[-1].append(path)
-        else:
-            runs.append([path])
+        if not runs or low.kind != PIECE:
+            runs.append([])
+        runs[-1].append(InputPath(x, low, high, before, x.size - 1 - after))
     joined = list[InputPath]()
     for pieces in runs:
         sizes = np.array([piece.x.size for piece in pieces])

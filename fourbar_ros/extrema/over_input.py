@@ -112,6 +112,7 @@ class OverInput:
 
     @cached_property
     def rms(self) -> float:
+        """Return the root mean square, inf where its integral diverges."""
         # of a full turn the integral tells by itself whether it is finite, without a search
         by_itself = self._linkage.turns_fully and not isinstance(self._quantity, OfDrive)
         if not by_itself and self.peak == inf:

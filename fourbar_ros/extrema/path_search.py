@@ -366,38 +366,27 @@ def _beyond_noise(sampler: Sampler, samples: Samples, roots: TurningPoints,
         if not samples.path.is_closed:
             turns = [_Turn(float(values[0]), float(errors[0]), -1, -1), *turns,
                      _Turn(float(values[-1]), float(errors[-1]), values.size - 1, -1)]
-        parts = _between_jumps(turns, errors, samples.path, [
-            jump for jump in jumps if jump.quantity == quantity])
+        # in stretches between jumps, whose values on both sides are ends of them
+        stretches, start, path = list[list[_Turn]](), list[_Turn](), samples.path
+        for jump in [jump for jump in jumps if jump.quantity == quantity]:
+            before = int(path.before_cuts[jump.cut])
+            ends = [_Turn(value, float(errors[before]), before, -1) for value in jump.values]
+            inner = [turn for turn in turns if turn.before <= before]
+            turns = turns[len(inner):]
+            stretches.append([*start, *inner, ends[0]])
+            start = [ends[1]]
+        if path.is_closed and stretches:        # the first goes on from the last
+            turns = [*turns, *stretches.pop(0)]
+        stretches.append([*start, *turns])
 
         def is_certain(turn: _Turn, following: _Turn) -> bool:
             """Return whether two neighbours that differ by less than the bound are extrema."""
             inner = [end.root for end in (turn, following) if end.root >= 0]
             return (bool(inner) and abs(turn.value - following.value) > roots.rounding[inner].max()
                     and all(map(is_confirmed, inner)))
-        kept += [turn.root for part in parts
-                 for turn in _with_falls(part, values, errors, is_certain) if turn.root >= 0]
+        kept += [turn.root for stretch in stretches
+                 for turn in _with_falls(stretch, values, errors, is_certain) if turn.root >= 0]
     return np.array(kept, int)
-
-
-def _between_jumps(turns: list[_Turn], errors: Array, path: InputPath,
-                   jumps: Sequence[AtCut]) -> list[list[_Turn]]:
-    """Return extrema along a path in parts between jumps, with values there as ends."""
-    if not jumps:
-        return [turns]
-    parts, left, start = list[list[_Turn]](), list(turns), list[_Turn]()
-    for jump in jumps:
-        before = int(path.before_cuts[jump.cut])
-        ends = [_Turn(value, float(errors[before]), before, -1) for value in jump.values]
-        inner = [turn for turn in left if turn.before <= before]
-        left = left[len(inner):]
-        parts.append([*start, *inner, ends[0]])
-        start = [ends[1]]
-    if path.is_closed:      # the first part goes on from the last
-        first = parts.pop(0)
-        parts.append([*start, *left, *first])
-    else:
-        parts.append([*start, *left])
-    return parts
 
 
 def _with_falls(turns: list[_Turn], values: Array, errors: Array,

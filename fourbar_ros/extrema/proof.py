@@ -355,6 +355,7 @@ class Enclosing:
                         if index not in trace.varies], self._table, self._values)
 
     def _make(self, number_type: NumberType, constants: Any) -> Function:
+        """Return the formula position -> quantities, of :func:`Trace`, for rates and constants."""
         rates, data = constants
         step = self._formula.make(number_type, data)
 
@@ -404,6 +405,7 @@ class Enclosing:
 
     def _calls(self, function: Any) -> Function:
         """Return a table of forces as a function of pairs of series; NaN over several pieces."""
+        # a pair: the series of s about the middle of the piece of the input, and over all of it
         from flint import arb
 
         def values(s: Any) -> Any:

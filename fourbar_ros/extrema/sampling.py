@@ -174,6 +174,7 @@ class Sampler:
             return self._rows(state, x)
 
     def _rows(self, state: State, x: Array) -> Array:
+        """Return the quantities of a state at x, (quantities, *x.shape)."""
         rows = np.empty((len(self.quantities), *x.shape), x.dtype)
         for row, quantity in zip(rows, self.quantities):
             value = quantity.of(*state)
@@ -291,6 +292,7 @@ class DifferenceSampler(Sampler):
     _x: Array                # samples of the path in rising order
 
     def _rows(self, state: State, x: Array) -> Array:
+        """Return the quantities of a state at x, (quantities, *x.shape)."""
         try:
             return super()._rows(state, x)
         except (TypeError, ValueError):       # a function of plain numbers: one sample at a time

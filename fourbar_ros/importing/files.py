@@ -105,12 +105,11 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
         if wishes.check:
             from fourbar_ros.importing.check import check, mujoco_of  # few ask for it
             try:
-                model = mujoco_of(path, loop.robot)
+                checks.append(check(*mujoco_of(path, loop.robot), results[-1], wishes.cut))
             except FourBarError as error:
                 report.append(f'  not compared: {error}')
                 is_good = False
                 continue
-            checks.append(check(*model, results[-1], wishes.cut))
             report.append(f'  {checks[-1]}' + ('' if checks[-1].is_good else ': BAD'))
             is_good = is_good and checks[-1].is_good
     return Result(results, report, is_good, checks)

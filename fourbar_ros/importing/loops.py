@@ -125,6 +125,7 @@ def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] =
 
 
 def _might_close(robot: robots.Robot, link_of: dict[str, str]) -> str:
+    """Return a hint at frames without mass that nearly coincide, for --close; empty: none."""
     points = {joint.child: joint.on_child for joint in robot.joints
               if joint.kind == robots.FIXED and joint.child not in robot.inertials}
     frames = [name for name in points if 'clos' in name.lower()] or [*points]
@@ -205,6 +206,7 @@ def base_of(loop: Loop, wishes: robots.Wishes) -> str:
 
 
 def check_freedom(loop: Loop) -> None:
+    """Raise Refused if a loop has not one degree of freedom, 3 (links - 1) - 2 joints."""
     links, joints = len(loop.links), len(loop.joints)
     freedom = 3 * (links - 1) - 2 * joints
     text = f'{links} links and {joints} joints have {freedom} degrees of freedom'

@@ -54,18 +54,17 @@ def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Couplin
 
 
 class LoopInput(NamedTuple):
-    """How a drive moves a loop: ``input`` as ``linkage.input`` of the scene has it."""
+    """How a drive moves a loop."""
 
-    # hinge joins the driven link to the carrier: the base, or a moving link. The cylinder's rod
-    # and tube, each with the joint at its far end, are a dyad that the drive slides.
-
-    input: str
-    carrier: str
-    hinge: RobotJoint
+    input: str              # as linkage.input of the scene has it
+    carrier: str            # the base, or a moving link
+    hinge: RobotJoint       # joins the driven link to the carrier
+    # rod and tube, each with the joint at its far end: a dyad that the drive slides
     cylinder: Sequence[tuple[str, RobotJoint]] = ()
 
 
 def _input_of(loop: Loop, drive: RobotJoint, base: str) -> LoopInput:
+    """Return how a driven joint moves the loop; Refused where a scene has no such input."""
     ends = loop.ends(drive)
     if base in ends:
         return LoopInput('slide' if drive.kind == SLIDE else 'crank', base, drive)

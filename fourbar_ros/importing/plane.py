@@ -93,7 +93,8 @@ class Plane:
 
     def add_joint(self, name: str, joint: RobotJoint, body: str, carrier: str,
                   along: complex = 1.0, travel: float = 0.0) -> None:
-        """Add a joint: how far a link has slid ``along``, or its angle from its carrier's."""
+        """Add a joint of the link ``body``: its slide ``along``, or its angle from a carrier's."""
+        # name: in the scene; travel: how far it has slid in the file's pose [m]
         if joint.kind == SLIDE:
             ratio = 1.0 if (self.slide(joint, body) * along.conjugate()).real > 0.0 else -1.0
             self.scales[name] = RobotScale(joint, ratio, joint.position - ratio * travel)

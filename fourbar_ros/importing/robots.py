@@ -82,22 +82,18 @@ class Inertial(NamedTuple):
 
 @dataclass
 class RobotJoint:
-    """A joint: of the tree, or ``closes`` a loop."""
-
-    # The body child turns or slides about axis relative to parent as position grows [rad or m].
-    # on_parent and on_child [m] are its point on both bodies, apart where a loop is open. A point
-    # coincides on both and has no axis: a pin, if its loop is planar.
+    """A joint: the body ``child`` turns or slides about ``axis`` relative to ``parent``."""
 
     name: str
-    kind: str
+    kind: str                           # a POINT coincides on both bodies and has no axis
     parent: str
     child: str
-    on_parent: Array
+    on_parent: Array                    # [m], where it is on both, apart where a loop is open
     on_child: Array
     axis: Array | None = None
-    position: float = 0.0
+    position: float = 0.0               # [rad or m]
     limits: tuple[float, float] | None = None
-    closes: bool = False
+    closes: bool = False                # a loop; else it is one of the tree
     turned: float = 0.0                 # [rad], how far a fixed joint that closes is open
 
     @property

@@ -183,6 +183,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
 
 
 def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
+    """Add the joints of constraints and gazebo; ``zero``: poses of links at zero joints."""
     poses = robot.poses
     for element in root.findall('constraint'):
         links = _word(element, 'parent', 'link'), _word(element, 'child', 'link')

@@ -141,6 +141,7 @@ def flat_bar(length: float, density: float, width: float, thickness: float) -> B
 
 
 def _uniform(numbers_of: Callable[..., tuple[float, ...]], **values: float) -> Body:
+    """Return the body by a function of checked sizes -> mass, cg_along, cg_across, inertia."""
     sizes = [finite(name, value, 'must be a positive number', above=0.0)
              for name, value in values.items()]
     try:
