@@ -122,7 +122,7 @@ def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
         corners, ground = picture.outlines(part, sheet.inch)
         axes.fill(*corners.T, fc='0.95' if is_block else 'w', ec='k', lw=1.2,
                   zorder=4 if is_block else 1)
-        sheet.lines.append(np.vstack([corners, corners[:1]]))
+        sheet.occupy(np.vstack([corners, corners[:1]]))
         if ground is not None:
             sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
 

@@ -88,7 +88,8 @@ class Sheet:
         axes.axis('off')
         axes.set_title(title, loc='left', fontsize=FONT * self.zoom,
                        fontweight='bold')
-        self.lines: list[Array] = []            # points (n, 2) of lines that no label may cross
+        # lines that no label may cross: points (n, 2), half of their width
+        self._lines: list[tuple[Array, float]] = []
         self._signs: list[tuple[Array, Array]] = []     # corners of pins and centres of gravity
         self._labels: list[Label] = []
         self._rows = 0                                      # of text below
@@ -107,7 +108,11 @@ class Sheet:
     def curve(self, points: Array, **style: Any) -> None:
         """Draw a line through points (n, 2)."""
         self.axes.plot(*points.T, **style)
-        self.lines.append(points)
+        self.occupy(points, style.get('lw', 1.0))
+
+    def occupy(self, points: Array, width: float = 1.0) -> None:
+        """Keep labels off a line of a width [points of paper]."""
+        self._lines.append((points, 0.5 * width / 72.0 * self.inch / self.zoom))
 
     def pin(self, point: Array) -> None:
         """Keep labels off a sign at a point."""
@@ -120,7 +125,7 @@ class Sheet:
         self.axes.annotate('', start + vector, start, zorder=9, arrowprops={
             'arrowstyle': f'-|>,head_width={0.44 * head:.3f},head_length={head:.3f}',
             'shrinkA': 0, 'shrinkB': 0, 'lw': width, 'color': color})
-        self.lines.append(np.array([start, start + vector]))
+        self.occupy(np.array([start, start + vector]), width)
 
     def label(self, text: str, point: Array, towards: Sequence[float] | Array, color: str,
               tip: Array | None = None) -> None:
@@ -162,18 +167,19 @@ class Sheet:
             for box_low, box_high in (*self._signs, *written):
                 common = (np.minimum(high, box_high) - np.maximum(low, box_low)) / pixel
                 cost += np.where((common > 0.0).all(axis=1), 60.0 + common.prod(axis=1), 0.0)
-            for line in self.lines:
-                cost += 40.0 * crossed(line[:-1], line[1:], low, high).any(axis=1)
+            for line, width in self._lines:
+                cost += 40.0 * crossed(line[:-1], line[1:], low - width, high + width).any(axis=1)
             ends = np.clip(points, low, high)       # of a line from the point to its label
             is_led = np.hypot(*(ends - points).T) > LEADER * pixel
-            cost += 40.0 * is_led * crossed(points, ends, *written.swapaxes(0, 1)).sum(axis=0)
+            cost += 60.0 * is_led * crossed(points, ends, *written.swapaxes(0, 1)).sum(axis=0)
             if label.tip is not None:
                 nearest = np.hypot(*(middle[:, None] - tips).T).min(axis=0)
                 cost += 50.0 * (np.hypot(*(middle - label.tip).T) > nearest)
             best = int(np.argmin(cost))
             written = np.append(written, [[low[best], high[best]]], axis=0)
             if is_led[best]:
-                self.line(points[best], ends[best], color=label.color, lw=0.6, zorder=1.1)
+                end = ends[best] + 0.1 * (points[best] - ends[best])
+                self.line(points[best], end, color=label.color, lw=0.6, zorder=1.1)
             self.axes.text(*middle[best], f'${label.text}$', ha='center', va='center', zorder=8,
                            color=label.color, fontsize=FONT * self.zoom)
 
