@@ -187,7 +187,7 @@ class Sheet:
         """Draw a bar of some round units, each ``factor`` long, at a ``share`` of the width."""
         length = nice(1.3 * self.inch / factor)
         x, y = self.low + (share * (self.high[0] - self.low[0]) + 0.1 * self.inch,
-                           0.05 * self.inch)
+                           0.09 * self.inch)
         self.axes.plot([x, x + length * factor], [y, y], color='k', lw=1.2, marker='|', ms=7,
                        clip_on=False)
         self.axes.annotate(f'{length:g} {unit}', (x + length * factor, y), (6, 0),

@@ -39,8 +39,8 @@ def test_no_label_lies_on_another_or_is_cropped(name):
     import matplotlib
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     pose = next(entries[name][1] for entries in gallery.ENTRIES.values() if name in entries)
-    with matplotlib.rc_context(gallery.STYLE):
-        figure = gallery.draw(name, pose)
+    figure = gallery.draw(name, pose)
+    with matplotlib.rc_context(figure.style):
         renderer = FigureCanvasAgg(figure).get_renderer()
         axes, = figure.axes
         boxes = [text.get_window_extent(renderer) for text in axes.texts if text.get_text()]
