@@ -12,14 +12,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf, isfinite, prod
 from pathlib import Path
+import warnings
 
 from fourbar_lab.studies import variation
 from fourbar_lab.studies.measures import CLASS, Measure, Measures
 from fourbar_lab.studies.variation import METHODS, MOST_ROWS, TOLERANCES, Variation, Yaml
-from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, SceneWarning
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import document_of, find, PlainYaml
+from fourbar_ros.scene.linkage import in_other_units
 from fourbar_ros.scene.parameters import as_number
 from fourbar_ros.scene.scene import from_values, load, Scene
 from fourbar_ros.scene.settings import ParameterValues
@@ -151,10 +153,13 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
     tried = min(study.rows, TRIED)
     try:
-        first_scene(study, study.drawn(0, tried))
+        first = first_scene(study, study.drawn(0, tried))
     except InvalidParameter as error:
         raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
                                              f'{error}') from None
+    for line in in_other_units(first):
+        if line not in in_other_units(scene):
+            warnings.warn(f'vary: {line}', SceneWarning, stacklevel=3)
     return study
 
 

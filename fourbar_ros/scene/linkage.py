@@ -208,7 +208,8 @@ def warnings_of(scene: Scene) -> list[str]:
     return list(_warnings(scene))
 
 
-def _warnings(scene: Scene) -> Iterator[str]:
+def in_other_units(scene: Scene) -> Iterator[str]:
+    """Yield a line on lengths that are likely in millimetres, and one on angles in degrees."""
     values, linkage = scene.values, scene.linkage
     long = [(name, value) for name, value in values.items()
             if isinstance(value, float) and abs(value) > LONGEST and not name.startswith(RODS)
@@ -217,6 +218,22 @@ def _warnings(scene: Scene) -> Iterator[str]:
         name, value = long[0]
         too = f' (and {len(long) - 1} more)' if len(long) > 1 else ''
         yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
+    turn = linkage.period if linkage.period < inf else tau      # two turns at some change points
+    wide = [(name, angle) for name, value in values.items()
+            if name != 'drive.jump' and not name.endswith('.places')    # which have a unit
+            for angle in (value if isinstance(value, list) else [value])
+            if isinstance(angle, float) and abs(angle) > turn
+            and unit_in(of_name(name), values) == 'rad'
+            and abs(degrees(angle) - round(degrees(angle))) > ROUNDED]      # else a text, 720deg
+    if wide:
+        name, angle = wide[0]
+        too = f' (and {len(wide) - 1} more)' if len(wide) > 1 else ''
+        yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{too}'
+
+
+def _warnings(scene: Scene) -> Iterator[str]:
+    values, linkage = scene.values, scene.linkage
+    yield from in_other_units(scene)
 
     density = values[RODS + 'density']          # in g/cm^3?
     if density < LIGHTEST:
@@ -238,18 +255,6 @@ def _warnings(scene: Scene) -> Iterator[str]:
                    f'is long, {shortest:g} m: ' + (
                        f'did you mean {value * 1e-3:g}?' if value > FAR_THICKER * shortest else
                        'give the mass and inertia of such links (bodies.LINK.mass)'))
-
-    turn = linkage.period if linkage.period < inf else tau      # two turns at some change points
-    wide = [(name, angle) for name, value in values.items()
-            if name != 'drive.jump' and not name.endswith('.places')    # which have a unit
-            for angle in (value if isinstance(value, list) else [value])
-            if isinstance(angle, float) and abs(angle) > turn
-            and unit_in(of_name(name), values) == 'rad'
-            and abs(degrees(angle) - round(degrees(angle))) > ROUNDED]      # else a text, 720deg
-    if wide:
-        name, angle = wide[0]
-        too = f' (and {len(wide) - 1} more)' if len(wide) > 1 else ''
-        yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{too}'
 
     line = leaves_range(scene)
     if line and not linkage.stroke and scene.drive.speed != of_name('drive.speed').default:

@@ -3,6 +3,7 @@
 """Values that are allowed but hardly meant; rods of rectangular section."""
 from fourbar_ros import flat_bar
 from fourbar_ros.cli.main import main
+from fourbar_ros.errors import SceneWarning
 from fourbar_ros.scene import from_values, load, warnings_of
 from fourbar_ros.scene.files import folder
 import pytest
@@ -118,6 +119,14 @@ def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
     line, = warnings_of(from_values({**press, 'gravity.y': -9.81}))
     assert line == ('bodies: ram without mass, as bodies.rods is of rods alone: give '
                     'bodies.ram.mass')
+
+
+def test_a_study_over_degrees_without_a_unit_warns():
+    study = pytest.importorskip('fourbar_lab.studies.study')
+    document = {'scene': 'toggle_press', 'rows': 2, 'quantities': ['stroke'],
+                'vary': {'dyads.ram.direction_2': {'range': [-95, -85]}}}
+    with pytest.warns(SceneWarning, match='vary: dyads.ram.direction_2 = -.*more than a turn'):
+        study.from_document(document)
 
 
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
