@@ -157,9 +157,8 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     except InvalidParameter as error:
         raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
                                              f'{error}') from None
-    for line in in_other_units(first):
-        if line not in in_other_units(scene):
-            warnings.warn(f'vary: {line}', SceneWarning, stacklevel=3)
+    for line in () if [*in_other_units(scene)] else in_other_units(first):      # once is enough
+        warnings.warn(f'vary: {line}', SceneWarning, stacklevel=3)
     return study
 
 
