@@ -3,6 +3,7 @@
 """Recording: how fast a long bag is written and read, and what memory that takes."""
 from contextlib import contextmanager
 import json
+from math import cos, pi, sin
 import os
 from pathlib import Path
 import struct
@@ -13,7 +14,8 @@ from .pages import table
 
 MINUTES = float(os.environ.get('MINUTES', '6'))     # of the long bag; 60 for the whole hour
 RATE = 1000                                         # [Hz] all outputs
-PERIOD = 5                                          # [s] after which the recorded motion repeats
+PERIOD = 5                                          # [s] of a swing, after which all repeats
+LARGEST = 25.0                                      # [rad/s] rate of the crank
 STAMP = struct.Struct('<iI')
 
 
@@ -24,19 +26,25 @@ def rss():
 
 def steps():
     """Return (values, channels, about, [[bytes of every topic] of every step of a period])."""
+    from fourbar_ros.pipeline import joints
     from fourbar_ros.pipeline.stepper import Stepper, Wanted
     from fourbar_ros.scene import scene as scenes
     from fourbar_ros.scene.topics import DRIVEN
     from support import bags
     from support.scenes import OUTPUTS, PAPER, RODS
-    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': 25.0,
+    scene = scenes.from_values({**PAPER, **RODS, 'drive.speed': LARGEST,
                                 'outputs': [name for name in OUTPUTS if name != 'points']})
     topics = [DRIVEN, *scene.topics.values()]
     names = {topic.name: f'/{topic.topic.replace("~", "fourbar")}' for topic in topics}
-    about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names)}
+    about = {'scene': json.dumps(scene.values), 'topics': json.dumps(names),
+             joints.KEY: joints.CONTINUOUS}
     stepper, wanted, messages = Stepper(scene), Wanted.of(scene), []
+    # the crank swings: after full turns one way, positions in /joint_states would go on and on
+    frequency = 2.0 * pi / PERIOD
     for k in range(PERIOD * RATE):
-        crank = (25.0 * k / RATE, 25.0, 0.0)
+        phase = frequency * k / RATE
+        crank = (LARGEST / frequency * sin(phase), LARGEST * cos(phase),
+                 -LARGEST * frequency * sin(phase))
         status, values = stepper.step(*crank, wanted)
         messages.append([bags.output_message(name, 1, status, values, scene)
                          for name in ('driven', *scene.outputs)])
