@@ -33,12 +33,14 @@ def record_as_html(record: Any) -> str:
     """Return a motion or loads as HTML: name, value, unit and meaning of each field."""
     rows = []
     for field in record._shown:
+        # each field says '[unit] meaning', see parts.documented()
         unit, _, meaning = getattr(type(record), field).__doc__.removeprefix('[').partition('] ')
         value = getattr(record, field)
         shape = getattr(value, 'shape', ())
-        rows.append((field, f'array{shape} from {min(known):.6g} to {max(known):.6g}'
-                     if shape and (known := value[value == value].tolist()) else
-                     f'array{shape}' if shape else f'{value:.10g}', unit, meaning))
+        text = f'array{shape}' if shape else f'{value:.10g}'
+        if shape and (not_nan := value[value == value].tolist()):
+            text += f' from {min(not_nan):.6g} to {max(not_nan):.6g}'
+        rows.append((field, text, unit, meaning))
     return html_table(('', 'value', 'unit', 'meaning'), rows)
 
 

@@ -114,6 +114,7 @@ def _new(arguments: Namespace) -> None:
     if path.suffix not in ('.yaml', '.yml'):
         raise InvalidParameter('FILE', str(path), 'must end in .yaml')
     lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
+    # speed, section and density, of scene_text() and text_of_points() alike
     options = arguments.speed, arguments.bar or arguments.rod or '', arguments.material
     if arguments.points and lengths or arguments.links and not arguments.points:
         raise InvalidParameter('--points', None, 'stand in place of lengths, and --links with '

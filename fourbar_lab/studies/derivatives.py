@@ -121,10 +121,12 @@ class Derivatives:
         return results
 
     def _duals(self, indices: Sequence[int], x: Any) -> list[Any]:
-        """Return the values of operations of the trace at inputs x, which may be a dual."""
+        """Return results of the trace, by index, at inputs x: duals of parameters, or numbers."""
+        # x is a dual too where derivatives by the input are asked for, see at_extremum(). Of a
+        # parameter that leaves the branch, as of a change point, derivatives are NaN.
         trace = self._trace
         known = trace.numbers([Dual(self.scene.values[name], {name: 1.0}) for name in self.names])
-        known[0] = x
+        known[0] = x        # the input stands before the data
         steps = [i for i in trace.needed(indices) if not trace.steps[i].is_given]
         with np.errstate(all='ignore'):
             run(trace, steps, DUALS, known)

@@ -63,7 +63,11 @@ class Recomputed(NamedTuple):
         return max((difference.largest for difference in self.differences), default=0.0)
 
     def problems(self, tolerance: float = 0.0) -> list[str]:
-        """Return a text for each fault of a bag; differences up to ``tolerance`` are no fault."""
+        """
+        Return a text for each fault of a bag; absolute differences to ``tolerance`` are none.
+
+        Outputs that were skipped, a bag that is cut and motions of the other branch are no faults.
+        """
         counts = ((self.unmatched, 'outputs without their motion'),
                   (self.missing, 'outputs missing'), (self.doubled, 'outputs more than once'))
         texts = [f'{count} {text}' for count, text in counts if count]

@@ -304,8 +304,10 @@ class Equation:
         """Return the formula q -> (V, the sum of the sizes of its parts) [J]."""
         pose, (g_x, g_y) = self.make_pose(coordinate, n), self._gravity
 
+        # V is of weight, constant forces and springs, whose balance with kinetic energy is what
+        # energy_drift() of simulation checks. Couples and forces over a position may have none.
         def potential(position: Scalar) -> tuple[Scalar, ...]:
-            motions, _ = pose(position)     # forces over a position have no potential
+            motions, _ = pose(position)     # of links; of the input, which these do not need
             energy, size = 0.0, 0.0
             for name, body, applied in self._bodies:
                 centre = point_of(motions[name], body.cg_along, body.cg_across)

@@ -225,9 +225,13 @@ class StepFormulas:
 
     def make_attempt(self, n: NumberType) -> Function:
         """Return the formula of :attr:`attempt`: a step of RODAS."""
+        # Stages u_i solve the linearized equation; each is made at the state plus earlier ones
+        # times a row of A, and takes earlier ones times a row of C. The last two close the step:
+        # the difference of the embedded solution and the final one, ``last``, is the error.
         def attempt(*numbers: Any) -> tuple[StateVector, Scalar]:
             start = StepStart.of(numbers)
             h, (terms_of, resists) = start.length, self._make_terms(n, start.acting)
+            # what joints with friction transmit at the start: from there stages iterate less
             near = self._rates(n, terms_of(start.state.position), resists, start.state,
                                start.command).felt if self._equation.has_resistance else ()
             solve = self._solver(n, start, 1.0 / (GAMMA * h), terms_of, resists, near)

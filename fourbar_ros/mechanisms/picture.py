@@ -3,6 +3,7 @@
 """
 The picture of a mechanism as a list of primitives, which matplotlib, SVG and RViz draw.
 
+An :class:`Outline` states what is drawn by points of links; a :class:`Diagram` is that in a pose.
 Points are in metres. Blocks and pivots are signs: their outlines are measured in inches of the
 paper. The list begins with what lies farthest behind.
 """
@@ -184,7 +185,7 @@ _GUIDE = np.array([(-0.7, -0.11), (0.7, -0.11)])
 # --- diagrams ------------------------------------------------------------------------------------
 
 def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
-    """Return the diagram of a mechanism in one pose; the sides of a plate are bars."""
+    """Return the diagram of a mechanism in one pose; plates are drawn as bars between corners."""
     outline = outline_of(mechanism, motion)
 
     def locate(point: Point) -> Array:
@@ -194,7 +195,9 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         x, y, *_ = point_of(mechanism.link_motion(motion, link), along, across)
         return vector(x, y)
 
+    # the points of all links at a joint coincide
     joints = {name: locate(points[0]) for name, points in outline.joints.items()}
+    # each corner with the first and with the next: triangles, so that a plate looks rigid
     sides = [Rod(start, end) for first, *rest in outline.plates
              for start, end in (*((first, corner) for corner in rest), *zip(rest, rest[1:]))]
     blocks = []

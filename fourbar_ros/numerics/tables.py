@@ -48,17 +48,17 @@ ARRAYS: Table = {
 
 
 # {operation: the derivatives of its result w by each argument: numbers, or functions of w and all}
-#     (P1)  (u v)' = v u' + u v',   (u/v)' = u'/v - (u/v^2) v',   sqrt(u)' = u' / (2 sqrt(u))
-#     (P2)  atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot
+#     (PD1) (u v)' = v u' + u v',   (u/v)' = u'/v - (u/v^2) v',   sqrt(u)' = u' / (2 sqrt(u))
+#     (PD2) atan2(y, x)' = (x y' - y x') / (x^2 + y^2),   hypot(x, y)' = (x x' + y y') / hypot
 PARTIALS: Mapping[str, Sequence[float | Function]] = {
     'add': (1.0, 1.0), 'sub': (1.0, -1.0), 'neg': (-1.0,), 'exact_sum': (1.0,) * 4,
-    'mul': (lambda w, u, v: v, lambda w, u, v: u),                                          # (P1)
+    'mul': (lambda w, u, v: v, lambda w, u, v: u),                                          # (PD1)
     'truediv': (lambda w, u, v: 1.0 / v, lambda w, u, v: -(w / v)),
     'pow': (lambda w, u, v: v * u**(v - 1.0),),
     'sqrt': (lambda w, u: 0.5 / w,), 'sin': (lambda w, u: np.cos(u),),
     'cos': (lambda w, u: -np.sin(u),),
-    'atan2': (lambda w, y, x: x / (x * x + y * y), lambda w, y, x: -(y / (x * x + y * y))),  # (P2)
-    'hypot': (lambda w, x, y: x / w, lambda w, x, y: y / w),
+    'atan2': (lambda w, y, x: x / (x * x + y * y), lambda w, y, x: -(y / (x * x + y * y))),
+    'hypot': (lambda w, x, y: x / w, lambda w, x, y: y / w),                               # (PD2)
     'fabs': (lambda w, u: np.where(np.real(u) < 0.0, -1.0, 1.0),),
     'where': (0.0, lambda w, c, u, v: np.where(c, 1.0, 0.0),
               lambda w, c, u, v: np.where(c, 0.0, 1.0))}
@@ -79,25 +79,27 @@ def slope_of(function: Function, x: Any) -> Any:
 
 def rounding_bound(trace: Trace, result: int, x: Array) -> Array:
     """Return a bound of the rounding error of a result of a trace of one input, at inputs x."""
-    # The sum of eps times each number that the result is made of, times the derivative of the
-    # result by it: of literals, the data, and of each operation; a function that is no formula may
-    # have its size as largest. The input counts as exact.
+    # Each number that the result is made of, a constant or what an operation gives, may be off by
+    # eps times its size; the bound is the sum of these times the derivatives of the result by
+    # them, from the result backward (reverse mode). A function that is no formula, as a table, may
+    # state the size of its error as ``largest``. The input counts as exact.
     order, steps = trace.needed([result]), trace.steps
     values = [x if step.operation == 'input' else
               np.float64(step.value) if step.operation == 'constant' else None for step in steps]
     with np.errstate(all='ignore'):
         run(trace, [i for i in order if not steps[i].is_given], ARRAYS, values)
-        by, bound = {result: np.ones_like(x)}, np.zeros_like(x)
+        by, bound = {result: np.ones_like(x)}, np.zeros_like(x)     # {index: derivative by it}
         for i in reversed(order):
-            change, (operation, arguments, function) = by.pop(i, None), steps[i]
-            if change is None:
+            slope, (operation, arguments, function) = by.pop(i, None), steps[i]
+            if slope is None:
                 continue
             if operation not in _EXACT:
-                bound = bound + np.abs(change * getattr(function, 'largest', values[i]))
+                bound = bound + np.abs(slope * getattr(function, 'largest', values[i]))
             known = [values[k] for k in arguments]
-            rules = ((slope_of(function, *known),) if operation == 'call'
-                     else PARTIALS.get(operation, ()))
-            for k, rule in zip(arguments, rules):
-                slope = rule(values[i], *known) if callable(rule) else rule
-                by[k] = by.get(k, 0.0) + np.where(change == 0.0, 0.0, change * slope)
+            partials = ((slope_of(function, *known),) if operation == 'call'
+                        else PARTIALS.get(operation, ()))
+            for k, partial in zip(arguments, partials):
+                factor = partial(values[i], *known) if callable(partial) else partial
+                # a branch not taken has slope 0, and its factor may be infinite
+                by[k] = by.get(k, 0.0) + np.where(slope == 0.0, 0.0, slope * factor)
     return EPS * bound

@@ -60,7 +60,8 @@ class ActingInputs:
                 self._be_silent(name)
 
     def _take(self, name: str, message: Message) -> None:
-        """Let a wrench on the link ``name``, or a motion of the base, act if its frame is ours."""
+        """Record a wrench on the link ``name``, or a motion of the base, and let it act."""
+        # From the next step of the stream on. Refused, and counted: a force in another frame.
         topic, is_base = self._topics[name], name == BASE.name
         self._stream.record_input(topic.name, message)
         frame, scene = message.header.frame_id, self._stream.scene
@@ -73,11 +74,13 @@ class ActingInputs:
                                  f'{frame!r}, this one is {ours!r}')
             return
         acting = self._base(message) if is_base else acting_of(message)
-        if acting is None:
+        if acting is None:      # a motion of the base that came late
             return
-        before = self._last.get(name) if name in self._received else None    # none in a silence
+        # _last: of each topic the last message, _received: when it came, but in a silence
+        before = self._last.get(name) if name in self._received else None
         self._last[name] = acting
         if isinstance(acting, Wrench) and scene.wrenches.extrapolated:
+            # a chain of nodes delays wrenches by a step: the line through two is followed by one
             acting = a_step_later(acting, before)      # type: ignore[arg-type]  # of a link
         self._received[name] = self._time()
         self._stream.act(name, acting, message.header.stamp)
