@@ -81,8 +81,7 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     linkage, coordinate = scene.linkage, scene.linkage.input_coordinate
     module = JsModule(scene, 'scene')
     key = sha256(module.body.encode()).hexdigest()[:16]
-    quantities = quantities_of(scene)
-    output = linkage.outputs[0].coordinate
+    quantities, output = quantities_of(scene), linkage.outputs[0].coordinate
     # a machine that is drawn has the points that were drawn
     points = dict(scene.points if hasattr(linkage, 'stages') else
                   usual_points(linkage, scene.points))
@@ -92,9 +91,7 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     shown = [*(name for part in linkage.PARTS for name in part), 'transmission_angle',
              *(name for name, quantity in quantities.items()
                if quantity.is_load and not isinstance(quantity, OfDrive))]
-    start = float(scene.drive.start)
-    if not (linkage.turns_fully or linkage.is_driven_by_slide):
-        start = remainder(start, tau)
+    start, is_kept = float(scene.drive.start), linkage.turns_fully or linkage.is_driven_by_slide
     return {
         'key': key, **({} if key == known else {'module': module.text}),
         'title': linkage.TITLE, 'description': linkage.description,
@@ -107,9 +104,10 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
                   'acceleration': coordinate.acceleration, 'unit': coordinate.unit},
         'ranges': ([(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges),
         'turns': linkage.turns if linkage.turns_fully else 0,
-        'start': start, 'drive': linkage.drive_load, 'outputRate': output.rate,
-        'links': [link.name for link in linkage.LINKS],
-        'size': max(map(abs, linkage.lengths)),
+        'start': start if is_kept else remainder(start, tau),
+        'drive': linkage.drive_load, 'outputRate': output.rate,
+        'links': [link.name for link in linkage.LINKS], 'size': max(map(abs, linkage.lengths)),
+        'guides': [reaction.magnitude for reaction in linkage.REACTIONS if reaction.couple],
         'quantities': {name: {'unit': quantity.unit, 'text': quantity.text,
                               'isLoad': quantity.is_load, 'symbol': symbols.get(name)}
                        for name, quantity in quantities.items()},
@@ -147,11 +145,13 @@ def lacks(linkage: Mechanism, scene: Scene) -> str:
 
 
 def _fields(scene: Scene, module: JsModule) -> list[Answer]:
-    """Return the parameters that get a field on the page."""
-    fields = []
-    for name, value in scene.values.items():
+    """Return the parameters that get a field on the page: a mass, value None, not given too."""
+    masses = {f'bodies.{link.name}.{field}' for link in scene.linkage.LINKS
+              for field in ('mass', 'cg_along', 'cg_across', 'inertia')[:4 if link.turns else 3]}
+    fields, known = [], {*module.parameters, 'drive.speed'}
+    for name, value in {**scene.values, **dict.fromkeys(masses - known)}.items():
         group = name.partition('.')[0]
-        if group not in GROUPS or not (name in module.parameters or name == 'drive.speed'):
+        if group not in GROUPS or name not in known | masses:
             continue
         parameter = of_name(name)
         field = {'name': name, 'unit': unit_in(parameter, scene.values), 'value': value,

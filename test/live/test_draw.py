@@ -12,6 +12,7 @@ import shutil
 from fourbar_lab.live.answers import scene_of
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import OutOfRange
+from fourbar_ros.extrema import find_extrema
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.scene import load
@@ -399,6 +400,93 @@ def test_shift_keeps_a_length_and_a_typed_one_takes_units(paper):
     paper.keys('180 mm', Keys.ENTER)
     paper.until(lambda: paper.state['scene']['dyads']['d1']['length_2'] == 0.18, 'the length')
     assert paper.in_python().linkage.dyads[0].length_2 == 0.18
+
+
+def test_a_bare_number_has_the_unit_that_is_shown_and_a_refusal_names_what_was_typed(paper):
+    from selenium.webdriver.common.keys import Keys
+    crank = 'linkage.points.A.along'
+    paper.four_bar()
+    paper.tool('shape')
+
+    def write(typed):
+        paper.press(paper.script(
+            'const b = document.querySelector(`[data-length="${arguments[0]}"]`)'
+            '.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]', crank))
+        paper.keys(typed, Keys.ENTER)
+        return paper.state['scene']['linkage']['points']['A']['along']
+    assert write('41') == 0.041 and paper.in_python().values[crank] == 0.041
+    assert write('45 kg') == 0.041 and f"{crank} = '45 kg': must be a number in m" in paper.alarm()
+    paper.keys(Keys.ESCAPE)
+    assert write('45 m') == 45.0
+    paper.until(lambda: f'{crank} = 45 m: dyads.d1: cannot close' in paper.alarm(), 'the name')
+    assert paper.script("return document.querySelectorAll('#curves.stale, #panel .stale').length"
+                        ) == 3
+    paper.open('Numbers')
+    paper.write('dyads.d1.length_1', '30')
+    paper.until(lambda: 'dyads.d1.length_1 = 30 m: ' in paper.alarm(), 'the newest name')
+    paper.click('undo')
+    paper.click('undo')
+    paper.in_python()
+    assert not paper.script("return document.querySelectorAll('.stale').length")
+
+
+def test_the_input_of_a_slide_is_typed_in_metres(paper):
+    paper.begin()
+    paper.tool('slide')
+    paper.press(paper.at(-200, -60))
+    paper.tool('rods')
+    paper.press(paper.at(40, 30), paper.at(90, -40))
+    paper.drawn('d1')
+    paper.open('Numbers')
+    at = paper.state['view']['at']
+    paper.write('input value', f'{at + 0.002:.6f}')
+    assert paper.state['view']['at'] == pytest.approx(at + 0.002, abs=1e-6)
+    paper.write('input value', f'{1000.0 * at:.3f} mm')
+    assert paper.state['view']['at'] == pytest.approx(at, abs=1e-6) and not paper.wrong()
+
+
+def test_every_moving_link_has_a_mass_and_the_guide_is_told_from_the_pins(paper):
+    paper.begin()
+    paper.press(paper.at(-200, 0), paper.at(-150, 50))
+    paper.tool('slide')
+    paper.press(paper.at(100, 20))
+    paper.drawn('d1')
+    paper.tool('weight')
+    paper.until(lambda: 'bodies.l2.mass' in paper.text_of('warnings'), 'the block has no mass')
+    paper.open('Numbers')
+    paper.script("document.querySelectorAll('#panel details').forEach(e => { e.open = true; })")
+    assert paper.text('bodies.l2.mass') == '' and paper.text('bodies.l1.mass') == ''
+    paper.write('bodies.l2.mass', '500 g')
+    paper.until(lambda: not paper.text_of('warnings'), 'no warning')
+    assert paper.in_python().linkage.bodies.l2.mass == 0.5
+    paper.write('bodies.l1.mass', '0.2')
+    paper.until(lambda: 'bodies.l1.inertia' in paper.alarm(), 'a rod of its own mass needs both')
+    paper.write('bodies.l1.inertia', '0.0004')
+    paper.write('bodies.l1.cg_along', '50 mm')
+    paper.until(lambda: paper.in_python().linkage.bodies.l1.cg_along == 0.05, 'the centre')
+    body = paper.in_python().linkage.bodies.l1
+    assert (body.mass, body.inertia, body.cg_along) == (0.2, 0.0004, 0.05)
+    extrema = find_extrema(paper.in_python().linkage, ['d1_second', 'base', 'd1_first',
+                                                       'd1_inner'], 10.0)
+    paper.open('Extrema')
+    largest = {name: max(one.value for one in extrema if one.quantity == name)
+               for name in ('d1_second', 'base', 'd1_first', 'd1_inner')}
+    guide = largest.pop('d1_second')
+    assert guide > max(largest.values())
+    paper.until(lambda: [row[1] for row in paper.rows('Extrema')[:2]] == [
+        'max\nlargest force of all joints: guide B2', 'max\nlargest force of all pins'], 'both')
+    for row, value in zip(paper.rows('Extrema'), (guide, max(largest.values()))):
+        assert float(row[2].removesuffix(' N')) == pytest.approx(value, rel=1e-4)
+
+
+def test_a_click_without_a_drag_moves_nothing(paper):
+    paper.four_bar()
+    paper.tool('pose')
+    before, (x, y) = paper.state['view']['at'], paper.place('d1_inner')
+    paper.press((x + 6, y + 5))
+    assert paper.state['view']['at'] == before
+    paper.drag((x, y), (x + 20, y + 10))
+    assert paper.state['view']['at'] != before
 
 
 def test_a_click_at_the_pale_pose_flips_and_an_address_shows_the_same(paper):

@@ -334,7 +334,7 @@ export function addDrawing(page) {
       field.addEventListener('blur', close);
       field.addEventListener('keydown', guarded(key => {
         key.stopPropagation();
-        if (key.key === 'Enter') store.dispatch({ set: page.alsoChanged({ [path]: page.numberOf(field.value, 'm') }) });
+        if (key.key === 'Enter' && field.value !== words) store.dispatch({ set: page.alsoChanged({ [path]: page.numberOf(path, field.value, 'm', words.split(' ')[1]) }), typed: path });
         if (key.key === 'Enter' || key.key === 'Escape') close();
       }));
     };

@@ -200,11 +200,12 @@ export class Engine {
     const all = found.map(one => one.value), global = { maximum: Math.max(...all), minimum: Math.min(...all) };
     return found.map(one => ({ ...one, isGlobal: one.value === global[one.kind], note: [one.value === global[one.kind] && "global", one.note].filter(Boolean).join(" ") }));
   }
-  /** The largest force of all joints, as an extremum; null without loads. */
-  get largestJointForce() {
-    const loads = Object.keys(this.structure.sketch.forces).filter(name => this.structure.quantities[name]);
+  /** The largest force of all joints, and where it is a guide's that of all pins, as extrema; none without loads. */
+  get largestForces() {
+    const { guides, quantities } = this.structure, loads = Object.keys(this.structure.sketch.forces).filter(name => quantities[name]);
     const maxima = loads.flatMap(name => this.extrema(name)).filter(one => one.kind === "maximum").sort((one, two) => two.value - one.value || 0);
-    return maxima.length ? { ...maxima[0], note: "largest force of all joints" } : null;
+    const [largest] = maxima, pin = maxima.find(one => !guides.includes(one.quantity)), isPin = largest === pin;
+    return largest ? [{ ...largest, note: `largest force of all joints${isPin ? "" : `: guide ${quantities[largest.quantity].symbol.replace(/^F_|[{}]/g, "")}`}` }, ...(pin && !isPin ? [{ ...pin, note: "largest force of all pins" }] : [])] : [];
   }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
   get box() {

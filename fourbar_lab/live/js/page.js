@@ -54,12 +54,12 @@ export class Store {
     this.state = state;
     for (const listener of this.heard) listener(state, before);
   }
-  dispatch({ set = {}, scene = null, view = {}, merge = null }) {
+  dispatch({ set = {}, scene = null, view = {}, merge = null, typed = null }) {
     const { state } = this;
     let next = scene ?? state.scene;
     for (const [path, value] of Object.entries(set)) if (leafOf(next, path) !== value) next = withLeaf(next, path, value);
     if (next !== state.scene) {
-      if (!(merge && merge === this.past.at(-1)?.merge)) this.past.push({ scene: state.scene, merge });
+      if (!(merge && merge === this.past.at(-1)?.merge)) this.past.push({ scene: state.scene, merge, typed });
       this.future = [];
     }
     this.change({ scene: next, view: { ...state.view, ...("at" in view && { moment: null }), ...view } });
@@ -71,7 +71,7 @@ export class Store {
   step(from, to) {
     const entry = from.pop();
     if (!entry) return;
-    to.push({ scene: this.state.scene, merge: null });
+    to.push({ scene: this.state.scene, merge: null, typed: entry.typed });
     this.change({ ...this.state, scene: entry.scene });
   }
 }
@@ -129,7 +129,11 @@ export async function start(data, source) {
     const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
     return answer.json();
   };
-  page.numberOf = (text, unit) => numberOf(text, unit, data.units);
+  page.numberOf = (name, text, ...units) => {
+    try {
+      return numberOf(text, units[0], data.units, units[1]);
+    } catch (error) { throw new RangeError(`${name} = '${text}': ${error.message}`); }
+  };
   page.say = words => tell(find("said"), words);
   page.refuse = words => {
     tell(find("alarm"), words);
@@ -161,11 +165,16 @@ export async function start(data, source) {
   page.structure = () => structure;
   page.isAsWritten = () => store.state.scene === data.scene;
   const isOtherNow = scene => JSON.stringify(scene) !== JSON.stringify(store.state.scene);
+  /** Say of the scene why it cannot be, with the number that was typed last; "" of one that can. */
+  const fail = why => {
+    const name = store.past.at(-1)?.typed, unit = structure.fields.find(field => field.name === name)?.unit ?? "";
+    problem = why && name && !why.includes(name) ? `${name} = ${leafOf(store.state.scene, name)} ${unit}: ${why}` : why;
+    for (const shown of [svg, find("curves"), panel.extrema, panel.values]) shown.classList.toggle("stale", Boolean(problem));
+    return problem;
+  };
   const askStructure = async () => {
     const { scene } = store.state, answer = await page.ask("structure", { scene, known: structure.key });
-    problem = answer.problem ?? "";
-    svg.classList.toggle("stale", Boolean(problem));
-    if (problem) return page.refuse(problem);
+    if (fail(answer.problem ?? "")) return page.refuse(problem);
     const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
     if (isOtherNow(scene)) return;             // an answer that is late
     [structure, module, made] = [answer, known, scene];
@@ -204,11 +213,10 @@ export async function start(data, source) {
       if (!engine.ranges.length) throw new RangeError("with these lengths it closes nowhere near this pose");
       page.engine = engine;
     } catch (error) {
-      problem = error.message;
+      fail(error.message);
     }
     if (!page.engine) return page.refuse(problem);
     page.refuse(problem || notice);
-    svg.classList.toggle("stale", Boolean(problem));
     if (isFitted) page.fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
@@ -285,6 +293,9 @@ export async function start(data, source) {
     for (const [name, value] of Object.entries({ min: low, max: high, step: (high - low) / 720 })) if (slider[name] !== String(value)) slider[name] = value;
     slider.value = here * factorOf();
     slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${structure.input.unit === "rad" ? "degrees" : "m"}`);
+    Object.assign(inputField, { unit: structure.input.unit, plainUnit: structure.input.unit === "rad" ? "deg" : "m" });
+    accelerationField.unit = accelerationField.plainUnit = `${structure.input.unit}/s^2`;
+    tell(accelerationName, `acceleration of the input [${structure.input.unit}/s²] `);
     inputField.set(Number((here * factorOf()).toPrecision(6)));
     tell(find("atName"), `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`);
     panel.drawValues(engine);
@@ -313,9 +324,9 @@ export async function start(data, source) {
       if (isNothing(state.scene)) blank();
       else if (!made || isOther(state.scene, made)) {
         if (data.canAsk) askStructure().catch(error => page.refuse(error.message));
-        else page.refuse(problem = "this file has no server: another structure, or a number that this one lacks, needs fourbar live");
+        else page.refuse(fail("this file has no server: another structure, or a number that this one lacks, needs fourbar live"));
       } else {
-        problem = "";
+        fail("");
         build(state, false);
         if (data.canAsk) askSoon();
       }
@@ -412,18 +423,21 @@ export async function start(data, source) {
   });
   // a finger on a grip moves it, two zoom, and both scroll nothing
   svg.addEventListener("touchstart", event => (event.touches.length > 1 || event.target.closest?.(".grip")) && event.preventDefault(), { passive: false });
-  let held = null;
+  let held = null, pressed = null;          // a click is no drag
   page.addTool({ name: "pose", label: "Move", title: "Drag a joint: the mechanism follows",
     down(place, event, hit) {
       if (!hit.joint || !page.engine) return false;
-      held = hit.joint;
+      [held, pressed] = [hit.joint, event];
       picture.chosen = structure.sketch.loadsAt?.[held]?.[0];
       page.play(false);
       svg.querySelector(`[data-joint="${CSS.escape(held)}"]`)?.focus({ preventScroll: true });
       return true;
     },
-    move(place) { if (held) store.dispatch({ view: { at: page.engine.nearest(held, place, page.engine.x) } }); },
-    up(place) { this.move(place); held = null; } });
+    move(place, event) {
+      if (pressed && Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 3) pressed = null;
+      if (held && !pressed) store.dispatch({ view: { at: page.engine.nearest(held, place, page.engine.x) } });
+    },
+    up(place, event) { this.move(place, event); held = null; } });
   // a tool by keys: arrows move a cross, by 20 px or with Shift by one, Enter clicks, Space presses and lets go
   let cross = null, isPressed = false;
   const byKeys = event => {
@@ -504,7 +518,8 @@ export async function start(data, source) {
   find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
-  find("more").append(html("label", {}, `acceleration of the input [${shownUnit(structure.input.unit)[0] === "deg" ? "rad" : "m"}/s²] `, accelerationField, accelerationWords));
+  const accelerationName = html("span");
+  find("more").append(html("label", {}, accelerationName, accelerationField, accelerationWords));
   const LAYERS = { forces: "forces", values: "their values", curves: "paths of points", centres: "instant centres, collineation", polygons: "polygons", second: data.second ? "second scene, pale" : "as it was, pale" };
   for (const [name, words] of Object.entries(LAYERS)) find("more").append(tickBox(words, ["forces", "values", "curves", ...(data.second ? ["second"] : [])].includes(name), event => {
     if (name === "polygons") find("polygons").hidden = !event.target.checked;
@@ -582,7 +597,7 @@ export async function start(data, source) {
   }
   else if (data.canAsk) await askStructure();
   else page.refuse("this file has no server: another structure needs fourbar live");
-  if (page.engine) store.dispatch({ view: { at: page.engine.inside(store.state.view.at) } });       // a slide begins where it can be
+  if (page.engine) store.dispatch({ view: { at: page.engine.inside("at" in first.view ? first.view.at / factorOf() : store.state.view.at) } });       // a slide begins where it can be
   document.documentElement.dataset.ready = "yes";
   return page;
 }

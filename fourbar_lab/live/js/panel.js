@@ -32,13 +32,15 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   if (!Number.isFinite(value)) throw new RangeError("must be a finite number");
   return value;
 }
-export const shownNumber = value => String(Number(Number(value).toPrecision(12)));
-const sixDigits = text => String(Number(Number(text).toPrecision(6)));
+const digits = (value, count) => (value === "" || value === null || value === undefined ? "" : String(Number(Number(value).toPrecision(count))));
+export const shownNumber = value => digits(value, 12);
+const sixDigits = text => digits(text, 6);
 
 /** A text field for a number, all digits of which it shows while one is in it; it takes effect on Enter or on leaving it, Escape takes back what it had. */
 export function numberField(name, unit, value, page, change, plainUnit = unit) {
   const words = html("span", { className: "wrong", role: "alert" });
   const field = html("input", { type: "text", value: sixDigits(value), autocomplete: "off", spellcheck: false, "aria-label": name });
+  Object.assign(field, { unit, plainUnit });        // of an input they change with the structure
   field.set = shown => {
     if (document.activeElement !== field) field.value = sixDigits(shown);
     field.known = shownNumber(shown);
@@ -50,12 +52,13 @@ export function numberField(name, unit, value, page, change, plainUnit = unit) {
     words.textContent = "";
     field.removeAttribute("aria-invalid");
     if (!field.value.trim()) field.value = field.known;
-    if (field.value === field.known || field.value === field.taken) return;
+    if (field.value === field.known) return;
     try {
-      change(numberOf(field.value, unit, page.units, plainUnit));
-      field.taken = field.value;
+      const number = page.numberOf(name, field.value, field.unit, field.plainUnit);
+      change(number);
+      field.known = shownNumber(number);
     } catch (error) {
-      words.textContent = `${name} = '${field.value}': ${error.message}`;
+      words.textContent = error.message;
       field.setAttribute("aria-invalid", "true");
     }
   };
@@ -92,7 +95,7 @@ export class Panel {
   }
   /** Make the fields of a structure, or give those that are there the numbers of the state. */
   draw(structure, valueOf) {
-    const shape = structure.fields.map(field => field.name).join(" ");
+    const shape = structure.fields.map(field => `${field.name} ${field.unit}`).join(" ");
     if (shape !== this.shape) this.build(structure);
     this.shape = shape;
     for (const [name, element] of this.fields) element.set(valueOf(name));
@@ -109,11 +112,12 @@ export class Panel {
   }
   build(structure) {
     const { page, fields } = this, groups = new Set(structure.fields.map(field => field.name.split(".")[0]));
+    const opened = [...OPEN_GROUPS, ...[...this.parameters.querySelectorAll("details[open]")].map(box => box.dataset.group)];
     fields.clear();
     this.parameters.replaceChildren(...[...groups].map(group => {
-      const box = html("details", { open: OPEN_GROUPS.includes(group) }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
+      const box = html("details", { open: opened.includes(group), "data-group": group }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
       for (const { name, unit, text, value, choices } of structure.fields.filter(field => field.name.split(".")[0] === group)) {
-        const change = (number, merge = null) => page.store.dispatch({ set: page.alsoChanged({ [name]: number }), merge });
+        const change = (number, merge = null) => page.store.dispatch({ set: page.alsoChanged({ [name]: number }), merge, typed: name });
         const words = name.split(".").slice(1).join(".\u200b"), shown = [], followers = [];
         if (choices) shown.push(selectOf(name, Object.entries(choices), change));
         else {
@@ -122,7 +126,7 @@ export class Panel {
           const slider = html("input", { type: "range", min: value === 0 ? -size : low, max: value === 0 ? size : SPAN * size, step: size / 200, "aria-label": `${name} slider`,
             oninput: () => change(Number(Number(slider.value).toPrecision(3)), name), onchange: () => page.store.seal() });
           slider.set = number => (slider.value = number);
-          shown.push(field, slider, wrong);
+          shown.push(field, ...(value === null ? [] : [slider]), wrong);
         }
         if (name === "bodies.rods.density") {
           const material = selectOf("material", [["", "other"], ...Object.entries(MATERIALS).map(([words, density]) => [density, words])], change);
@@ -146,10 +150,10 @@ export class Panel {
   }
   /** Extrema of five digits, those of a quantity from the largest, with a button to their input; `proof` says how they were found. */
   drawExtrema(engine, extrema, proof) {
-    const { structure: { quantities }, structure, largestJointForce: largest } = engine, [unitOfInput, perInput] = shownUnit(structure.input.unit);
+    const { structure: { quantities }, structure, largestForces } = engine, [unitOfInput, perInput] = shownUnit(structure.input.unit);
     const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
     const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
-    const rows = [...(largest ? [largest] : []), ...sorted].map(({ quantity, kind, value, input, note }) => {
+    const rows = [...largestForces, ...sorted].map(({ quantity, kind, value, input, note }) => {
       const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
       return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
         html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note })),
