@@ -462,6 +462,9 @@ def test_every_moving_link_has_a_mass_and_the_guide_is_told_from_the_pins(paper)
     paper.write('bodies.l1.mass', '0.2')
     paper.until(lambda: 'bodies.l1.inertia' in paper.alarm(), 'a rod of its own mass needs both')
     paper.write('bodies.l1.inertia', '0.0004')
+    paper.until(lambda: not paper.alarm(), 'fields without those of rods')
+    assert paper.script("return document.activeElement.getAttribute('aria-label')"
+                        ) == 'bodies.l1.inertia'
     paper.write('bodies.l1.cg_along', '50 mm')
     paper.until(lambda: paper.in_python().linkage.bodies.l1.cg_along == 0.05, 'the centre')
     body = paper.in_python().linkage.bodies.l1

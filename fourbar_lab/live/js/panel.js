@@ -112,6 +112,7 @@ export class Panel {
   }
   build(structure) {
     const { page, fields } = this, groups = new Set(structure.fields.map(field => field.name.split(".")[0]));
+    const chosen = this.parameters.querySelector(":focus")?.getAttribute("aria-label");       // the keyboard stays where it was
     const opened = [...OPEN_GROUPS, ...[...this.parameters.querySelectorAll("details[open]")].map(box => box.dataset.group)];
     fields.clear();
     this.parameters.replaceChildren(...[...groups].map(group => {
@@ -138,6 +139,7 @@ export class Panel {
       }
       return box;
     }));
+    if (chosen) this.parameters.querySelector(`[aria-label="${chosen}"]`)?.focus({ preventScroll: true });
   }
   /** The values of the pose, with ten digits. */
   drawValues(engine) {
