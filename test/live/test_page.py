@@ -454,7 +454,12 @@ def test_a_run_from_torque_is_played_along_its_time_line(driver, file, address):
     for page in (file('released'), f'{address}?scene=released'):
         tab = Tab(driver, page)
         if page.startswith('http'):
-            tab.driver.find_element('id', 'simulate').click()
+            until, button = (tab.driver.find_element('id', name) for name in ('until', 'simulate'))
+            for typed in ('5 kg', '5000 ms'):
+                until.clear()
+                until.send_keys(typed)
+                button.click()
+                assert typed != '5 kg' or "'5 kg': must be a number in" in tab.text_of('runWords')
         tab.until(lambda: tab.driver.find_element('id', 'time').is_displayed(), 'the run')
         tab.script("page.play(false); const time = document.getElementById('time'); "
                    "time.value = 300; time.dispatchEvent(new Event('input'))")

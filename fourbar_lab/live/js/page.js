@@ -238,8 +238,10 @@ export async function start(data, source) {
   find("time").oninput = event => (page.play(false), goTo(Number(event.target.value)));
   find("simulate").onclick = async () => {
     const { scene } = store.state;
+    let until;
+    try { until = page.numberOf("seconds of the run", find("until").value, "s"); } catch (error) { return tell(find("runWords"), error.message); }
     tell(find("runWords"), "integrating ...");
-    const run = await page.ask("run", { scene, until: Number(find("until").value) });
+    const run = await page.ask("run", { scene, until });
     if (isOtherNow(scene)) return;
     showRun(run);
     if (page.run) page.play(true);
