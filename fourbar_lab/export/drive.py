@@ -181,7 +181,8 @@ class DriveCode:
         return [*self._constants(), *self._functions, *self._of_tables(), snippet('step.c'), text]
 
     def self_check(self) -> str:
-        """Return the C text that compares the state after some steps with Python's."""
+        """Return the C text that compares the state after some steps without torque with ours."""
+        # ' PASSED' in the text is the argument of a torque, with the blank before it.
         mover, step = self._mover, 1.0 / self._scene.drive.rate
         values = mover.start()
         for _ in range(CHECKED):

@@ -196,9 +196,11 @@ class GeneratedModel:
     def names(self) -> list[tuple[str, str]]:
         """Return name and unit of each number of the data, in their order; fixed: no name."""
         constants = self.constants
-        # the point of an end that a name stands for follows from that of the name
+        # dyads.D.first: C says that an end is the named point C: its own along and across then
+        # follow from points.C, and have no name here
         names = [('' if self.scene.values.get(f'dyads.{name.rpartition(".")[0]}') else name, 'm')
                  for name in self.mechanism.numbers_of_lengths]
+        # self.signs: the indices of signs that a caller may change, its modes
         name_of = {index: f'sign_{i}' if len(self.signs) > 1 else 'sign'
                    for i, index in enumerate(self.signs, 1)}
         names += [(name_of.get(len(names) + i, ''), '')

@@ -362,7 +362,7 @@ class _OfMeasure:
         most, results = TURN_NODES if self._linkage.turns_fully else RANGE_NODES, []
         for points in (most, most // 2):
             x, weights = nodes(self._linkage, points)
-            if name == ANGLE:
+            if name == ANGLE:       # of a machine the least angle of its dyads, which may change
                 _, _, counts = self._angles(x)
                 if (counts != counts[:, :1]).any() or counts[:, 0].sum() > 1:
                     return self._unknown('it jumps where another dyad is nearest to its toggle')
@@ -375,8 +375,9 @@ class _OfMeasure:
                 return np.where(slopes.any(axis=1), self._unknown('it is 0 at every input'), 0.0)
             if is_of_squares:       # a force of size 0 has no slope, and the product is 0
                 slopes = np.where(values == 0.0, 0.0, values * slopes)
-            results.append(np.divide(settled((weights * slopes).sum(axis=1), (
-                weights * np.abs(slopes)).sum(axis=1)), size))
+            mean, mean_size = [(weights * each).sum(axis=1) for each in (slopes, np.abs(slopes))]
+            results.append(np.divide(settled(mean, mean_size), size))
+        # how much the parameters move the result by both, which must agree
         effects = self._effects(results)
         if not np.ptp(effects, axis=0).max() <= RESOLVED * np.abs(effects).max():
             return self._unknown(f'{most} inputs do not resolve it')

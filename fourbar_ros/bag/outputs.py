@@ -59,15 +59,16 @@ class OutputComparison:
     """Keeps outputs until their motions are computed, then compares both."""
 
     def __init__(self, bag: Bag, origin: Origin) -> None:
-        """Begin with a bag that no message was taken of; :meth:`begin` tells the scene."""
+        """Make it for a bag before its first message; :meth:`begin` tells the scene."""
         self._bag, self._origin = bag, origin
         self.largest: dict[tuple[str, str], float] = {}     # difference of (name, field)
         self.counts: Counter[str] = Counter()               # messages compared, by name
         self.skipped: Counter[str] = Counter()              # outputs, by reason
         self.unmatched = 0                      # outputs whose motion is not in the bag
-        # of each output, by motion: count of messages in the bag, whether one is due
+        # {output: of each block of motions (count of its messages of each, whether one is due)}
         self._presence: defaultdict[str, list[tuple[Array, Array]]] = defaultdict(list)
-        # not yet compared: outputs (how many motions before it in the bag, log time, data)
+        # {output: its messages that are not yet compared: motions before it in the bag, log time,
+        # data}; a message may stand before its motion
         self._waiting: defaultdict[str, list[tuple[int, int, bytes]]] = defaultdict(list)
 
     def begin(self, scene: Scene) -> None:

@@ -181,8 +181,8 @@ class Bag:
                     if channel.schema_id else ''
                     for summary in self.summaries if summary
                     for channel in summary.channels.values()}
-        if len(self._messages) < len(self.files):
-            for _ in self.raw():
+        if len(self._messages) < len(self.files):       # not all files are read to their ends yet
+            for _ in self.raw():        # which notes topics as it goes
                 pass
         return {topic: schema.name for topic, (_, schema) in self._topics.items()}
 

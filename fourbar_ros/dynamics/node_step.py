@@ -296,12 +296,18 @@ class Mover:
 
     def _handed_over(self, state: FullState) -> FullState:
         """Return a state in the coordinate that takes over there."""
+        # next_ratio: rate of the next coordinate over that of this one; taking_over: {coordinate:
+        # the ones that follow where next_ratio is negative, positive}, if these are known
         linear = self._linearized(state)
         position, mode = linear.next_position, state.mode
         known = self.taking_over[state.coordinate]
-        coordinate = (known[linear.next_ratio > 0.0] if known else
-                      self.system.coordinates.taking_over(
-                          state.coordinate, state.vector.position, position, linear.next_ratio))
+        if known:
+            where_it_falls, where_it_grows = known
+            coordinate = where_it_grows if linear.next_ratio > 0.0 else where_it_falls
+        else:
+            coordinate = self.system.coordinates.taking_over(
+                state.coordinate, state.vector.position, position, linear.next_ratio)
+        # there is an input for each mode; another coordinate goes through toggles between them
         if coordinate.is_input:
             position, mode = self.system.coordinates.continuous(position), coordinate.mode
         return FullState(coordinate, state.vector._replace(

@@ -63,11 +63,14 @@ def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
             direction = direction_of(n, rate, mechanism.slip_speed_in(constants))
             for force in one_way:
                 cut = cut + force.generalised(n, moving, value, direction)
+        # Loads at a rate and an unknown acceleration are linear forms; they are computed for what
+        # joints with friction tell ``rubbing`` of them.
         mechanism.make_joint_loads(of_forms, constants, rubbing)(mechanism.MOTION._make(
             motion_of(position, rate, LinearForm({CHANGE: 1.0}))))
         paid, felt, edges = form_of(rubbing.paid), list[joints.Felt](), list[Scalar]()
         friction = paid.coefficient(CONSTANT)
         if rubbing:
+            # the acceleration as a linear form of the sizes of friction takes the unknown's place
             change = (push + cut - paid) / inertia
             affine = [[form_of(each).with_known(CHANGE, change) for each in joint.felt]
                       for joint in rubbing]
@@ -88,6 +91,6 @@ def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
                 largest = largest + n.fabs(x) + n.fabs(y)
             edges = [edge for joint, pair in zip(rubbing, felt) for edge in (joint.moving, *[
                 force / (largest + TINY) for force in joint.edges(pair)])]
-            friction = friction + locks
+            friction = friction + locks     # NaN where joints lock, else 0
         return Resistance(friction - cut, friction, felt, edges)
     return resistance

@@ -55,6 +55,7 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
     # model: an MjModel in which equality constraints close the loops; qpos: the file's pose; cut:
     # equalities that are left out.
     import mujoco
+    # Joints of the file are ratio times coordinates of the scene, plus an offset.
     scene, drive, data = loop.scene, loop.drive, mujoco.MjData(model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
@@ -63,7 +64,8 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
         int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
         and mjcf.equality_name(model, index) not in cut for index in range(model.neq)]
     mechanism, is_slide = scene.linkage, drive.joint.kind == robots.SLIDE
-    # (scale, name of its coordinate) of the passive joints that the file has
+    # (scale, name of its coordinate) of the passive joints that the file has; scales stand in the
+    # order of the mechanism's joints
     joints = [(scale, joint.coordinate.position) for scale, joint in zip(
         loop.scales.values(), mechanism.JOINTS)
         if not scale.joint.closes and scale.joint is not drive.joint]
@@ -84,12 +86,14 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
         return jacobian[acts], data.efc_pos[equal][acts]
 
     def expected(position: float) -> Array:
+        """Return the passive joints as the scene has them."""
         motion = mechanism.motion(position, 0.0, 0.0)
         return np.array([scale.ratio * getattr(motion, name) + scale.offset
                          for scale, name in joints])
 
     def solved(position: float) -> tuple[Array, Array]:
         """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
+        # by Newton's method on MuJoCo's constraints, from beside what the scene says
         data.qpos[:] = qpos
         data.qpos[driven.qposadr] = drive.ratio * position + drive.offset
         data.qpos[positions] = expected(position) + beside_answer
@@ -120,7 +124,7 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
             worst, which = float(abs(away[index])), joints[index][0].joint.name
         if mechanism.bodies is None:
             continue
-        # of fourth order: d rates / d position of the drive
+        # d rates / d (driven joint of the file), by a difference of fourth order
         beside = {shift: solved(position + shift * step)[1] for shift in (-2, -1, 1, 2)}
         bend = (8.0 * (beside[1] - beside[-1]) - (beside[2] - beside[-2])) / (
             12.0 * step * drive.ratio)

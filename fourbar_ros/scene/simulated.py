@@ -42,6 +42,7 @@ class SimulatedScene(NamedTuple):
 
     def drive_values(self) -> Iterator[DriveValues]:
         """Yield the DriveValues of each sample, as a node publishes them; evaluations are NaN."""
+        # A node counts evaluations of its own steps, of which a simulated run has none.
         from fourbar_ros.dynamics.rosenbrock import StateVector
         modes, command = self.run.modes.tolist(), 0.0 if isnan(self.torque) else self.torque
         movers, before = {mode: self.scene.mover_in(mode) for mode in set(modes)}, nan
@@ -126,7 +127,8 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
         raise InvalidParameter('base.topic' if name == 'base' else f'external.{name}.from_topic',
                                True, 'what acts by topic is known to the node alone')
     until = arguments.finite('until', until, 'must be a positive number', above=0.0)
-    count = int(until * scene.drive.rate * (1.0 + 1e-12))     # 0.29 s * 100 Hz = 28.99... is 29
+    # of whole samples: 0.29 s * 100 Hz = 28.99... is 29, and the last may be rounded beyond until
+    count = int(until * scene.drive.rate * (1.0 + 1e-12))
     if count < 1:
         raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '
                                f'{scene.drive.rate:g} Hz')

@@ -119,6 +119,9 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
 
 def asked(arguments: Sequence[str]) -> tuple[list[str], str]:
     """Return (names of the nodes, namespace of all) of a command line, or FourBarError."""
+    # Words before --ros-args are names of nodes. Without that argument a word is taken for a scene
+    # that the user meant, and the message shows how a scene is given. Of several __ns:= ROS takes
+    # the last one.
     from fourbar_ros.errors import FourBarError
     from rclpy.utilities import remove_ros_args
 
