@@ -69,6 +69,9 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
     add(CRANK_LINK, links[0], pivots[0], pin)
     start, dyads, ends = phase(drawn[pin]), list[Dyad](), dict[str, str]()
     waiting = [list(link) for link in links[1:]]
+    if not waiting:
+        raise InvalidParameter('links', '-'.join(links[0]), 'is the crank alone: give the links '
+                               'that close the linkage too')
     while waiting:
         first, second, inner = _next_dyad(waiting, joints, slides)
         p = next(name for name in first if name in joints)
