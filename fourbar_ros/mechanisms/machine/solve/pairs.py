@@ -150,8 +150,12 @@ def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints) ->
         t_x, t_y = lengths.sizes[1:]
         a1 = n.hypot(a_x, a_y)
         size = not_zero(n, a1)
-        half = half_angle(n, (a_x * t_x + a_y * t_y) / size, (a_y * t_x - a_x * t_y) / size, False)
-        half_0 = half.cosine, half.sine
+        scalar, cross = a_x * t_x + a_y * t_y, a_y * t_x - a_x * t_y
+        half = half_angle(n, scalar / size, cross / size, False)
+        # a crank across the line stays there to the bit: it may be a change point at input 0
+        half_0 = n.where(is_zero(n, scalar), (SQRT_HALF, n.where(cross.real > 0.0, SQRT_HALF,
+                                                                 -SQRT_HALF)),
+                         (half.cosine, half.sine))
         return a1, g_y * t_x - g_x * t_y, half_0, g_x * t_x + g_y * t_y, x, y
     a1, a4 = n.hypot(a_x, a_y), n.hypot(g_x, g_y)
     scalar, cross = a_x * g_x + a_y * g_y, a_y * g_x - a_x * g_y
@@ -236,8 +240,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
     cos_x, sin_x = turned_by(angle[:2], of_0)
     if ends.half:       # v = x/2 + pi/4, with 2 v from -pi to pi or from 0 to 2 pi
-        c, s = turned_by(ends.half, half_0)
-        cos_v, sin_v = SQRT_HALF * (c - s), SQRT_HALF * (c + s)
+        cos_v, sin_v = turned_by(ends.half, turned_by(half_0, (SQRT_HALF, SQRT_HALF)))
     else:
         of_2v = half_angle(n, -sin_x, cos_x, is_zero(n, n.exact_sum((a2, e, -a1))))
         sin_v, cos_v = of_2v.sine, of_2v.cosine
