@@ -36,7 +36,7 @@ help:
 	@echo '  make soak       flood the node: garbage, clock steps, a slow disk, restarts; then hostile'
 	@echo '                  parameters of every scene    MINUTES=60 of each'
 	@echo '  make bench      measure accuracy, speed, extrema, node and recorder   ARGS="speed"'
-	@echo '  make docs       build the site into build/site; a broken link or an undocumented name fails'
+	@echo '  make docs       build the site into build/site; a broken link or a stale measurement fails'
 	@echo '  make setup      only set up: .venv, ROS 2, build'
 	@echo '  make clean      remove .venv build install log'
 	@echo

@@ -138,6 +138,7 @@ def count(sections: Sequence[Section]) -> dict[str, int]:
 
 
 def summary(sections: Sequence[Section]) -> str:
+    """Return how many rows have each verdict, as '129 agrees, 9 misprint'."""
     return ', '.join(f'{rows} {verdict}' for verdict, rows in count(sections).items())
 
 

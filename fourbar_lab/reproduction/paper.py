@@ -29,6 +29,7 @@ WRONG_MOMENT = ('m v again, and an arm of 0.01 m; the moment on the ground about
 
 
 def reproduce() -> list[Section]:
+    """Return the tables of the slides and of the paper: each printed value beside ours."""
     return [*slides.sections(), io_equations(), algorithms(), table_1(), table_2(), eq_9(),
             table_3(), last_question(), definitions()]
 
