@@ -15,10 +15,11 @@ from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
 from fourbar_lab.drawing.record import counted
-from fourbar_lab.drawing.tables import facts, proofs_in_words, SIDES
+from fourbar_lab.drawing.tables import facts, SIDES
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
+from fourbar_ros.extrema.find import CONSTANT
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
 from fourbar_ros.scene.files import flatten, YamlTree
@@ -187,18 +188,19 @@ def gif_answer(scene: Scene) -> Answer:
 
 
 def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> Answer:
-    """Return the extrema of quantities by name, as ``fourbar show`` finds them."""
+    """Return the extrema of quantities by name, as ``fourbar show`` finds them, and the names."""
     linkage = scene.linkage
     extrema = extrema_of(scene, linkage, list(names), float(scene.drive.speed), acceleration)
     rows = [{'quantity': extremum.quantity, 'kind': extremum.kind,
-             'value': extremum.value if isfinite(extremum.value) else str(extremum.value),
+             'value': extremum.value if isfinite(extremum.value) else
+             str(extremum.value).replace('inf', 'Infinity'),
              'input': counted(linkage, extremum.input), 'isGlobal': extremum.is_global,
-             'note': ' '.join(filter(None, (
-                 'global' if extremum.is_global else '',
+             'proof': extremum.proof, 'note': ' '.join(filter(None, (
+                 'global' if extremum.is_global and extremum.kind != CONSTANT else '',
                  extremum.place if extremum.place != 'interior' else '', SIDES[extremum.side],
                  'not certain' if extremum.proof else '')))} for extremum in extrema]
-    return {'extrema': rows, 'proof': 'Found by the search of fourbar show, all there are. '
-                                      + (proofs_in_words(extrema) or '')}
+    return {'quantities': list(names), 'extrema': rows,
+            'proof': 'Found by the search of fourbar show, all there are.'}
 
 
 ANSWERS: dict[str, Callable[[Scene, Answer], Answer]] = {       # {question: answer}

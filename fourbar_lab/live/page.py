@@ -3,13 +3,20 @@
 """The page of a scene as one HTML file: styles, scripts and data stand in it."""
 from __future__ import annotations
 
+from collections.abc import Callable
 import json
 from pathlib import Path
 import re
 from typing import Any
 
 from fourbar_lab.export.statements import filled
-from fourbar_lab.live.answers import Answer, INTEGERS, run_answer, structure_of
+from fourbar_lab.live.answers import (
+    Answer,
+    extrema_answer,
+    INTEGERS,
+    run_answer,
+    structure_of,
+)
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.scene.files import nested
 from fourbar_ros.scene.parameters import of_name
@@ -31,12 +38,15 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     Browsers load no modules from files, so that all scripts are one.
     """
     name, values = name or 'drawing', scene.values if scene else {}
+    structure, alone = structure_of(scene or load('paper')), None if can_ask else scene
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
             'units': UNITS, 'second': second and structure_of(second),
-            'run': None if can_ask or not scene else _run(scene),
+            'run': _tried(run_answer, alone, RUN) if alone and alone.dynamics else None,
+            'extrema': _tried(extrema_answer, alone, [*structure['quantities']], 0.0)
+            if alone else None,
             'scene': nested({name: value for name, value in values.items()
                              if value == value and value != of_name(name).default}),
-            'structure': structure_of(scene or load('paper'))}
+            'structure': structure}
     return filled(_text('page.html'), {
         'TITLE': name.replace('&', '&amp;').replace('<', '&lt;'),
         'CONNECT': "'self'" if can_ask else "'none'",
@@ -45,10 +55,10 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
         'SCRIPT': '\n'.join(NOT_IN_FILE.sub('', _text(f'js/{script}.js')) for script in SCRIPTS)})
 
 
-def _run(scene: Scene) -> Answer | None:
-    """Return the run that a page without a server plays, None without motion from torque."""
+def _tried(answer: Callable[..., Answer], *asked: Any) -> Answer:
+    """Return an answer that a page without a server has with it; {problem}: why there is none."""
     try:
-        return run_answer(scene, RUN) if scene.dynamics else None
+        return answer(*asked)
     except FourBarError as error:
         return {'problem': str(error)}
 

@@ -70,7 +70,8 @@ const engine = new Engine(structure, await import(url), { ...structure.values, .
 engine.start = structure.start;
 const { ranges } = engine;
 console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? ranges[0].turns : 0,
-  extrema: names.flatMap(name => engine.extrema(name)) }));
+  extrema: names.flatMap(name => engine.extrema(name)) },
+  (_, value) => (Math.abs(value) === Infinity ? String(value) : value)));
 """
 
 
@@ -112,6 +113,41 @@ def test_extrema_of_the_file_are_those_of_python(name):
                       key=lambda row: abs(row['value'] - one.value))
         assert nearest['kind'] == one.kind
         assert abs(nearest['value'] - one.value) <= 1e-12 * size
+
+
+CHANGE_POINT = {'linkage.a1': 0.4, 'linkage.a2': 1.0, 'linkage.a3': 0.4, 'linkage.a4': 1.0}
+AT_REST = {'drive.speed': 0.0}
+
+
+@needs_node
+@pytest.mark.parametrize(('name', 'changed'), [
+    ('paper', CHANGE_POINT), ('paper', {**CHANGE_POINT, 'linkage.mode': 1}),
+    ('parallelogram', AT_REST), ('antiparallelogram', AT_REST), ('coupling_rod', {}),
+    ('excavator_bucket', {}), ('chebyshev', {}), ('roberts', {})])
+def test_samples_have_all_extrema_at_flat_positions_at_ends_and_of_constants(name, changed):
+    """
+    Values within 1e-9 of the largest, poles (one for both sides) and constants as of the search.
+
+    A step of 1e-9 of the range beside a flat position is 1e-9 of a slope that is not zero there.
+    """
+    scene = from_values({**load_scene(name).values, **changed})
+    linkage, names = scene.linkage, [*quantities_of(scene)]
+    rows = by_engine(scene, {}, names)['extrema']
+    wanted = find_extrema(linkage, [*quantities_of(scene).values()], float(scene.drive.speed))
+    for quantity in names:
+        here, there = (sorted((kind, float(value)) for kind, value in pairs) for pairs in (
+            [(row['kind'], row['value']) for row in rows if row['quantity'] == quantity],
+            [(one.kind, one.value) for one in wanted if one.quantity == quantity]))
+        assert {pair for pair in here if np.isinf(pair[1])} == {
+            pair for pair in there if np.isinf(pair[1])}, quantity
+        here, there = ([pair for pair in pairs if np.isfinite(pair[1])] for pairs in (here, there))
+        size = max((abs(value) for _, value in there), default=0.0) or 1.0
+        assert [kind for kind, _ in here] == [kind for kind, _ in there], quantity
+        assert [value for _, value in here] == pytest.approx(
+            [value for _, value in there], rel=0.0, abs=1e-9 * size), quantity
+    if linkage.flat_inputs:
+        assert not [row for row in rows if 'global' in row['note'] and row['quantity'] in
+                    linkage.LOADS._fields]
 
 
 @needs_node

@@ -253,6 +253,16 @@ def assert_as_shown(paper, file, capsys):
     return shown
 
 
+def assert_is_in_its_file(paper, wanted, download, capsys):
+    """Hold what is drawn, and the file of it, against the values of a scene; return the file."""
+    assert not differing(paper.in_python().values, wanted)
+    file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
+    assert not differing(load(file).values, wanted)
+    assert main(['scene', 'check', str(file)]) == 0
+    assert_as_shown(paper, file, capsys)
+    return file
+
+
 def test_a_slider_crank_driven_at_its_slide_is_drawn_from_nothing(paper, download, capsys):
     paper.begin()
     paper.tool('slide')
@@ -277,11 +287,7 @@ def test_a_slider_crank_driven_at_its_slide_is_drawn_from_nothing(paper, downloa
     assert scene.linkage.dyads[0].first == ('slider', 0.0, 0.0)
     assert scene.linkage.dyads[0].length_1 < dyad.length_1
     paper.click('undo')
-    assert not differing(paper.in_python().values, before)
-    file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
-    assert not differing(load(file).values, before)
-    assert main(['scene', 'check', str(file)]) == 0
-    assert_as_shown(paper, file, capsys)
+    assert_is_in_its_file(paper, before, download, capsys)
 
 
 def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, download, capsys):
@@ -321,11 +327,7 @@ def test_a_boom_and_bucket_driven_by_a_cylinder_are_drawn_from_nothing(paper, do
     assert scene.linkage.dyads[0].first == scene.linkage.cylinder.pin != pin
     paper.click('undo')
     paper.click('undo')
-    assert not differing(paper.in_python().values, before)
-    file = download(paper, 'scene (YAML)', 'yaml', 'drawing')
-    assert not differing(load(file).values, before)
-    assert main(['scene', 'check', str(file)]) == 0
-    assert_as_shown(paper, file, capsys)
+    file = assert_is_in_its_file(paper, before, download, capsys)
     paper.tool('delete')
     paper.press(paper.between('d1_first', 'd1_inner'))
     assert paper.drawn().linkage.cylinder == load(file).linkage.cylinder
@@ -341,8 +343,7 @@ def test_a_lecturer_finds_the_largest_pin_force_of_a_six_bar_and_takes_a_picture
         paper.press(paper.place('d1_inner'), paper.at(260, 200), paper.at(330, -40))
         paper.drawn('d1', 'd2')
         paper.open('Extrema')
-        paper.until(lambda: 'fourbar show' in paper.script(
-            "return document.querySelector('#view-Extrema .proof').textContent"), 'the proof')
+        paper.until(lambda: 'fourbar show' in paper.proof(), 'the proof')
         largest = paper.rows('Extrema')[0]
         assert largest[1] == 'max\nlargest force of all joints'
         paper.driver.find_element('css selector', '#view-Extrema .go').click()

@@ -3,14 +3,13 @@
 """A real browser in front of a real ``fourbar live``."""
 from contextlib import contextmanager
 import json
+from math import inf
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
 
@@ -34,26 +33,14 @@ def start(*arguments):
     said = []
     for line in process.stdout:
         said.append(line)
-        found = re.search(r'http://(\S+):(\d+)', line)
+        found = re.search(r'http://\S+:\d+', line)
         if found:
             # all that it says is read: a full pipe would stop it
             process.reader = threading.Thread(target=process.stdout.read, daemon=True)
             process.reader.start()
-            _wait_for(found[1], int(found[2]))
             return process, found[0]
     process.wait(PATIENCE)
     raise AssertionError(f'fourbar live ended: {"".join(said)}')
-
-
-def _wait_for(host, port):
-    """Wait until the server listens: it says its address a moment before."""
-    end = time.monotonic() + PATIENCE
-    while True:
-        try:
-            return socket.create_connection((host, port), PATIENCE).close()
-        except OSError:
-            assert time.monotonic() < end, f'nothing listens on {host}:{port}'
-            time.sleep(0.05)
 
 
 def stop(process):
@@ -208,6 +195,22 @@ class Tab:
         return self.script(
             'return [...document.querySelectorAll(`#view-${arguments[0]} tbody tr`)].map(r => '
             '[...r.children].map(c => c.innerText.trim()))', view)
+
+    def is_answered(self, name, value):
+        """Return whether the server has answered a scene with this value of a parameter."""
+        return self.script('return page.structure().values[arguments[0]]', name) == value
+
+    def proof(self):
+        """Return what stands above the table of extrema."""
+        return self.script("return document.querySelector('#view-Extrema .proof').textContent")
+
+    def largest(self):
+        """Return [load, force] that the table of extrema names the largest of all pins."""
+        load, force, shown = self.script("""
+const row = [...document.querySelectorAll('#view-Extrema tbody tr')].findLast(row =>
+  row.querySelector('small').textContent.startsWith('largest force of all'));
+return [row.children[0].title, row.children[2].title, row.children[2].textContent]""")
+        return [load, inf if shown == 'unbounded' else float(force)]
 
     def now(self):
         """Return {name: value as text} of the present pose; the view is open."""

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Curves over the input with their extrema, and the polygons of velocities and accelerations.
 import { TURN } from "./engine.js";
-import { draw, drawHead, label, lineThrough, plain, significant } from "./picture.js";
+import { draw, drawArrow, label, lineThrough, plain, significant } from "./picture.js";
 const HEIGHT = 150, LEFT = 62, RIGHT = 14, TOP = 26, BOTTOM = 22;      // [px] of one curve
 const DASHES = ["", "7 3", "2 3", "9 3 2 3", "12 4", "4 2"];
 
@@ -24,19 +24,17 @@ export class Curves {
   constructor(holder, go) {
     Object.assign(this, { holder, go, charts: [], extrema: [] });
   }
-  /** Draw the curves of an engine, dotted those of a second one. */
-  draw(engine, names, second) {
+  /** Draw the curves of an engine with extrema of theirs, dotted those of a second one. */
+  draw(engine, names, everyExtremum, second) {
     const { input, quantities } = engine.structure, width = Math.max(this.holder.clientWidth, 240);
     const [, factor] = shownUnit(input.unit), right = width - RIGHT, bottom = HEIGHT - BOTTOM;
-    this.charts = [];
-    this.extrema = [];
+    [this.charts, this.extrema] = [[], everyExtremum];
     this.holder.replaceChildren();
     if (!engine.ranges.length) return;
     const low = engine.ranges[0][0] * factor, high = engine.ranges.at(-1)[1] * factor;
     const across = x => LEFT + ((x * factor - low) / (high - low)) * (right - LEFT);
     names.forEach((name, index) => {
-      const [unit, scale] = shownUnit(quantities[name].unit), { inputs, values } = engine.curve(name), extrema = engine.extrema(name);
-      this.extrema.push(...extrema);
+      const [unit, scale] = shownUnit(quantities[name].unit), { inputs, values } = engine.curve(name), extrema = everyExtremum.filter(one => one.quantity === name);
       const other = second?.structure.quantities[name] ? second.curve(name) : { inputs: [], values: [] };
       const shown = values.map(value => value * scale), shownToo = other.values.map(value => value * scale);
       const finite = [...shown, ...shownToo].filter(Number.isFinite).sort((a, b) => a - b);
@@ -47,7 +45,7 @@ export class Curves {
       let [least, most] = [finite[0], finite.at(-1)];
       const [a, b] = [0.02, 0.98].map(part => finite[Math.round(part * (finite.length - 1))]);
       if (most - least > 20 * (b - a) && b > a) [least, most] = [a - 0.5 * (b - a), b + 0.5 * (b - a)];
-      const room = 0.06 * (most - least) || Math.abs(most) * 0.1 || 1;
+      const room = (extrema[0]?.kind !== "constant" && 0.06 * (most - least)) || Math.abs(most) * 0.1 || 1;
       [least, most] = [least - room, most + room];
       const up = value => bottom - ((value - least) / (most - least)) * (bottom - TOP);
       if (name.startsWith("transmission_angle") && unit === "deg") {
@@ -122,10 +120,8 @@ export function drawPolygon(svg, engine, order) {
   const arrow = (kind, p, q, words) => {
     const [a, b] = [at(p), at(q)], size = Math.hypot(b[0] - a[0], b[1] - a[1]);
     if (!(size > 3)) return;
-    const c = (b[0] - a[0]) / size, s = (b[1] - a[1]) / size, foot = [b[0] - 10 * c, b[1] - 10 * s];
-    draw(svg, "line", { class: kind, x1: a[0], y1: a[1], x2: foot[0], y2: foot[1] });
-    drawHead(svg, { class: kind }, b, [c, s], 10);
-    label(svg, { class: kind, x: (a[0] + b[0]) / 2 + 8 * s + 4, y: (a[1] + b[1]) / 2 - 8 * c }, words);
+    drawArrow(svg, { class: kind }, a, b);
+    label(svg, { class: kind, x: (a[0] + b[0]) / 2 + (8 * (b[1] - a[1])) / size + 4, y: (a[1] + b[1]) / 2 - (8 * (b[0] - a[0])) / size }, words);
   };
   const symbol = order ? "a" : "v", unit = order ? "m/s²" : "m/s";
   for (const { from, to } of sides) arrow("part", from[1], to[1], `${symbol}_{${to[0]}/${from[0]}}`);

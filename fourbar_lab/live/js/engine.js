@@ -3,7 +3,29 @@
 // A structure's module with the numbers of a scene: poses, ranges, curves, extrema. No document here.
 export const TURN = 2 * Math.PI;
 const SAMPLES = 361;      // of a range
-const GOLDEN = 0.6180339887498949;
+const sameTurn = (angle, reference) => angle + TURN * Math.round((reference - angle) / TURN || 0);
+/** The input of a maximum that is nearer to x than twice a step, by steps that are halved down to the least. */
+function climbed(height, x, step, least) {
+  let top = height(x);
+  for (let h = step; h > least; h /= 2) {
+    for (const next of [x - h, x + h]) {
+      const there = height(next);
+      if (there > top) [x, top] = [next, there];
+    }
+  }
+  return x;
+}
+const median = values => [...values].sort((a, b) => a - b)[values.length >> 1];
+
+/** The reactions that a structure has extrema of. */
+export const forcesOf = ({ lacks, quantities, sketch }) => (lacks ? [] : Object.keys(sketch.forces).filter(name => name in quantities));
+/** Of extrema of all reactions, sampled or answered, the largest, and where it is a guide's that of all pins. */
+export function largestForces({ guides, quantities }, extrema) {
+  const maxima = extrema.filter(one => one.kind !== "minimum").sort((one, two) => two.value - one.value || 0);      // two that are infinite differ by NaN
+  const [largest] = maxima, pin = maxima.find(one => !guides.includes(one.quantity)), isPin = largest === pin;
+  const guide = isPin ? "" : `: guide ${quantities[largest.quantity].symbol.replace(/^F_|[{}]/g, "")}`;
+  return [...(largest ? [{ ...largest, note: `largest force of all joints${guide}` }] : []), ...(pin && !isPin ? [{ ...pin, note: "largest force of all pins" }] : [])];
+}
 
 export class Engine {
   /** structure: as the server gives it; module: its JavaScript; values: {parameter: number}, of the drive too. */
@@ -16,7 +38,7 @@ export class Engine {
       if (values[name] !== module.parameters[name] && name in values) changed[name] = values[name];
     }
     this.constants = module.prepare(changed);
-    this.to = new Float64Array(module.names.length);
+    [this.to, this.beside] = [0, 1].map(() => new Float64Array(module.names.length));
     this.status = 1;
   }
   /** Another engine with these parameters; RangeError names one that this structure does not have. */
@@ -115,23 +137,26 @@ export class Engine {
     };
     const { inputs, rows } = this.sweep, { to } = this;
     let best = from, least = Infinity;
-    const take = input => {
-      const distance = far(input);
-      if (distance < least) [best, least] = [input, distance];
-    };
     rows.forEach((row, i) => {
       this.to = row;
-      take(inputs[i] + (this.turnsFully ? span * Math.round((from - inputs[i]) / span) : 0));
+      const input = inputs[i] + (this.turnsFully ? span * Math.round((from - inputs[i]) / span) : 0), distance = far(input);
+      if (distance < least) [best, least] = [input, distance];
     });
     this.to = to;
-    for (let h = span / rows.length; h > 1e-7 * span; h /= 2) {
-      for (const input of [best - h, best + h].map(next => this.inside(next))) if (this.at(input)) take(input);
-    }
-    return best;
+    return this.inside(climbed(input => (this.at(this.inside(input)) ? -far(input) : -Infinity), best, span / rows.length, 1e-7 * span));
   }
 
   // --- over the input ---
-  /** All results at evenly spread inputs over all ranges: {inputs, rows}; NaN where there is none. */
+  /** Results at an input; at a flat position, where loads are 0/0, the loads a billionth of the range beside it. */
+  step(x, rate, acceleration, to) {
+    const { module, constants, beside } = this, status = module.step(constants, x, rate, acceleration, to);
+    if (status !== 2) return status;
+    const [low, high] = this.ranges[0];
+    module.step(constants, x + 1e-9 * (high - low), rate, acceleration, beside);
+    to.set(beside.subarray(module.firstLoad), module.firstLoad);
+    return status;
+  }
+  /** All results at evenly spread inputs over all ranges: {inputs, rows, isFlat: somewhere beside a flat position}; NaN where there is none. */
   get sweep() {
     if (this._sweep) return this._sweep;
     const inputs = [], width = this.to.length;
@@ -140,18 +165,14 @@ export class Engine {
       const count = this.turnsFully ? (SAMPLES - 1) * this.ranges[0].turns + 1 : SAMPLES;
       for (let i = 0; i < count; i++) inputs.push(low + margin + ((high - low - 2 * margin) * i) / (count - 1));
     }
-    const all = new Float64Array(inputs.length * width);
-    const rows = inputs.map((x, i) => {
-      const row = all.subarray(i * width, (i + 1) * width);
-      this.module.step(this.constants, x, this.rate, this.acceleration, row);
-      return row;
-    });
-    return (this._sweep = { inputs, rows });
+    const all = new Float64Array(inputs.length * width), rows = inputs.map((_, i) => all.subarray(i * width, (i + 1) * width));
+    const isFlat = inputs.map((x, i) => this.step(x, this.rate, this.acceleration, rows[i])).some(Boolean);
+    return (this._sweep = { inputs, rows, isFlat });
   }
   /** A function x -> value of a quantity; those of the drive have rates of their own. */
   valueOf(name) {
     const { drive, outputRate } = this.structure, to = new Float64Array(this.to.length);
-    const run = (x, rate, acceleration, i) => (this.module.step(this.constants, x, rate, acceleration, to), to[i]);
+    const run = (x, rate, acceleration, i) => (this.step(x, rate, acceleration, to), to[i]);
     const i = this.index[name], load = this.index[drive];
     if (i !== undefined) return x => run(x, this.rate, this.acceleration, i);
     if (name === "bias") return x => run(x, this.rate, 0, load);
@@ -159,53 +180,77 @@ export class Engine {
     if (name === "inertia") return x => run(x, 0, 1, load) - run(x, 0, 0, load);
     return x => 1 / run(x, 1, 0, this.index[outputRate]);      // mechanical_advantage
   }
+  /** Values at the inputs of the sweep; angles without jumps, the least of each range in [-pi, pi). */
   curve(name) {
-    const { inputs, rows } = this.sweep, i = this.index[name], value = i === undefined && this.valueOf(name);
-    return { inputs, values: rows.map((row, k) => (value ? value(inputs[k]) : row[i])) };
+    const { inputs, rows } = this.sweep, i = this.index[name], value = i === undefined && this.valueOf(name), values = rows.map((row, k) => (value ? value(inputs[k]) : row[i]));
+    if (this.structure.quantities[name].unit !== "rad") return { inputs, values };
+    const count = values.length / this.ranges.length;
+    return { inputs, values: this.ranges.flatMap((_, i) => {
+      const angles = values.slice(i * count, (i + 1) * count);
+      angles.forEach((angle, k) => { angles[k] = sameTurn(angle, angles[k - 1] ?? angle); });
+      const turn = TURN * Math.floor(Math.min(...angles) / TURN + 0.5) || 0;
+      return angles.map(angle => angle - turn);
+    }) };
   }
-  /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges; pairs nearer than a sample are lost. */
+  /** What rounding makes of a quantity of a unit, as the search of fourbar show has it: 64 eps of the terms that add up, over the sine of the transmission angle; the median of the samples. */
+  noise(unit) {
+    this._noise ??= {};
+    if (unit in this._noise) return this._noise[unit];
+    const { index, structure: { links, size, sketch } } = this, sum = (names, row) => names.reduce((all, i) => all + Math.abs(i === undefined ? 0 : row[i]), 0);
+    const frames = links.map(link => index[`frame.${link}.x`]), forces = Object.keys(sketch.forces).map(name => index[name]);
+    const bounds = this.sweep.rows.map(row => {
+      const omega = sum(frames.map(i => i + 8), row) + Math.abs(this.rate) / (this.isAngle ? 1 : size), force = sum(forces, row);
+      const alpha = sum(frames.map(i => i + 9), row) + omega * omega, sine = Math.abs(Math.sin(row[index.transmission_angle])) || 1;
+      const terms = { rad: 1, m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: Math.abs(this.rate) * force * (this.isAngle ? size : 1) };
+      return (64 * Number.EPSILON * (terms[unit] ?? 1)) / sine;
+    });
+    return (this._noise[unit] = median(bounds));
+  }
+  /** Where samples turn, [{k, sign, inward: at an end of a range the way into it}], maxima and minima by turns; variations of less than `noise` are none. */
+  turns(values, noise, winds) {
+    const n = values.length, joins = this.turnsFully && !winds;           // the last sample is the first one again
+    const top = joins ? values.indexOf(Math.max(...values.filter(value => !Number.isNaN(value)))) : 0, count = this.turnsFully ? n : SAMPLES;
+    return this.ranges.flatMap((_, i) => {
+      const all = Array.from({ length: count }, (_, k) => (joins ? (k + top) % (n - 1) : k + i * SAMPLES)), turns = [];
+      let [low, high, sign] = [all[0], all[0], 0];
+      for (const k of all) {
+        if (values[k] > values[high] || Number.isNaN(values[high])) high = k;
+        if (values[k] < values[low] || Number.isNaN(values[low])) low = k;
+        if (sign <= 0 && values[k] > values[low] + noise) [high, sign] = (turns.push({ k: low, sign: -1 }), [k, 1]);
+        else if (sign >= 0 && values[k] < values[high] - noise) [low, sign] = (turns.push({ k: high, sign: 1 }), [k, -1]);
+      }
+      if (joins) return turns;
+      if (winds) return turns.slice(1);
+      if (sign) turns.push({ sign });
+      return turns.map((turn, j) => (j && j < turns.length - 1 ? turn : { ...turn, k: all.at(j ? -1 : 0), inward: j ? -1 : 1 }));
+    }).filter(({ k, inward }) => [inward ? k : (k || n - 1) - 1, k, inward ? k : k + 1].every(i => !Number.isNaN(values[i])));
+  }
+  /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges, or a constant; pairs nearer than a sample are lost. */
   extrema(name) {
-    const { inputs, values } = this.curve(name), value = this.valueOf(name), found = [], n = values.length;
-    const sizes = values.map(Math.abs).filter(Number.isFinite).sort((a, b) => a - b), size = sizes.at(-1), usual = sizes[sizes.length >> 1];
-    if (Math.max(...values) - Math.min(...values) <= 1e-12 * size) return [];
-    const joins = this.turnsFully;      // the last sample is the first one again
-    for (let k = 0; k < (joins ? n - 1 : n); k++) {
-      const inward = joins ? 0 : k % SAMPLES === 0 ? 1 : k % SAMPLES === SAMPLES - 1 ? -1 : 0;       // at an end of a range
-      const here = values[k], after = values[inward < 0 ? k - 1 : k + 1], before = inward ? after : values[(k || n - 1) - 1];
-      const sign = here > before && here >= after ? 1 : here < before && here <= after ? -1 : 0;
-      if (!sign) continue;
+    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), noise = this.noise(unit), valueAt = this.valueOf(name);
+    const winds = unit === "rad" && this.turnsFully && Math.abs(values.at(-1) - values[0]) > Math.PI, turns = this.turns(values, noise, winds);
+    const [usual, usualSize] = [values, values.map(Math.abs)].map(all => median(all.filter(Number.isFinite)));
+    if (!turns.length && !winds && usual !== undefined) return [{ quantity: name, kind: "constant", input: inputs[0], value: usualSize <= noise ? 0 : usual, isGlobal: true, note: "" }];
+    const found = turns.map(({ k, sign, inward }) => {
+      const value = unit === "rad" ? x => sameTurn(valueAt(x), values[k]) : valueAt;
+      // towards a pole values grow, as one over the distance or over its root
+      const isPole = (x, beside) => Math.abs(value(x + beside)) > Math.max(1.5 * Math.abs(value(x + 3 * beside)), usualSize);
       const h = inputs[inward < 0 ? k - 1 : k + 1] - inputs[k], kind = sign > 0 ? "maximum" : "minimum";
       if (inward) {
-        // beside a toggle values go with the root of the distance, or as one over it
-        const margin = (1e-9 * Math.abs(h) * (SAMPLES - 1)) / (1 - 2e-9), far = value(inputs[k] + 3 * inward * margin);
-        const isPole = Math.abs(here) > 1.5 * Math.abs(far) && Math.abs(here) > usual;
-        found.push({ quantity: name, input: inputs[k] - inward * margin, value: isPole ? sign * Infinity : 2 * here - far, kind, note: "limit" });
-        continue;
+        // f = a + b sqrt(d) + c d beside a toggle, and with b = 0 at the end of a stroke: of 3 f(m) - 3 f(4 m) + f(9 m) stay
+        // (3 - 3 + 1) a + (3 - 6 + 3) b sqrt(m) + (3 - 12 + 9) c m = a
+        const beside = (inward * 1e-9 * Math.abs(h) * (SAMPLES - 1)) / (1 - 2e-9), x = inputs[k] - beside, runsAway = isPole(x, beside);
+        return { quantity: name, kind, input: x, value: runsAway ? sign * Infinity : 3 * values[k] - 3 * value(x + 4 * beside) + value(x + 9 * beside), note: "limit" };
       }
-      if (Math.abs(here) > 1e12 * Math.max(Math.abs(before), Math.abs(after))) continue;
-      let low = inputs[k] - h, high = inputs[k] + h, a = high - GOLDEN * (high - low), b = low + GOLDEN * (high - low);
-      let [atA, atB] = [sign * value(a), sign * value(b)];
-      for (let i = 0; i < 36; i++) {
-        if (atA > atB) {
-          [high, b, atB] = [b, a, atA];
-          atA = sign * value((a = high - GOLDEN * (high - low)));
-        } else {
-          [low, a, atA] = [a, b, atB];
-          atB = sign * value((b = low + GOLDEN * (high - low)));
-        }
-      }
-      const x = (low + high) / 2, refined = value(x), isPole = Math.abs(refined) >= (1e9 * usual || Infinity);
-      found.push({ quantity: name, input: x < 0 && joins ? x + inputs[n - 1] : x, value: isPole ? sign * Infinity : refined, kind });
-    }
-    const all = found.map(one => one.value), global = { maximum: Math.max(...all), minimum: Math.min(...all) };
-    return found.map(one => ({ ...one, isGlobal: one.value === global[one.kind], note: [one.value === global[one.kind] && "global", one.note].filter(Boolean).join(" ") }));
-  }
-  /** The largest force of all joints, and where it is a guide's that of all pins, as extrema; none without loads. */
-  get largestForces() {
-    const { guides, quantities } = this.structure, loads = Object.keys(this.structure.sketch.forces).filter(name => quantities[name]);
-    const maxima = loads.flatMap(name => this.extrema(name)).filter(one => one.kind === "maximum").sort((one, two) => two.value - one.value || 0);
-    const [largest] = maxima, pin = maxima.find(one => !guides.includes(one.quantity)), isPin = largest === pin;
-    return largest ? [{ ...largest, note: `largest force of all joints${isPin ? "" : `: guide ${quantities[largest.quantity].symbol.replace(/^F_|[{}]/g, "")}`}` }, ...(pin && !isPin ? [{ ...pin, note: "largest force of all pins" }] : [])] : [];
+      const x = climbed(input => sign * value(input), inputs[k], h / 2, 1e-11 * h), runsAway = isPole(x, 1e-6 * h);
+      return { quantity: name, kind, input: x < 0 ? x + inputs.at(-1) : x, value: runsAway ? sign * Infinity : value(x), note: runsAway ? "limit" : "" };
+    });
+    // of loads at change points, that stand for those beside flat positions, none is said to be the largest
+    const isSure = !this.sweep.isFlat || this.index[name] < this.module.firstLoad, [least, most] = [Math.min, Math.max].map(end => end(...found.map(one => one.value)));
+    return found.map(one => {
+      const end = one.kind === "maximum" ? most : least, isGlobal = one.value === end || Math.abs(one.value - end) <= noise;
+      return { ...one, isGlobal, note: [isGlobal && isSure && "global", one.note].filter(Boolean).join(" ") };
+    });
   }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
   get box() {

@@ -1,13 +1,14 @@
 // Copyright 2026 fourbar_ros developers
 // SPDX-License-Identifier: Apache-2.0
 // The page: one state with undo and an address, the questions to the server, play, tools, files.
-import { Engine, TURN } from "./engine.js";
+import { Engine, forcesOf, largestForces, TURN } from "./engine.js";
 import { draw, Picture, significant } from "./picture.js";
 import { Curves, drawPolygon, shownName, shownUnit } from "./curves.js";
 import { html, numberField, numberOf, Panel, tickBox } from "./panel.js";
 import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
 const WAYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const SAMPLED = "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.";
 const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z_]\w*$/i;
 
 // --- scenes: nested parameters ---
@@ -168,7 +169,7 @@ export async function start(data, source) {
   /** Say of the scene why it cannot be, with the number that was typed last; "" of one that can. */
   const fail = why => {
     const name = store.past.at(-1)?.typed, unit = structure.fields.find(field => field.name === name)?.unit ?? "";
-    problem = why && name && !why.includes(name) ? `${name} = ${leafOf(store.state.scene, name)} ${unit}: ${why}` : why;
+    problem = why && name && !why.includes(name) ? `${name} = ${leafOf(store.state.scene, name) ?? "none"} ${unit}: ${why}` : why;
     for (const shown of [svg, find("curves"), panel.extrema, panel.values]) shown.classList.toggle("stale", Boolean(problem));
     return problem;
   };
@@ -181,9 +182,14 @@ export async function start(data, source) {
     build(store.state, !page.engine || !pointer);
     page.onStructure?.(structure);
   };
+  const withNumbers = answer => ({ ...answer, extrema: answer?.extrema?.map(one => ({ ...one, value: Number(one.value) })) });      // "Infinity" is no JSON
+  let answered = { ...withNumbers(data.extrema), scene: data.scene, acceleration: 0 };        // the extrema that are known: {quantities, extrema, proof} of a scene at an acceleration
+  const wanted = view => [...new Set([...chosenCurves(view), ...forcesOf(structure)])];
+  const isAnswered = ({ scene, view }) => scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
-    const { scene, view } = store.state, answer = await page.ask("extrema", { scene, quantities: chosenCurves(view), acceleration: view.acceleration });
-    if (!isOtherNow(scene) && !answer.problem) panel.drawExtrema(page.engine, answer.extrema, answer.proof);
+    const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: wanted(store.state.view), acceleration });
+    answered = { ...withNumbers(answer), scene, acceleration };
+    if (isAnswered(store.state)) drawRest();
   });
 
   // --- draw ---
@@ -269,9 +275,11 @@ export async function start(data, source) {
     if (!engine) return;
     picture.drawTraces(engine, state.view.layers);
     panel.drawFacts(structure);
-    curves.draw(engine, chosenCurves(state.view), secondOf(state.view));
-    panel.drawExtrema(engine, curves.extrema, "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.");
-    if (data.canAsk) askExtremaSoon();
+    const { extrema, proof } = isAnswered(state) ? answered : { extrema: wanted(state.view).flatMap(name => engine.extrema(name)), proof: SAMPLED };
+    const ofCurves = chosenCurves(state.view).flatMap(name => extrema.filter(one => one.quantity === name).sort((one, two) => Math.abs(two.value) - Math.abs(one.value) || 0)), forces = forcesOf(structure);
+    curves.draw(engine, chosenCurves(state.view), ofCurves, secondOf(state.view));
+    panel.drawExtrema(structure, [...largestForces(structure, extrema.filter(one => forces.includes(one.quantity))), ...ofCurves], [proof, ...new Set(ofCurves.filter(one => one.proof).map(one => `${shownName(structure, one.quantity)}: ${one.proof}.`))].join(" "));
+    if (data.canAsk && !isAnswered(state)) askExtremaSoon();
     choose(state);
     drawPose(state);
   };
@@ -280,7 +288,7 @@ export async function start(data, source) {
     const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
     const isRun = page.run && moment !== null;
     engine.at(x, ...(isRun ? [page.run.rate[moment], page.run.acceleration[moment]] : []));
-    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 1e-5 * span && one.isGlobal);
+    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 1e-5 * span && one.isGlobal && one.kind !== "constant");
     const note = near.slice(0, 2).map(({ kind, quantity, value }) => {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
       return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
@@ -288,7 +296,7 @@ export async function start(data, source) {
     const second = secondOf(store.state.view);
     second?.at(second.inside(x));
     picture.draw(engine, layers, second);
-    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
+    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: links lie in line, it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
     if (isRun) find("time").value = moment;
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
@@ -559,8 +567,9 @@ export async function start(data, source) {
       const rows = all[0].map((_, k) => all.map(column => (Number.isFinite(column[k]) ? column[k] : "")).join(","));
       send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
     },
-    "page without a server (HTML)": () => {
-      const text = JSON.stringify({ ...data, name: nameNow(), canAsk: false, run: page.run, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
+    "page without a server (HTML)": async () => {
+      const extrema = data.canAsk ? await page.ask("extrema", { scene: store.state.scene, quantities: Object.keys(structure.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
+      const text = JSON.stringify({ ...data, extrema, name: nameNow(), canAsk: false, run: page.run, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "moving picture (GIF)": async () => {

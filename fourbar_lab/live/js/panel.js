@@ -36,8 +36,8 @@ const digits = (value, count) => (value === "" || value === null || value === un
 export const shownNumber = value => digits(value, 12);
 const sixDigits = text => digits(text, 6);
 
-/** A text field for a number, all digits of which it shows while one is in it; it takes effect on Enter or on leaving it, Escape takes back what it had. */
-export function numberField(name, unit, value, page, change, plainUnit = unit) {
+/** A text field for a number, all digits of which it shows while one is in it; it takes effect on Enter or on leaving it, Escape takes back what it had; `canBeNone`: emptied it changes to null. */
+export function numberField(name, unit, value, page, change, plainUnit = unit, canBeNone = false) {
   const words = html("span", { className: "wrong", role: "alert" });
   const field = html("input", { type: "text", value: sixDigits(value), autocomplete: "off", spellcheck: false, "aria-label": name });
   Object.assign(field, { unit, plainUnit });        // of an input they change with the structure
@@ -51,10 +51,9 @@ export function numberField(name, unit, value, page, change, plainUnit = unit) {
   const take = () => {
     words.textContent = "";
     field.removeAttribute("aria-invalid");
-    if (!field.value.trim()) field.value = field.known;
     if (field.value === field.known) return;
     try {
-      const number = page.numberOf(name, field.value, field.unit, field.plainUnit);
+      const number = canBeNone && !field.value.trim() ? null : page.numberOf(name, field.value, field.unit, field.plainUnit);
       change(number);
       field.known = shownNumber(number);
     } catch (error) {
@@ -65,7 +64,7 @@ export function numberField(name, unit, value, page, change, plainUnit = unit) {
   field.onchange = take;
   field.onkeydown = event => {
     if (event.key === "Escape") field.value = field.known;
-    if (event.key === "Enter") take();
+    if (event.key === "Escape" || event.key === "Enter") take();
   };
   return [field, words];
 }
@@ -118,11 +117,15 @@ export class Panel {
     this.parameters.replaceChildren(...[...groups].map(group => {
       const box = html("details", { open: opened.includes(group), "data-group": group }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
       for (const { name, unit, text, value, choices } of structure.fields.filter(field => field.name.split(".")[0] === group)) {
-        const change = (number, merge = null) => page.store.dispatch({ set: page.alsoChanged({ [name]: number }), merge, typed: name });
+        const canBeNone = group === "bodies", whole = name.replace(/\.mass$/, "");        // a link without a mass has no centre or inertia
+        const change = (number, merge = null) => {
+          page.store.dispatch({ set: page.alsoChanged({ [number === null ? whole : name]: number }), merge, typed: name });
+          if (number === null) page.say(`${whole} is taken out of the scene; undo brings it back`);
+        };
         const words = name.split(".").slice(1).join(".\u200b"), shown = [], followers = [];
         if (choices) shown.push(selectOf(name, Object.entries(choices), change));
         else {
-          const [field, wrong] = numberField(name, unit, value, page, change);
+          const [field, wrong] = numberField(name, unit, value, page, change, unit, canBeNone);
           const size = Math.abs(value) || (unit === "m" ? structure.size : 1), low = value < 0 || !structure.positive.includes(name) ? -SPAN * size : 0;
           const slider = html("input", { type: "range", min: value === 0 ? -size : low, max: value === 0 ? size : SPAN * size, step: size / 200, "aria-label": `${name} slider`,
             oninput: () => change(Number(Number(slider.value).toPrecision(3)), name), onchange: () => page.store.seal() });
@@ -150,15 +153,13 @@ export class Panel {
       return [structure.words[name] ?? name, html("td", { className: "number", textContent: String(Number((engine.get(name) * factor).toPrecision(10))) }), unit];
     })));
   }
-  /** Extrema of five digits, those of a quantity from the largest, with a button to their input; `proof` says how they were found. */
-  drawExtrema(engine, extrema, proof) {
-    const { structure: { quantities }, structure, largestForces } = engine, [unitOfInput, perInput] = shownUnit(structure.input.unit);
-    const order = [...new Set(extrema.map(one => one.quantity))], rank = ({ value }) => (Number.isFinite(value) ? Math.abs(value) : Infinity);
-    const sorted = [...extrema].sort((a, b) => order.indexOf(a.quantity) - order.indexOf(b.quantity) || (rank(a) === rank(b) ? 0 : rank(b) - rank(a)));
-    const rows = [...largestForces, ...sorted].map(({ quantity, kind, value, input, note }) => {
-      const [unit, factor] = shownUnit(quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
+  /** Extrema of five digits with a button to their input; `proof` says how they were found. */
+  drawExtrema(structure, extrema, proof) {
+    const [unitOfInput, perInput] = shownUnit(structure.input.unit);
+    const rows = extrema.map(({ quantity, kind, value, input, note }) => {
+      const [unit, factor] = shownUnit(structure.quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
       return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
-        html("td", { title: kind }, kind.slice(0, 3), html("small", { textContent: note })),
+        html("td", { title: kind }, kind === "constant" ? kind : kind.slice(0, 3), html("small", { textContent: note })),
         html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }),
         html("td", {}, html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: input } }) }))];
     });

@@ -37,8 +37,14 @@ export function draw(parent, tag, attributes = {}, text = "") {
   return element;
 }
 /** The head of an arrow along (c, s), so long, with its tip at a place [px]. */
-export const drawHead = (parent, attributes, [x, y], [c, s], length) =>
+const drawHead = (parent, attributes, [x, y], [c, s], length) =>
   draw(parent, "polygon", { ...attributes, points: [[x, y], [x - length * c - 5 * s, y - length * s + 5 * c], [x - length * c + 5 * s, y - length * s - 5 * c]] });
+/** An arrow between places [px]. */
+export function drawArrow(parent, attributes, [x1, y1], tip) {
+  const [u, v] = [tip[0] - x1, tip[1] - y1], size = Math.hypot(u, v), c = u / size, s = v / size, back = Math.min(12, size);
+  draw(parent, "line", { ...attributes, x1, y1, x2: tip[0] - back * c, y2: tip[1] - back * s });
+  drawHead(parent, attributes, tip, [c, s], back);
+}
 /** The line through places [px], with gaps where they are NaN. */
 export const lineThrough = places => places.map(([x, y], i) => (Number.isNaN(x + y) ? "" : `${i && !Number.isNaN(places[i - 1][0] + places[i - 1][1]) ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`)).join("");
 /** A text whose indices are lowered: F_{A1}, O_1. */
@@ -294,10 +300,8 @@ export class Picture {
     const size = Math.hypot(u, v);
     if (!(size > 1e-6 && size < 20 * this.width)) return null;
     if (size < 5) return [x, y];
-    const c = u / size, s = -v / size, tip = [x + u, y - v], back = Math.min(12, size);
-    const foot = [tip[0] - back * c, tip[1] - back * s];
-    draw(parent, "line", { class: kind, x1: x, y1: y, x2: foot[0], y2: foot[1], "data-load": name });
-    drawHead(parent, { class: kind, "data-load": name }, tip, [c, s], back);
+    const tip = [x + u, y - v];
+    drawArrow(parent, { class: kind, "data-load": name }, [x, y], tip);
     lines.push([x, y, ...tip]);
     return tip;
   }
