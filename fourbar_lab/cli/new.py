@@ -3,7 +3,7 @@
 """``fourbar new``: write a scene from a few numbers, with comments, in SI."""
 from argparse import ArgumentTypeError, Namespace
 from collections.abc import Mapping, Sequence
-from math import radians
+from math import fmod, radians
 import re
 from typing import Any, NamedTuple
 
@@ -109,6 +109,7 @@ def _density(text: str) -> float:
 
 def _new(arguments: Namespace) -> None:
     from fourbar_ros.scene.files import flatten, parse
+    from fourbar_ros.scene.linkage import links_without_mass
     from fourbar_ros.scene.scene import from_values, give_warnings
     path = arguments.file
     if path.suffix not in ('.yaml', '.yml'):
@@ -125,9 +126,7 @@ def _new(arguments: Namespace) -> None:
     path.write_text(text, encoding='utf-8')
     branch = scene.linkage.branch_in_words
     print(f'{path}: {scene.linkage.description}' + (f'; {branch}' if branch else ''))
-    bodies = scene.linkage.bodies
-    massless = [link for link, body in bodies._asdict().items() if not body.mass] if bodies else []
-    if massless:
+    if massless := [link.name for link in links_without_mass(scene.linkage)]:
         print(f'without mass: {", ".join(massless)}; give bodies.{massless[-1]}.mass')
     print(f'next:  fourbar show {path}')
     give_warnings(scene, path)
@@ -175,7 +174,8 @@ def _point(text: str) -> DrawnPoint:
                                 'ANGLE" or "mode MODE" behind it')
     return DrawnPoint(name, (of('m')(x), of('m')(y)),
                       bool(re.fullmatch(r'O\d*', name)) or more == ['ground'],
-                      radians(of('rad')(options['slide'])) if 'slide' in options else None,
+                      radians(fmod(of('rad')(options['slide']), 360.0))
+                      if 'slide' in options else None,
                       assembly_mode(options['mode']) if 'mode' in options else None)
 
 

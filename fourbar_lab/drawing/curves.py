@@ -21,7 +21,7 @@ from fourbar_ros.mechanisms import parts, quantities
 from fourbar_ros.mechanisms.pieces import BESIDE, with_friction
 from fourbar_ros.numerics.arguments import NumberField
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.units import in_unit, units_of
+from fourbar_ros.scene.units import in_unit, require_columns, units_of
 from fourbar_ros.spreadsheet import CsvStyle, STDOUT
 import numpy as np
 
@@ -122,11 +122,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
 
 
 def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
-    for si, unit in shown_units.items():
-        if si not in curves.units and UNITS.get(si) != unit:
-            kinds = ', '.join(dict.fromkeys(filter(None, curves.units)))
-            raise InvalidParameter('units', unit, f'is of no column: they are in {kinds}, or in '
-                                                  'units of these')
+    require_columns({si: unit for si, unit in shown_units.items() if UNITS.get(si) != unit},
+                    curves.units)
     units = tuple(shown_units.get(unit, unit) for unit in curves.units)
     return curves._replace(units=units, values=np.array(
         [in_unit(*column) for column in zip(curves.values, curves.units, units)]),

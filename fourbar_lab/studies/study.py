@@ -22,7 +22,7 @@ from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.files import document_of, find, PlainYaml
 from fourbar_ros.scene.linkage import in_other_units
-from fourbar_ros.scene.parameters import as_number
+from fourbar_ros.scene.parameters import as_number, with_unit
 from fourbar_ros.scene.scene import from_values, load, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
@@ -153,11 +153,14 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
         chunk=integer_of('chunk', document.get('chunk', CHUNK), 1, LARGEST_CHUNK))
     tried = min(study.rows, TRIED)
     try:
-        first = first_scene(study, study.drawn(0, tried))
+        first_scene(study, study.drawn(0, tried))
     except InvalidParameter as error:
         raise InvalidParameter('vary', None, f'none of the first {tried} designs can be built: '
                                              f'{error}') from None
-    for line in () if [*in_other_units(scene)] else in_other_units(first):      # once is enough
+    typed = with_unit({varied.name: document['vary'][varied.name][varied.kind] for varied in vary})
+    for line in in_other_units([(varied.name, value, varied.unit) for varied in vary
+                                if varied.name not in typed for value in varied.values],
+                               scene.linkage):
         warnings.warn(f'vary: {line}', SceneWarning, stacklevel=3)
     return study
 

@@ -12,7 +12,7 @@ from fourbar_ros import optional, spreadsheet
 from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.units import in_unit, UNITS
+from fourbar_ros.scene.units import in_unit, require_columns, UNITS
 import numpy as np
 
 FORMATS = ('csv', 'npz', 'parquet')
@@ -36,7 +36,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     Topics that are not named and whose messages are not known here, as JSON, are left out;
     ``tell`` is called with a line for each. ``style``: of CSV. ``units``: {SI unit: unit in which
     to write what measures the same}; columns whose unit the definition of their message tells
-    then have it behind their name. Raises BagError; MissingPackage without pyarrow.
+    then have it behind their name. Raises BagError; InvalidParameter for a unit of no column;
+    MissingPackage without pyarrow.
     """
     bag, out = reader.Bag(path, progress), Path(out)
     ending = out.suffix.removeprefix('.')
@@ -104,6 +105,7 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
     for columns in bag.columns(topics):
         blocks.setdefault(columns.topic, []).append(table_of(columns))
     tables: dict[str, TopicTable] = {}
+    kinds = list[str]()         # SI units of the columns
     for topic, of_topic in blocks.items():
         known = units_in(bag, topic) if units is not None else {}
         order = np.argsort(np.concatenate([block['log_time'] for block in of_topic]),
@@ -117,8 +119,10 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
                 for block in of_topic])[order]
             if units is not None and (si := unit_of(column, known)) in UNITS:
                 unit = units.get(si, si)
+                kinds.append(si)
                 column, values = f'{column} [{unit}]', in_unit(values, si, unit)
             table[column] = values
+    require_columns(units or {}, kinds)
     return tables
 
 

@@ -56,9 +56,11 @@ class Parser(argparse.ArgumentParser):
         return namespace, rest
 
     def _not_understood(self, word: str) -> str:
-        if word.endswith(('.yaml', '.yml')):
-            return (f'{word!r} is one file too many: this verb takes one scene; fourbar live '
-                    'draws two, fourbar study compares many')
+        taken = [str(action.metavar) for action in self._actions if not action.option_strings]
+        if not word.startswith('-'):
+            more = '; fourbar live draws two, fourbar study compares many'
+            return (f'{word!r} is one word too many: this verb takes '
+                    f'{" ".join(taken) or "options only"}{more * (taken == ["SCENE"])}')
         known = [option for action in self._actions for option in action.option_strings]
         return f'{word!r} is not understood' + (errors.nearest(word.split('=')[0], known)
                                                 if word.startswith('--') else '')

@@ -5,8 +5,7 @@ from argparse import Namespace
 from timeit import repeat
 
 from fourbar_ros.cli.common import add_output, add_scene, Verbs, write_or_print
-from fourbar_ros.pipeline.stepper import evaluate
-from fourbar_ros.scene.linkage import leaves_range, warnings_of
+from fourbar_ros.scene.linkage import leaves_range, links_without_mass
 from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
@@ -42,8 +41,8 @@ def add(verbs: Verbs) -> None:
 
 
 def _print(arguments: Namespace) -> None:
-    from fourbar_ros.scene.files import find, text_of
-    write_or_print(text_of(find(arguments.scene)), arguments.out)
+    from fourbar_ros.scene.files import loadable_text
+    write_or_print(loadable_text(arguments.scene), arguments.out)
 
 
 def _check(arguments: Namespace) -> None:
@@ -55,18 +54,11 @@ def _check(arguments: Namespace) -> None:
     console.print(f'{arguments.scene}: valid. {linkage.description}, mode {linkage.mode}.')
     if linkage.branch_in_words:
         console.print(f'Change point: {linkage.branch_in_words}.')
-    bodies = linkage.bodies
-    massless = [name for name, body in bodies._asdict().items()
-                if body.mass == 0.0 and body.inertia == 0.0] if bodies else []
-    if massless:
-        console.print(f'Links without mass: {", ".join(massless)}.')
+    if massless := links_without_mass(linkage):
+        console.print(f'Links without mass: {", ".join(link.name for link in massless)}.')
     line = leaves_range(scene)
-    if line and line not in warnings_of(scene):
+    if line and line not in scene.warnings:
         console.print(f'note: {line}')
-    if 'springs' in {name.partition('.')[0] for name in scene.values}:
-        from fourbar_ros.scene.elements import springs_of_no_length  # few scenes have any
-        for line in springs_of_no_length(scene.values, linkage, has_preload=False):
-            console.print(f'note: {line}')
     left_out = [name for name in (*OUTPUTS, *PICTURES) if name not in scene.outputs]
     not_created = [f'not created: {", ".join(left_out)}'] if left_out else []
     sent = [*scene.topics.values(), *scene.pictures.values()]
@@ -131,6 +123,7 @@ def errors_and_times(scene: Scene) -> list[str]:
 
 def step_cost(scene: Scene) -> float:
     """Return the computing time of one step on this machine [s]: the least mean of 5 rounds."""
+    from fourbar_ros.pipeline.stepper import evaluate  # not to print a scene
     linkage = scene.linkage
     low, high = linkage.input_ranges[0]
     position, speed = 0.5 * (low + high) + 0.1 * (high - low), scene.drive.speed

@@ -12,7 +12,7 @@ from fourbar_ros.errors import FourBarError, nearest
 from fourbar_ros.importing.loops import loops_of
 from fourbar_ros.importing.machine import Imported, imported
 from fourbar_ros.importing.robots import Refused, Robot, Wishes, word
-from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT
+from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT, text_of
 import numpy as np
 
 if TYPE_CHECKING:
@@ -40,12 +40,8 @@ class Result(NamedTuple):
 
 
 def read(path: Path, wishes: Wishes = Wishes()) -> Robot:
-    """Return the robot of an MJCF or URDF in the pose that is asked for; raises Refused."""
-    try:
-        text = path.read_text(encoding='utf-8')
-    except UnicodeDecodeError:
-        text = ''
-    root = ROOT.match(re.sub('<!--.*?-->', '', text, flags=re.DOTALL))
+    """Return the robot of an MJCF or URDF in the pose that is asked for; Refused or SceneError."""
+    root = ROOT.match(re.sub('<!--.*?-->', '', text_of(path), flags=re.DOTALL))
     format_ = DESCRIPTIONS.get(root[1]) if root else None
     if format_ == 'MJCF':
         from fourbar_ros.importing.mjcf import read_mjcf
@@ -71,8 +67,8 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
     """
     Return the planar loops of a robot's file as scenes.
 
-    Raises Refused if the file cannot be read, or has no loop that is asked for; a loop that cannot
-    be imported is a line of the report.
+    Raises SceneError if the file cannot be read, Refused if it has no loop that is asked for; a
+    loop that cannot be imported is a line of the report.
     """
     robot = read(path, wishes)
     loops = loops_of(robot, wishes.lock, wishes.cut)

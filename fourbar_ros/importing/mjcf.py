@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 
 from fourbar_ros.importing import robots
 from fourbar_ros.importing.robots import pose_of, Refused
+from fourbar_ros.scene.files import text_of
 import numpy as np
 
 WITHOUT = 'extension', 'plugin', 'visual', 'collision', 'gazebo', 'transmission', 'ros2_control'
@@ -20,7 +21,7 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
     # Their mass is that of meshes, which are not read.
     import mujoco
     try:
-        root = ElementTree.parse(path).getroot()
+        root = ElementTree.fromstring(text_of(path))
         if root.tag == 'robot':
             for old in root.findall('mujoco'):
                 root.remove(old)

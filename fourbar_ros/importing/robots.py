@@ -58,11 +58,10 @@ class Wishes(NamedTuple):
             if kind not in (PIN, SLIDE):
                 raise Refused(f'--at {name}: this joint neither turns about an axis nor slides')
             try:
-                value = quantity(text, 'm' if kind == SLIDE else 'rad')
+                value = quantity(text, 'm' if kind == SLIDE else 'rad', plain_angle='deg')
             except WrongQuantity as error:
                 raise Refused(f'--at {name}={text}: {error}') from None
-            is_plain = kind == PIN and not value.unit           # in degrees
-            positions[name] = radians(value) if is_plain else float(value)
+            positions[name] = radians(value) if kind == PIN else float(value)
         return positions
 
 

@@ -18,6 +18,7 @@ from fourbar_ros.importing import robots
 from fourbar_ros.importing.robots import pose_of, Refused
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.base import rotation_of
+from fourbar_ros.scene.files import text_of
 import numpy as np
 import yaml
 
@@ -84,7 +85,7 @@ class _TreeJoint(NamedTuple):
 
 def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     """Return the robot of a URDF in its zero pose or that of a group_state; raises Refused."""
-    text = path.read_text(encoding='utf-8')
+    text = text_of(path)
     if 'xmlns:xacro' in text:
         raise Refused(f'{path}: is xacro: write its URDF first, xacro FILE > robot.urdf')
     try:
@@ -155,7 +156,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     _add_closing(robot, root, zero)
     for folder in (path.parent, path.parent.parent / 'config'):
         if (folder / 'loop_closures.yaml').is_file():
-            tree = yaml.safe_load((folder / 'loop_closures.yaml').read_text(encoding='utf-8'))
+            tree = yaml.safe_load(text_of(folder / 'loop_closures.yaml'))
             motors += [('loop_closures.yaml', name) for name in tree.get('independent', [])]
             for closure in tree['closures']:        # point and axis in the zero pose of the root
                 ends = closure['link_a'], closure['link_b']

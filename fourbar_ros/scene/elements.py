@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.friction import Friction
 
 ROUNDED = 1e-6      # of a stroke: places typed in six digits reach its ends
+MM, TINY = 1e-3, 0.01       # places of less than this part of the way are no millimetres
 WEAK, WEAKEST = 0.01, 1.0   # a spring with less than this part of the weight, or less [N], is weak
 # forces.NAME.acts: (whether the direction turns with the link, angle from its x axis [rad])
 ACTS = {'x': (False, 0.0), 'y': (False, 0.5 * pi), 'along': (True, 0.0),
@@ -64,25 +65,33 @@ def beyond_tables(values: ParameterValues, mechanism: Mechanism) -> Iterator[str
                 or not any(force.table.values)):
             continue
         table, over = force.table, values[f'{name}.over']
-        first, last = table.places[0], table.places[-1]
         low, high = pieces.span_of(mechanism, partial(element.position, ARRAY))
         is_angle = isinstance(element.over, acting.LinkAngle) or (
             element.over == acting.INPUT and not mechanism.is_driven_by_slide)
         unit = values[f'{name}.place_unit'] or ('rad' if is_angle else 'm')
-        ends = [f'{end / float(POSITION_UNITS[unit]):.6g}' for end in (first, last, low, high)]
-        ranges = (f'its table goes from {ends[0]} to {ends[1]}, {over} from {ends[2]} to '
-                  f'{ends[3]} {unit}')
+        size = float(POSITION_UNITS[unit])
+        span = f'{over} from {low / size:.6g} to {high / size:.6g} {unit}'
+        first, last = table.places[0], table.places[-1]
         slack = ROUNDED * (high - low)
-        if not _acts(values, mechanism, element):
-            is_outside = not is_angle and (last < low or first > high)
-            if element.is_one_way and not is_outside:
-                ranges = f'{over} never goes {element.when} where its table has a force'
-            is_in_mm = unit == 'm' and first * 1e-3 < high and last * 1e-3 > low
-            yield (f'{name} never acts: {ranges}'
-                   + (': did you mean mm?' if is_outside and is_in_mm else ''))
-        elif force.period == inf and (low < first - slack and table.values[0]
-                                      or high > last + slack and table.values[-1]):
-            yield f'{name}: {ranges}: beyond its ends the force is that at the end'
+        if _acts(values, mechanism, element):
+            if force.period == inf and (low < first - slack and table.values[0]
+                                        or high > last + slack and table.values[-1]):
+                yield (f'{name}: its table goes from {first / size:.6g} to {last / size:.6g}, '
+                       f'{span}: beyond its ends the force is that at the end')
+        elif _acts(values, mechanism, replace(element, when=acting.BOTH)):
+            yield (f'{name} never acts: {over} never goes {element.when} where its table has a '
+                   'force')
+        else:
+            acting_at = [place for i, place in enumerate(table.places)
+                         if any(table.values[max(i - 1, 0):i + 2])]     # or beside such a place
+            first, last = acting_at[0], acting_at[-1]
+            has_unit = values[f'{name}.place_unit'] or isinstance(
+                values[f'{name}.places'][0], str)
+            is_in_mm = (
+                not is_angle and not has_unit and first * MM < high and last * MM > low
+                and max(abs(first), abs(last)) * MM > TINY * max(abs(low), abs(high)))
+            yield (f'{name} never acts: its table has a force from {first / size:.6g} to '
+                   f'{last / size:.6g}, {span}' + ': did you mean mm?' * is_in_mm)
 
 
 def _acts(values: ParameterValues, mechanism: Mechanism, force: acting.PositionForce) -> bool:
@@ -103,7 +112,8 @@ def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]
     weight = hypot(*field_of(mechanism.gravity)) * sum(
         body.mass for body in mechanism.bodies or ())       # NaN on an unknown base
     for name, element in zip(element_names(values), mechanism.elements):
-        if not isinstance(element, acting.Spring) or not element.stiffness:
+        if (not isinstance(element, acting.Spring) or not element.stiffness
+                or element.preload):        # which may be most of its force
             continue
         force = _largest_force(mechanism, element)
         if force < max(WEAK * weight, min(WEAKEST, weight)):
@@ -115,16 +125,14 @@ def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]
                    f'{masses[heaviest]:g} kg?')
 
 
-def springs_of_no_length(values: ParameterValues, mechanism: Mechanism, has_preload: bool
-                         ) -> Iterator[str]:
-    """Yield a line for each spring with a free length of 0, as of one that is not given."""
+def preloads_at_no_length(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
+    """Yield a line for each spring with a preload and a free length of 0, as if not given."""
     for name, element in zip(element_names(values), mechanism.elements):
-        if isinstance(element, acting.Spring) and element.stiffness and (
-                not element.free_length and has_preload is bool(element.preload)):
+        if (isinstance(element, acting.Spring) and element.stiffness and element.preload
+                and not element.free_length):
             yield (f'{name}.free_length = 0: its force grows with its whole length, up to '
-                   f'{_largest_force(mechanism, element):.4g} N' + (
-                       f', with a preload of {element.preload:g} N at length 0: is its free '
-                       'length missing?' if has_preload else ''))
+                   f'{_largest_force(mechanism, element):.4g} N, with a preload of '
+                   f'{element.preload:g} N at length 0: is its free length missing?')
 
 
 def _largest_force(mechanism: Mechanism, spring: acting.Spring) -> float:

@@ -4,6 +4,7 @@
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 import csv
+from itertools import takewhile
 from math import isfinite
 from pathlib import Path
 import re
@@ -62,6 +63,20 @@ def find(name: str | Path) -> Path:
                      + (nearest(str(name), known) or '; fourbar list shows all'))
 
 
+def located(scene: str | Path) -> tuple[Path, str | None]:
+    """Return (file, full name of a node or None) of a name for :func:`find`, or FILE:NODE."""
+    file, colon, node = str(scene).rpartition(':')
+    if colon and not Path(scene).exists() and Path(file).is_file():
+        return Path(file), '/' + node.strip('/')
+    return find(scene), None
+
+
+def name_of(scene: str | Path) -> str:
+    """Return the name of a scene, for titles and files: FILE, or FILE_NODE."""
+    path, node = located(scene)
+    return path.stem + (node or '').replace('/', '_')
+
+
 def shipped() -> dict[str, Path]:
     return {file.stem: file for directory in (folder() / 'robots', folder() / 'classics', folder())
             for file in sorted(directory.glob('*.yaml'))}
@@ -75,12 +90,27 @@ def read_values(path: str | Path) -> YamlTree:
     any node called fourbar, or ``FILE:NODE`` for one by its full name. Raises SceneError if the
     file cannot be read, is no parameter file, or has nothing for the node.
     """
-    file, colon, name = str(path).rpartition(':')
-    node = None
-    if colon and not Path(path).exists() and Path(file).is_file():
-        path, node = Path(file), '/' + name.strip('/')
-    else:
-        path = find(path)
+    path, node = located(path)
+    return with_tables(_flat(path, node), [path.parent])
+
+
+def loadable_text(scene: str | Path) -> str:
+    """
+    Return a scene as text that loads wherever it lies: its file, unless that holds more or less.
+
+    Of one node among others, and of tables in files of their own, the parameters as they stand
+    there, without comments but those at the top. Errors as of :func:`read_values`.
+    """
+    path, node = located(scene)
+    text = text_of(path)
+    if node is None and not any(map(TABLE.fullmatch, _flat(path, node))):
+        return text
+    return ''.join(takewhile(lambda line: line.startswith('#'), text.splitlines(True))) + as_text(
+        read_values(scene))
+
+
+def _flat(path: Path, node: str | None) -> YamlTree:
+    """Return the flat dict of parameters in a file for a node, without the numbers of tables."""
     trees = sections(path)
     values: YamlTree = {}
     for key, tree in trees.items():
@@ -93,7 +123,7 @@ def read_values(path: str | Path) -> YamlTree:
     if node is None and unread and not any(name.startswith('linkage.') for name in values):
         raise SceneError(f'{path}: has the nodes {", ".join(unread)}; name one: '
                          f'{path}:{unread[0].lstrip("/*")}')
-    return with_tables(values, [path.parent])
+    return values
 
 
 def nothing_for(node: str, path: str | Path, keys: Iterable[str], way_out: str = '') -> SceneError:

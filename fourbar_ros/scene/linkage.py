@@ -3,8 +3,8 @@
 """The mechanism of a scene: its kind or its dyads, its bodies, what acts on them."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import degrees, inf, isnan, tau
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf, isnan, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import in_words, InvalidParameter, nearest, OutOfRange
@@ -200,7 +200,7 @@ LONGEST = 20.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
 FAR_THICKER = 5.0       # than a rod is long: in millimetres
-ROUNDED = 1e-9          # [deg] off a whole number, of one that was given in degrees
+TYPED = '.9g'           # as many digits as are typed; an angle that was converted has more
 
 
 def warnings_of(scene: Scene) -> list[str]:
@@ -208,32 +208,54 @@ def warnings_of(scene: Scene) -> list[str]:
     return list(_warnings(scene))
 
 
-def in_other_units(scene: Scene) -> Iterator[str]:
-    """Yield a line on lengths that are likely in millimetres, and one on angles in degrees."""
-    values, linkage = scene.values, scene.linkage
-    long = [(name, value) for name, value in values.items()
-            if isinstance(value, float) and abs(value) > LONGEST and not name.startswith(RODS)
-            and unit_in(of_name(name), values) == 'm']
-    if long:
-        name, value = long[0]
-        too = f' (and {len(long) - 1} more)' if len(long) > 1 else ''
-        yield f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres{too}'
+def in_other_units(quantities: Iterable[tuple[str, float, str]], linkage: Mechanism
+                   ) -> Iterator[str]:
+    """
+    Yield a line on lengths that are likely in millimetres, and one on angles in degrees.
+
+    ``quantities``: (parameter, value, its SI unit) of those that were given without a unit.
+    """
     turn = linkage.period if linkage.period < inf else tau      # two turns at some change points
-    wide = [(name, angle) for name, value in values.items()
-            if name != 'drive.jump' and not name.endswith('.places')    # which have a unit
-            for angle in (value if isinstance(value, list) else [value])
-            if isinstance(angle, float) and abs(angle) > turn
-            and unit_in(of_name(name), values) == 'rad'
-            and abs(degrees(angle) - round(degrees(angle))) > ROUNDED]      # else a text, 720deg
-    if wide:
-        name, angle = wide[0]
-        too = f' (and {len(wide) - 1} more)' if len(wide) > 1 else ''
-        yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{too}'
+    long, wide = list[tuple[str, float]](), list[tuple[str, float]]()
+    for name, value, unit in quantities:
+        if unit == 'm' and abs(value) > LONGEST:
+            long.append((name, value))
+        elif unit == 'rad' and abs(value) > turn and float(format(value, TYPED)) == value:
+            wide.append((name, value))
+    more_long, more_wide = (f' (and {len(lines) - 1} more)' if len(lines) > 1 else ''
+                            for lines in (long, wide))
+    for name, value in long[:1]:
+        yield (f'{name} = {value:g} m: did you mean {value * 1e-3:g}? Lengths are in metres'
+               + more_long)
+    for name, angle in wide[:1]:
+        yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{more_wide}'
+
+
+def _without_unit(scene: Scene) -> Iterator[tuple[str, float, str]]:
+    """Yield (parameter, value, its SI unit) of all numbers that were given without a unit."""
+    for name, value in scene.values.items():
+        # a step may be more than a turn; places have a unit of their own
+        if (name in scene.with_unit or name == 'drive.jump'
+                or name.startswith(RODS) or name.endswith('.places')):
+            continue
+        numbers = value if isinstance(value, list) else [value]
+        units = [unit_in(of_name(name), scene.values)] * len(numbers)
+        if name == 'joint_states.offsets':
+            units = [joint.coordinate.unit for joint in scene.linkage.JOINTS]
+        yield from ((name, number, unit) for number, unit in zip(numbers, units)
+                    if isinstance(number, float))
+
+
+def links_without_mass(mechanism: Mechanism) -> list[Link]:
+    """Return the links that have neither mass nor inertia beside others that do."""
+    bodies: dict[str, Body] = mechanism.bodies._asdict() if mechanism.bodies else {}
+    return [link for link in mechanism.LINKS if link.name in bodies
+            and bodies[link.name].mass == bodies[link.name].inertia == 0.0]
 
 
 def _warnings(scene: Scene) -> Iterator[str]:
     values, linkage = scene.values, scene.linkage
-    yield from in_other_units(scene)
+    yield from in_other_units(_without_unit(scene), linkage)
 
     density = values[RODS + 'density']          # in g/cm^3?
     if density < LIGHTEST:
@@ -262,8 +284,7 @@ def _warnings(scene: Scene) -> Iterator[str]:
 
     if linkage.bodies is not None and not isnan(density) and any(
             values[f'gravity.{axis}'] for axis in 'xy'):
-        massless = [link.name for link in linkage.LINKS
-                    if not link.turns and not getattr(linkage.bodies, link.name).mass]
+        massless = [link.name for link in links_without_mass(linkage) if not link.turns]
         if massless:
             yield (f'bodies: {", ".join(massless)} without mass, as bodies.rods is of rods alone: '
                    f'give bodies.{massless[-1]}.mass')
@@ -287,7 +308,7 @@ def _warnings(scene: Scene) -> Iterator[str]:
         from fourbar_ros.scene import elements  # few scenes have any
         yield from elements.beyond_tables(values, linkage)
         yield from elements.weak_springs(values, linkage)
-        yield from elements.springs_of_no_length(values, linkage, has_preload=True)
+        yield from elements.preloads_at_no_length(values, linkage)
     for joint, friction in linkage.friction:
         coefficient = getattr(friction, 'coefficient', 0.0)
         if coefficient > 1.0:
@@ -307,5 +328,6 @@ def leaves_range(scene: Scene) -> str:
         linkage.motion(drive.start)
     except OutOfRange:
         return f'drive.start = {drive.start:g} {unit} is outside {allowed} {policy}'
-    return (f'drive.speed = {drive.speed:g} {unit}/s: the input cannot turn fully, the timer '
-            f'drives it out of {allowed} {policy}')
+    return '' if not drive.speed else (
+        f'drive.speed = {drive.speed:g} {unit}/s: the input cannot turn fully, the timer drives '
+        f'it out of {allowed} {policy}')

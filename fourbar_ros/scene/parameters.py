@@ -12,7 +12,7 @@ from fourbar_ros.errors import InvalidParameter, nearest, one_of
 from fourbar_ros.mechanisms import curves, kinds, parts
 from fourbar_ros.scene import settings
 from fourbar_ros.scene.settings import Parameter, PARAMETERS, ParameterValues
-from fourbar_ros.scene.units import quantity, WrongQuantity
+from fourbar_ros.scene.units import NUMBER, quantity, WrongQuantity
 
 VALUES = {'double': float, 'integer': int, 'string': str, 'bool': bool, 'strings': list,
           'doubles': list}
@@ -68,6 +68,14 @@ def names_in(family: str, values: Iterable[str]) -> list[str]:
 
 def point_in(name: str, values: ParameterValues) -> curves.Point:
     return curves.Point(*(values[f'{name}.{field}'] for field in curves.Point._fields))
+
+
+def with_unit(values: ParameterValues) -> frozenset[str]:
+    """Return the parameters, not checked yet, whose numbers are texts with a unit, as 40mm."""
+    return frozenset(name for name, value in values.items()
+                     for item in (value if isinstance(value, list) else [value])
+                     if isinstance(item, str) and (
+                         match := NUMBER.fullmatch(item.strip())) and match[2])
 
 
 def require_choice(name: str, value: str, choices: Iterable[str], some: bool = False) -> None:
@@ -145,7 +153,8 @@ def _why_unknown(name: str, is_machine: bool, value: Any) -> str:
     if families:        # ram.mass, indented too little
         meant = ' or '.join(f'{family}.{name}' for family in families)
         return f'unknown parameter; did you mean {meant}?'
-    return f'unknown parameter{nearest(name, known) or LISTED}'
+    groups = dict.fromkeys(each.partition('.')[0] for each in known)
+    return f'unknown parameter{nearest(name, [*known, *groups]) or LISTED}'
 
 
 def _below(group: str, known: Iterable[str]) -> list[str]:

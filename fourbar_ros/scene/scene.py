@@ -49,7 +49,7 @@ class Scene:
 
     ``kind`` is linkage.kind; ``linkage`` the mechanism with all that acts on it; ``points`` by
     their names; ``dynamics`` where the motion follows from torque; ``values``: every parameter by
-    name; ``name``: of its file. Groups are records of the parameters of :mod:`.settings`:
+    name; ``name``: of its file and node. Groups are records of the parameters of :mod:`.settings`:
     ``drive.speed`` is drive.speed.
     """
 
@@ -68,6 +68,7 @@ class Scene:
     dynamics: Dynamics | None
     values: ParameterValues
     name: str = ''
+    with_unit: frozenset[str] = frozenset()     # parameters that were given as 40mm
 
     _repr_html_ = as_html
 
@@ -108,6 +109,11 @@ class Scene:
         return frame
 
     @cached_property
+    def warnings(self) -> list[str]:
+        """Return a line for each value that is allowed but probably not meant."""
+        return warnings_of(self)
+
+    @cached_property
     def as_json(self) -> str:
         """Return the given parameters as JSON (NaN stands for "not given", and is no JSON)."""
         return json.dumps({name: value for name, value in self.values.items() if value == value})
@@ -131,7 +137,8 @@ class Scene:
         checked = {name: parameters.check_value(parameters.of_name(name), value, self.values)
                    for name, value in changes.items()}
         pause()
-        return _build({**self.values, **checked}, pause, self.name)
+        with_unit = self.with_unit - changes.keys() | parameters.with_unit(changes)
+        return _build({**self.values, **checked}, with_unit, self.name, pause)
 
     def taken_in(self, mode: int) -> Scene:
         """Return this scene with the mechanism in another assembly mode, as beyond a toggle."""
@@ -284,11 +291,11 @@ class Scene:
 
 def from_values(values: ParameterValues) -> Scene:
     """Return the Scene of {'linkage.a1': 0.4, ...}; InvalidParameter says which value is bad."""
-    return _build(parameters.check(values))
+    return _build(parameters.check(values), parameters.with_unit(values))
 
 
-def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
-           name: str = '') -> Scene:
+def _build(values: ParameterValues, with_unit: frozenset[str], name: str = '',
+           pause: Callable[[], None] = no_pause) -> Scene:
     """Return the Scene of all parameters, each of which is checked; check them together."""
     mechanism, kind, outputs = linkage_of(values), values['linkage.kind'], tuple(values['outputs'])
     pause()
@@ -327,7 +334,8 @@ def _build(values: ParameterValues, pause: Callable[[], None] = no_pause,
         frame=_group('frame', values, xyz=values['frame.xyz'] or [0.0] * 3,
                      rpy=values['frame.rpy'] or [0.0] * 3), joint_states=joint_states,
         joint_names=tuple(joint_states.prefix + name for name in joint_names),
-        recording=_group('recording', values), dynamics=dynamics, values=values, name=name)
+        recording=_group('recording', values), dynamics=dynamics, values=values, name=name,
+        with_unit=with_unit)
     _check_together(scene)
     return scene
 
@@ -352,10 +360,10 @@ def load(path: str | Path) -> Scene:
     Raises SceneError if it is no parameter file of one node, InvalidParameter for a value that is
     not allowed. A value that is allowed but probably not meant is warned of, as a SceneWarning.
     """
-    from fourbar_ros.scene.files import read_values
+    from fourbar_ros.scene.files import name_of, read_values
     values = read_values(path)
     with naming_nan(values):
-        scene = _build(parameters.check(values), name=Path(path).stem)
+        scene = _build(parameters.check(values), parameters.with_unit(values), name_of(path))
     give_warnings(scene, path)
     return scene
 
@@ -376,7 +384,7 @@ def naming_nan(values: ParameterValues) -> Iterator[None]:
 
 def give_warnings(scene: Scene, path: str | Path) -> None:
     """Give a SceneWarning for each value in a file that is allowed but probably not meant."""
-    for line in warnings_of(scene):
+    for line in scene.warnings:
         warnings.warn(f'{path}: {line}', SceneWarning, stacklevel=3)
 
 

@@ -227,9 +227,9 @@ _BASE = _group('base', (
               f'{topics.BASES["imu"].topic} (imu), from {topics.BASES["motion_of_base"].topic} '
               '(motion_of_base), or none, with gravity at rest', choices=('', *topics.BASES),
               live=False),
-    Parameter('rotation', 'doubles', [], '',
-              'with imu: frame of the linkage in that of the messages: roll, pitch, yaw [rad], '
-              'as in URDF, or a quaternion x, y, z, w; empty: the same axes'),
+    Parameter('rotation', 'doubles', [], 'rad',
+              'with imu: frame of the linkage in that of the messages: roll, pitch, yaw, as in '
+              'URDF, or a quaternion x, y, z, w; empty: the same axes'),
     Parameter('frame_id', 'string', '', '',
               'frame_id of the messages, which others are not taken; empty: that of the linkage'),
     Parameter('window', 'integer', 2, '', 'with imu: number of latest rates whose slope is the '

@@ -13,14 +13,14 @@ A number without a unit is in SI; on command lines, :func:`of`, an angle without
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from math import inf, isfinite, pi
 import re
 from typing import TYPE_CHECKING
 
-from fourbar_ros.errors import FourBarError, nearest
+from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 
 if TYPE_CHECKING:       # no numpy for a command line
     from fourbar_ros.numerics.arrays import Value
@@ -101,8 +101,9 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> ValueInSI:
     size, si = sizes.get(unit.translate(SPELLINGS), ('1', '')) if unit else ('1', '')
     if not match or unit and not si:
         allowed = ', '.join(unit for si in units for unit in units_of(si))
-        raise WrongQuantity(f'must be a number in {" or ".join(units)}, or with one of the units '
-                            f'{allowed}' if units else 'must be a number without a unit')
+        plain = ' or '.join(plain_angle if si == 'rad' else si for si in units)
+        raise WrongQuantity(f'must be a number in {plain}, or with one of the units {allowed}'
+                            if units else 'must be a number without a unit')
     if si == 'rad' and plain_angle == 'deg':
         size = float(size) / DEGREE
     value = ValueInSI(Decimal(repr(float(digits))) * Decimal(size))
@@ -158,6 +159,19 @@ def wanted_units(text: str) -> dict[str, str]:
         if wanted.setdefault(si, unit) != unit:
             raise ArgumentTypeError(f'{wanted[si]} and {unit} measure the same: name one')
     return wanted
+
+
+def require_columns(wanted: Mapping[str, str], kinds: Iterable[str]) -> None:
+    """
+    Raise InvalidParameter for a unit of no column; ``kinds``: SI units of the columns.
+
+    ``wanted``: {SI unit: unit}.
+    """
+    kinds = dict.fromkeys(filter(None, kinds))
+    for si, unit in wanted.items():
+        if si not in kinds:
+            raise InvalidParameter('units', unit, 'is of no column: they ' + (
+                f'are in {", ".join(kinds)}, or in units of these' if kinds else 'have no units'))
 
 
 def in_unit(values: Value, si: str, unit: str) -> Value:

@@ -76,8 +76,15 @@ WRONG_LINES = [
     ('show xyzzy', 1, 'neither a file nor the name of a scene; fourbar list shows'),
     ('show nosuch.yaml', 1, 'nosuch.yaml: No such file'),
     ('show .', 1, '.: Is a directory'),
-    ('show paper paper', 2, "'paper' is not understood"),
-    ('show paper b.yaml', 2, "'b.yaml' is one file too many: this verb takes one scene"),
+    *((f'{line} b.yaml', 2, f"'b.yaml' is one word too many: this verb takes {takes} (")
+      for line, takes in (
+        ('show paper', 'SCENE; fourbar live draws two, fourbar study compares many'),
+        ('reproduce', 'options only'), ('live paper jansen', 'SCENE SECOND'),
+        ('study s.yaml -o out', 'STUDY'), ('study pick out best', 'DIR WHICH'),
+        ('bag info a', 'BAG'), ('bag diff a b', 'BAG OTHER'), ('new a.yaml', 'FILE'))),
+    ('show paper --at 60 deg', 2, "'deg' is one word too many"),
+    ('show paper --at 60 -x', 2, "'-x' is not understood"),
+    ('show paper --at 5kg', 2, 'must be a number in deg or m, or with one of the units rad'),
     ('show paper --sped 3', 2, 'did you mean --speed?'),
     ('show paper --speed', 2, '--speed: expected one argument'),
     ('show paper --speed fast', 2, "--speed: 'fast' must be a number"),

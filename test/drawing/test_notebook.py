@@ -169,8 +169,8 @@ def test_a_frame_is_the_table_of_its_verb(capsys):
 
 @pytest.mark.parametrize('call, said', [
     (lambda: PAPER_SCENE.draw(), 'at: must be given'),
-    (lambda: PAPER_SCENE.draw('5kg'), "at = '5kg': must be a number in rad, or with one of"),
-    (lambda: PAPER_SCENE.draw('5mm'), "at = '5mm': must be a number in rad, or with one of"),
+    (lambda: PAPER_SCENE.draw('5kg'), "at = '5kg': must be a number in deg, or with one of"),
+    (lambda: PAPER_SCENE.draw('5mm'), "at = '5mm': must be a number in deg, or with one of"),
     (lambda: PAPER_SCENE.draw([60]), 'at = [60]: must be a finite number, not of type list'),
     (lambda: PAPER_SCENE.draw(True), 'at = True: must be a finite number, not of type bool'),
     (lambda: PAPER_SCENE.draw(60, acceleration={}), 'acceleration = {}: must be a finite number'),

@@ -81,6 +81,12 @@ def test_a_connect_closes_a_four_bar(tmp_path):
     assert abs(sizes['gravity.x']) < 1e-14
 
 
+def test_a_file_may_be_in_the_utf_16_of_powershell(tmp_path):
+    plain, path = read(tmp_path, robot()).text, tmp_path / 'robot.xml'
+    path.write_bytes(('<?xml version="1.0" encoding="utf-8"?>\n' + robot()).encode('utf-16'))
+    assert 'linkage' in plain and import_file(path).text == plain
+
+
 @pytest.mark.parametrize('euler', ('0 0 0', '0.3 -1.1 2.0', '1.5707963267948966 0 0', '0 1 0'))
 def test_the_plane_lies_wherever_it_is(euler, tmp_path):
     import mujoco
@@ -284,7 +290,7 @@ REFUSED = [
     ({}, {'cut': ['pivot']}, '--cut pivot: no joint that closes a loop; known: tip'),
     ({}, {'key': 'home'}, '--key home: the file has no such key'),
     ({}, {'at': {'knee': '1'}}, '--at knee: the file has no such joint'),
-    ({}, {'at': {'elbow': '3mm'}}, '--at elbow=3mm: must be a number in rad'),
+    ({}, {'at': {'elbow': '3mm'}}, '--at elbow=3mm: must be a number in deg, or'),
     ({}, {'mode': {'d2': 1}}, '--mode d2: no dyad, which are d1'),
     ({}, {'close': ['a,b']}, '--close: the loops of MJCF are its equality constraints'),
     ({'equality': '<weld name="glue" body1="link" body2="lever" relpose="0.5 0 0 1 0 0 0"/>'}, {},

@@ -91,6 +91,19 @@ def test_loop_closures_of_jsk_are_read_beside_the_file(tmp_path):
     assert 'closed at link~lever' in report and 'driven shoulder' in report
 
 
+@pytest.mark.parametrize('encoding', ['utf-16', 'utf-8-sig'])
+def test_files_may_be_in_the_utf_16_of_powershell(encoding, tmp_path):
+    head = '<?xml version="1.0" encoding="utf-8"?>\n'
+    files = {'robot.urdf': head + robot(), 'loop_closures.yaml': 'independent: []\nclosures: []\n'}
+    texts = []
+    for folder, codec in (('plain', 'utf-8'), ('windows', encoding)):
+        for name, text in files.items():
+            (tmp_path / folder).mkdir(exist_ok=True)
+            (tmp_path / folder / name).write_bytes(text.replace('\n', '\r\n').encode(codec))
+        texts.append(import_file(tmp_path / folder / 'robot.urdf').text)
+    assert 'linkage' in texts[0] and texts[0] == texts[1]
+
+
 def test_a_fixed_pair_of_frames_joins_two_parts(tmp_path):
     end = LINK.format(name='end', cg='0 0 0', mass=0.1) + JOINT.format(
         name='wrist', kind='continuous', parent='link', child='end', xyz='0.9 0 0.3',

@@ -243,6 +243,7 @@ def test_python_and_the_page_warn_too_and_all_read_the_same_numbers(typed):
         there = load_scene(typed)
     assert there.linkage.lengths == (50.0, 150.0, 100.0, 125.0)
     assert there.drive.speed == 10.0 * np.pi
-    page = scene_of({**there.values, 'linkage.a1': '5000 cm'})
+    page = scene_of({**there.values, 'linkage.a1': 50, 'linkage.a2': '150 m',
+                     'linkage.a3': '1e5 mm', 'linkage.a4': '12500 cm'})
     assert page.values == there.values
     assert structure_of(page)['warnings'] == scene.warnings_of(there)

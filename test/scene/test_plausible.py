@@ -1,6 +1,9 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Values that are allowed but hardly meant; rods of rectangular section."""
+import math
+import warnings
+
 from fourbar_ros import flat_bar
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import SceneWarning
@@ -38,8 +41,19 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 500.0}, []),
     ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.stiffness': 0.5,
       'springs.back.preload': 400.0, 'springs.back.free_length': 0.1}, []),
+    ({**RODS, **SPRING, 'gravity.y': -9.81, 'springs.back.preload': 0.5,
+      'springs.back.free_length': 0.1}, []),
     ({'drive.start': 90.0}, ['did you mean 90deg?']),
     ({'drive.start': -6.3}, ['drive.start = -6.3 rad is more than a turn']),
+    ({'drive.start': '367.5deg'}, []),
+    ({'drive.start': math.radians(-725.5)}, []),        # of a scene that was written in rad
+    ({'drive.start': '7 rad', 'linkage.a1': '500m', 'linkage.a2': '1500m', 'linkage.a3': '1000m',
+      'linkage.a4': '1250 m'}, []),
+    ({'joint_states.offsets': [7.0, 0.0, 0.0, 0.0]}, ['joint_states.offsets = 7 rad']),
+    ({'joint_states.offsets': ['400deg', '0deg', '0deg', '0deg']}, []),
+    ({**RODS, 'base.topic': 'imu', 'base.rotation': [0.0, 90.0, 0.0]},
+     ['base.rotation = 90 rad is more than a turn: did you mean 90deg?']),
+    ({**RODS, 'base.topic': 'imu', 'base.rotation': ['0deg', '90deg', '0deg']}, []),
     ({'drive.start': 6.28, **RODS}, []),
     ({**RODS, **SPRING, 'springs.back.stiffness': 500.0, 'springs.back.preload': 40.0},
      ['springs.back.free_length = 0: its force grows with its whole length, up to 440 N, with']),
@@ -50,6 +64,9 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({'linkage.a2': 0.5, 'drive.speed': 2.0, 'drive.start': 3.0},
      ['drive.start = 3 rad is outside [-']),
     ({'linkage.range': [0.5, 1.0], 'drive.speed': 6.0}, []),
+    ({'linkage.a2': 0.5, 'drive.speed': 0.0}, []),
+    ({'linkage.a2': 0.5, 'drive.speed': 0.0, 'drive.start': 3.0},
+     ['drive.start = 3 rad is outside [-']),
     ({'linkage.a2': 0.5}, []),
     ({'linkage.a2': 0.5, 'drive.speed': 6.0, 'drive.source': 'motion'}, []),
     ({'drive.start': '720deg', 'drive.jump': 7.0}, []),
@@ -85,7 +102,8 @@ def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
 # a force on the block of a slider-crank of 40 and 160 mm, which goes from 120 to 200 mm
 @pytest.mark.parametrize(('changes', 'said'), [
     ({'places': [150.0, 190.0]}, 'from 150 to 190, slide from 0.12 to 0.2 m: did you mean mm?'),
-    ({'places': ['20cm', '21cm'], 'values': [0.0, 5.0]}, 'from 0.2 to 0.21, slide from 0.12 to'),
+    ({'places': ['20cm', '21cm'], 'values': [0.0, 5.0]},
+     'from 0.2 to 0.21, slide from 0.12 to 0.2 m'),
     ({'places': [0.0, 0.15, 0.3], 'values': [0.0, 0.0, 0.0]}, ''),
     ({'places': [0.11, 0.13], 'values': [0.0, 0.0], 'factor': 1.0}, ''),
     ({'places': [0.11, 0.13], 'factor': 0.0}, ''),
@@ -94,8 +112,18 @@ def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
     ({'over': 'beta', 'places': ['20deg', '40deg'], 'values': [5.0, 0.0], 'when': 'backward'}, ''),
     ({'over': 'beta', 'places': ['20deg', '30deg', '40deg'], 'values': [0.0, 5.0, 0.0]},
      'from 0.349066 to 0.698132, beta from -0.25268 to 0.25268 rad'),
+    ({'over': 'beta', 'places': ['20deg', '30deg', '40deg'], 'values': [0.0, 5.0, 0.0],
+      'when': 'forward'}, 'a force from 0.349066 to 0.698132, beta from -0.25268 to 0.25268 rad'),
+    ({'places': [0.0, 0.05, 0.1, 0.3], 'values': [5.0, 5.0, 0.0, 0.0]},
+     'a force from 0 to 0.1, slide from 0.12 to 0.2 m'),
+    ({'over': 'pin.y', 'places': [0.3, 0.4]}, 'from 0.3 to 0.4, pin.y from -0.04 to 0.04 m'),
+    ({'over': 'pin.y', 'places': [30.0, 60.0], 'values': [5.0, 0.0]}, ''),
+    ({'over': 'pin.y', 'places': [45.0, 60.0]},
+     'from 45 to 60, pin.y from -0.04 to 0.04 m'),
+    ({'places': ['150m', '190m']}, 'from 150 to 190, slide from 0.12 to 0.2 m'),
     ({'over': 'input', 'when': 'backward', 'places': ['0deg', '40deg', '360deg'],
-      'values': [0.0, 5.0, 0.0], 'periodic': True}, 'input never goes backward where'),
+      'values': [0.0, 5.0, 0.0], 'periodic': True},
+     'input never goes backward where its table has a force'),
     ({'over': 'input', 'when': 'forward', 'places': ['0deg', '40deg', '360deg'],
       'values': [0.0, 5.0, 0.0], 'periodic': True}, ''),
     ({'acts': 'apart', 'over': 'distance', 'places': [0.3, 0.4], 'values': [0.0, 5.0]},
@@ -104,11 +132,13 @@ def test_a_force_that_never_acts_is_one_line(changes, said):
     force = {'link': 'output', 'acts': 'x', 'over': 'slide', 'values': [0.0, 5.0], **changes}
     lines = [line for line in warnings_of(from_values({
         'linkage.kind': 'slider_crank', 'linkage.a1': 0.04, 'linkage.a2': 0.16, **RODS,
-        'outputs': ['state'], 'bodies.output.mass': 1.0,
+        'outputs': ['state'], 'bodies.output.mass': 1.0, 'points.pin.link': 'crank',
+        'points.pin.along': 0.04,
         **{f'forces.cut.{name}': value for name, value in force.items()}}))
         if 'never acts' in line]
     assert len(lines) == bool(said)
-    assert all(line.startswith('forces.cut never acts: ') and said in line for line in lines)
+    assert all(line.startswith('forces.cut never acts: ') and line.endswith(said)
+               for line in lines)
 
 
 def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
@@ -121,12 +151,32 @@ def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
                     'bodies.ram.mass')
 
 
-def test_a_study_over_degrees_without_a_unit_warns():
+def test_the_offset_of_a_slide_is_a_length():
+    values = dict(load('slider_crank').values)
+    offsets = [0.0] * len(load('slider_crank').linkage.JOINTS)
+    slide = [joint.coordinate.unit for joint in load('slider_crank').linkage.JOINTS].index('m')
+    for offset, said in ((7.0, []), (50.0, ['joint_states.offsets = 50 m: did you mean 0.05? '
+                                            'Lengths are in metres'])):
+        offsets[slide] = offset
+        assert warnings_of(from_values({**values, 'joint_states.offsets': offsets})) == said
+
+
+@pytest.mark.parametrize(('vary', 'said'), [
+    ({'range': [-95, -85]}, '-95 rad is more than a turn: did you mean -95deg? (and 1 more)'),
+    ({'range': [-1.6, 300]}, '300 rad is more than a turn'),       # not of the first designs alone
+    ({'list': [-1.6, -90]}, '-90 rad is more than a turn'),
+    ({'normal': [-90, 0.5]}, '-90 rad is more than a turn'),
+    ({'range': ['-395.5deg', '-385deg']}, '')])
+def test_a_study_over_degrees_without_a_unit_warns(vary, said):
     study = pytest.importorskip('fourbar_lab.studies.study')
     document = {'scene': 'toggle_press', 'rows': 2, 'quantities': ['stroke'],
-                'vary': {'dyads.ram.direction_2': {'range': [-95, -85]}}}
-    with pytest.warns(SceneWarning, match='vary: dyads.ram.direction_2 = -.*more than a turn'):
+                'vary': {'dyads.ram.direction_2': vary}}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter('always')
         study.from_document(document)
+    lines = [str(each.message) for each in caught if each.category is SceneWarning]
+    assert len(lines) == bool(said)
+    assert all(f'vary: dyads.ram.direction_2 = {said}' in line for line in lines)
 
 
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
@@ -169,6 +219,27 @@ def test_a_new_scene_in_millimetres_is_written_with_a_warning(tmp_path, capsys):
                  '--material', '7.85']) == 0
     lines = capsys.readouterr().err.splitlines()
     assert [line.split()[3] for line in lines] == ['linkage.a1', 'bodies.rods.density']
+
+
+def test_a_direction_of_more_than_a_turn_is_written_within_one(tmp_path, capsys):
+    directions = []
+    for angle in ('-5.5deg', '-725.5deg'):
+        file = tmp_path / f'my{angle}.yaml'
+        assert main(['new', str(file), '--points', 'O1 0 0', 'A 10mm 0', 'B 60mm 5mm slide '
+                     + angle, '--links', 'O1-A', 'A-B']) == 0
+        directions.append(load(file).values['dyads.B.direction_2'])
+    assert directions == [math.radians(-5.5)] * 2
+    assert 'more than a turn' not in capsys.readouterr().err
+
+
+def test_a_scene_is_looked_at_once_for_its_warnings(monkeypatch, tmp_path):
+    looked = []
+    monkeypatch.setattr('fourbar_ros.scene.linkage._warnings',
+                        lambda scene: looked.append(scene) or iter(()))
+    file = tmp_path / 'rocks.yaml'
+    file.write_text(from_values({**PAPER, 'linkage.a2': 0.5}).as_text)
+    assert main(['scene', 'check', str(file)]) == 0
+    assert len(looked) == 1
 
 
 # --- rods of rectangular section -----------------------------------------------------------------

@@ -45,6 +45,8 @@ TABLE = [
         ('linkage.input', 'slide', 'is driven at its crank'),
         ('linkage.input', 'rocker', 'must be one of crank, slide, A, B, cylinder'),
         ('linkages.a1', 0.4, 'did you mean linkage.a1'),
+        ('Joint_States', 4, 'did you mean joint_states?'),
+        ('Joint_States.prefix', 3, 'did you mean joint_states.prefix?'),
         ('geometry.crank', 0.4, 'unknown parameter'),
         ('drive.speed_rpm', 300, 'there is speed'),
         ('drive.speed', '300mm', 'must be a number in rad/s'),

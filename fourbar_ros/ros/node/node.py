@@ -13,7 +13,7 @@ from typing import Any, TYPE_CHECKING, Union
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import clock_input, diagnostics, entities, rclpy_guard, stream
 from fourbar_ros.ros.node.recording import Recording
-from fourbar_ros.scene import linkage, settings, topics
+from fourbar_ros.scene import settings, topics
 from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import from_values, naming_nan, Scene
 from rcl_interfaces import msg
@@ -49,7 +49,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
         # nothing is created before all is checked: a node that hears its own answers is refused
         self._check(scene)
         entities.check_qos_overrides(self, scene)
-        for warning in linkage.warnings_of(scene):
+        for warning in scene.warnings:
             self.get_logger().warning(warning)
         # long answers have threads of their own; changes of parameters always, of any node
         wanted = {worker for service in scene.values['services']
@@ -129,8 +129,8 @@ class FourBarNode(rclpy_guard.GuardedNode):
         while not wait([done], LOOK).done:
             worker.check()
         done.result()
-        for warning in linkage.warnings_of(scene):
-            if warning not in linkage.warnings_of(before.scene):
+        for warning in scene.warnings:
+            if warning not in before.scene.warnings:
                 self.get_logger().warning(warning)
 
     def close(self, why: str = 'the node ended') -> None:

@@ -59,12 +59,11 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
     _with_values(scene, stream.now(), response, mode_number(linkage.mode), status,
                  (*motion, *loads))
     driven = linkage.input_coordinate
-    out_of_range = OutOfRange(driven.position, request.position, linkage.input_ranges, driven.unit)
     invalid = ('RESULT_INVALID_REQUEST', 'position, velocity, acceleration must be finite, an '
                f'angle less than {FARTHEST:.3g} rad in size, and the result finite')
     result, response.message = {
         stepper.OK: ('RESULT_OK', ''),
-        stepper.OUT_OF_RANGE: ('RESULT_OUT_OF_RANGE', str(out_of_range)),
+        stepper.OUT_OF_RANGE: ('RESULT_OUT_OF_RANGE', ''),
         stepper.INVALID_INPUT: invalid, stepper.RATES_UNKNOWN: invalid,
         stepper.TOGGLE: (
             'RESULT_TOGGLE', 'toggle position: rates and loads are unbounded; at the flat '
@@ -74,6 +73,9 @@ def evaluate_one(stream: Stream, request: Message, response: Message) -> Message
         stepper.LOADS_UNKNOWN: ('RESULT_OK', 'the ends of a spring meet there: it has no '
                                 'direction, so no loads')}[status]
     response.result = getattr(response, result)
+    if status == stepper.OUT_OF_RANGE:
+        response.message = str(OutOfRange(driven.position, request.position, linkage.input_ranges,
+                                          driven.unit))
     if status == stepper.LOADS_UNKNOWN:
         response.has_loads = False
     return response
