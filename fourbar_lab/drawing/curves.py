@@ -222,6 +222,22 @@ def readable(values: Array, marked: Sequence[float]) -> Array:
     return np.where(sizes <= bound, values, np.nan)
 
 
+def _going_on(curves: Curves) -> Curves:
+    """Return curves whose angles go on where a sample comes round at half a turn, as extrema."""
+    values = curves.values.copy()
+    turns = {unit: in_unit(tau, 'rad', unit) for unit in units_of('rad')}
+    gaps = np.flatnonzero(np.isnan(values[0]))      # between ranges of the input
+    for unit, column in zip(curves.units[1:], values[1:]):
+        if not (turn := turns.get(unit)):
+            continue
+        for angles in np.split(column, gaps):       # views
+            known = np.isfinite(angles)
+            if known.any():
+                angles[known] = np.unwrap(angles[known], period=turn)
+                angles -= turn * np.floor(np.nanmin(angles) / turn + 0.5)
+    return curves._replace(values=values)
+
+
 def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] = (),
                 paper: Paper = Paper()) -> Figure:
     """
@@ -230,6 +246,7 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     ``marks``: of :func:`marks_of`; angles of the input are brought into the turns that the curves
     show. A curve with marks is cut off beyond them where it grows without bound.
     """
+    curves = _going_on(curves)
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
     is_angle = isfinite(curves.period)
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks

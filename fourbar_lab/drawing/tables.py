@@ -10,7 +10,7 @@ from math import degrees, isfinite, pi, tau
 from fourbar_lab.drawing.poses import in_degrees, ranges_in_words, shown, ten_digits
 from fourbar_lab.drawing.record import ANGLE, counted, Intervals, LinkageRecord, properties_of
 from fourbar_ros import Base, Mechanism
-from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.extrema.find import Extremum, SIDES
 from fourbar_ros.extrema.proof import INTERVALS
 from fourbar_ros.mechanics.bodies import field_of
 from fourbar_ros.mechanisms.elements import BOTH, PositionForce, TorsionSpring
@@ -24,7 +24,6 @@ from rich.table import Table
 BESIDE, JUMP = 1e-9, 1e-7
 FULL_TURN = tau * (1.0 - 1e-9)      # [rad] ranges from this width on are called full turns
 NO_WEIGHT = 'weight', 'left out (gravity 0)'         # name and text of a row
-SIDES = {0: '', 1: 'from above', -1: 'from below'}      # how an end of the range is approached
 
 
 def rates_in_words(linkage: Mechanism, speed: float, acceleration: float = 0.0,

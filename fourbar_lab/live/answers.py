@@ -15,11 +15,11 @@ from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
 from fourbar_lab.drawing.record import counted
-from fourbar_lab.drawing.tables import facts, SIDES
+from fourbar_lab.drawing.tables import facts
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT
+from fourbar_ros.extrema.find import CONSTANT, SIDES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
 from fourbar_ros.scene.files import flatten, YamlTree

@@ -53,7 +53,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     ``fluctuation``: the largest coefficient of speed fluctuation allowed. Raises InvalidParameter.
     """
     if not isinstance(equation, Equation):
-        raise InvalidParameter('equation', equation, 'must be an Equation')
+        raise InvalidParameter('equation', equation, 'must be an Equation, as Equation(mechanism)')
     rate = rate_of_input('rate', rate)
     fluctuation = finite('fluctuation', fluctuation, 'must be a positive number', above=0.0)
     if abs(rate) < 1.0 / FASTEST:

@@ -69,7 +69,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     mechanism, :meth:`.Mechanism.holding`: they are stable.
     """
     if not isinstance(equation, Equation):
-        raise InvalidParameter('equation', equation, 'must be an Equation')
+        raise InvalidParameter('equation', equation, 'must be an Equation, as Equation(mechanism)')
     drive, mechanism = finite('drive', drive), equation.mechanism
     results, is_held = list[Equilibrium](), bool(mechanism.friction)
 

@@ -45,7 +45,8 @@ MOST_ALIKE = 4000.0
 # A rate of the output that is smaller than this, over its largest, only touches zero.
 TOUCHES = 64.0 * EPS
 
-MOST_LINES = 9      # of the repr of a list of extrema, and one more that counts the others
+MOST_LINES = 8      # of the repr of a list of extrema, between its rates and the count of the rest
+SIDES = {0: '', 1: 'from above', -1: 'from below'}      # as the input is approached
 
 
 class Extremum(NamedTuple):
@@ -94,21 +95,35 @@ class Extremum(NamedTuple):
 
 
 class ExtremaList(list[Extremum]):
-    """A list of extrema that a prompt and a notebook show as a table."""
+    """A list of extrema that a prompt and a notebook show as a table, with rates and mode."""
+
+    def __init__(self, extrema: Iterable[Extremum], linkage: Mechanism, rate: float,
+                 acceleration: float) -> None:
+        super().__init__(extrema)
+        unit = linkage.input_coordinate.unit
+        self.title = (f'at {rate:g} {unit}/s'
+                      + (f' and {acceleration:g} {unit}/s^2' if acceleration else '')
+                      + f', mode {linkage.mode}')
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        return [(each.quantity, each.kind, f'{each.value:.10g}', each.unit, f'{each.input:.10g}',
+                 'rad' if isnan(each.slide) else 'm', SIDES[each.side],
+                 'global' if each.is_global else '') for each in self]
 
     def __repr__(self) -> str:
-        """Return a line for each of the first nine."""
-        lines = [f'{each.quantity} {each.kind} {each.value:.10g} {each.unit} at '
-                 f'{each.input:.10g} {"rad" if isnan(each.slide) else "m"}'
-                 + (', global' if each.is_global else '') for each in self[:MOST_LINES]]
+        """Return rates and mode, and a line for each of the first eight."""
+        if not self:
+            return '[]'
+        lines = [f'{quantity} {kind} {value} {unit} at {at} {of_input}'
+                 + ''.join(f', {text}' for text in (side, share) if text)
+                 for quantity, kind, value, unit, at, of_input, side, share
+                 in self._rows()[:MOST_LINES]]
         more = len(self) - MOST_LINES
-        return '\n'.join([*lines, f'... and {more} more'] if more > 0 else lines) or '[]'
+        return '\n'.join([f'{self.title}:', *lines, *[f'... and {more} more'] * (more > 0)])
 
     def _repr_html_(self) -> str:
-        return html_table(('quantity', '', 'value', 'unit', 'input', '', ''), [
-            (each.quantity, each.kind, f'{each.value:.10g}', each.unit, f'{each.input:.8f}',
-             'rad' if isnan(each.slide) else 'm', 'global' if each.is_global else '')
-            for each in self])
+        return f'<p>{self.title}</p>' + html_table(
+            ('quantity', '', 'value', 'unit', 'input', '', '', ''), self._rows())
 
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
@@ -155,7 +170,8 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
         every += [extremum for quantity in named if isinstance(quantity, OfDrive)
                   for extremum in _of_drive(quantity, linkage, rate, find)]
         names = [quantity.name for quantity in named]
-        return ExtremaList(sorted(every, key=lambda extremum: names.index(extremum.quantity)))
+        return ExtremaList(sorted(every, key=lambda extremum: names.index(extremum.quantity)),
+                           linkage, rate, acceleration)
     check()
     part = None if within is None else _checked_part(linkage, within)
     search = Search(linkage, others, (rate, acceleration), part)
@@ -169,9 +185,10 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
             progress(share)
         extrema, proofs, refuted = search.proved(extrema, conditions, tell, seconds)
     return ExtremaList(
-        extremum for row, quantity in enumerate(others) if extrema[row]
-        for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
-                                 search.unresolved, partial(search.exact, row)))
+        (extremum for row, quantity in enumerate(others) if extrema[row]
+         for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
+                                  search.unresolved, partial(search.exact, row))),
+        linkage, rate, acceleration)
 
 
 class Search:

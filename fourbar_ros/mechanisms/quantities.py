@@ -118,8 +118,10 @@ QUANTITIES = {quantity.name: quantity for quantity in (
 # Given only if asked for by name, not with "all": their extrema are at dead points and at the ends
 # of the input, which are known in closed form.
 POSITIONS = {quantity.name: quantity for quantity in (
-    Quantity('theta4', 'rad', 'angle of the output link, continuous', False),
-    Quantity('theta1', 'rad', 'angle of a crank that is not driven, continuous', False),
+    Quantity('theta4', 'rad',
+             'angle of the output link, from -pi to pi; its extrema go on', False),
+    Quantity('theta1', 'rad',
+             'angle of a crank that is not driven, from -pi to pi; its extrema go on', False),
     Quantity('slide', 'm', 'position of a slider that is not driven', False),
     Quantity('transmission_angle', 'rad', 'transmission angle', False),
 )}

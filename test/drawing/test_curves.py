@@ -37,6 +37,28 @@ def test_marks_of_extrema_lie_on_their_curves(name):
     assert seen == len(marks) + sum(x <= 1e-9 for _, x, _ in marks) > 0
 
 
+@pytest.mark.parametrize(('lengths', 'kinds'), [
+    ((0.02, 0.04, 0.1, 0.06), 'minimum maximum'), ((0.1, 0.09, 0.08, 0.05), '')],
+    ids=['swings over half a turn', 'turns on'])
+def test_an_angle_goes_on_where_its_samples_come_round(lengths, kinds):
+    """As its extrema do, which are dots on the curve; in a table it is as in messages."""
+    scene = from_values(dict(zip(('linkage.a1', 'linkage.a2', 'linkage.a3', 'linkage.a4'),
+                                 lengths)))
+    linkage = scene.linkage
+    curves = curves_of(scene, linkage, ['theta4'], 1.0, samples=1441)
+    assert np.nanmax(np.abs(np.diff(curves.values[1]))) > 350.0
+    marks = marks_of(linkage, find_extrema(linkage, 'theta4'))
+    line, *dots = make_figure(curves, marks).axes[0].lines
+    x, theta4 = line.get_data()
+    assert np.nanmax(np.abs(np.diff(theta4))) < 90.0 and -180.0 <= np.nanmin(theta4) < 180.0
+    assert np.allclose(np.cos(np.radians(theta4)), np.cos(np.radians(curves.values[1])),
+                       rtol=0.0, atol=1e-12, equal_nan=True)
+    assert {extremum.kind for extremum, *_ in marks} == set(kinds.split())
+    for mark in dots:
+        assert np.abs(mark.get_ydata() - np.interp(mark.get_xdata(), x, theta4)).max() <= (
+            np.nanmax(np.abs(np.diff(theta4))))
+
+
 def test_a_cycle_of_a_change_point_is_its_period():
     scene = from_values(TWICE)
     x, theta4, omega4 = curves_of(scene, scene.linkage, ('theta4', 'omega4'), 3.0).values

@@ -72,6 +72,17 @@ def test_texts_are_short_and_tables_whole(run, tmp_path):
     assert every._repr_html_().count('<tr>') == len(every) + 1 and list(every) == every
 
 
+def test_extrema_say_rates_mode_and_their_side_of_a_jump():
+    linkage = load_scene('press').linkage
+    every = find_extrema(linkage, 'driving_torque', 3.0, 2.0)
+    sides = [{0: '', 1: 'from above', -1: 'from below'}[each.side] for each in every]
+    assert repr(every).startswith('at 3 rad/s and 2 rad/s^2, mode 2:\n') and any(sides)
+    html = every._repr_html_()
+    assert html.startswith('<p>at 3 rad/s and 2 rad/s^2, mode 2</p>')
+    assert [row[-2] for row in cells_of(html)[1:]] == sides
+    assert repr(find_extrema(PAPER_SCENE.linkage, 'omega4')).startswith('at 1 rad/s, mode 2:')
+
+
 def cells_of(html):
     """Return the rows of all tables of a text in HTML, as lists of texts."""
     return [re.findall(r'<t[dh][^>]*>([^<]*)</t[dh]>', row)

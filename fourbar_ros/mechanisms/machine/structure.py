@@ -303,7 +303,7 @@ def _quantities(layout: Layout, driven: parts.Coordinate) -> list[parts.Quantity
     turning, rows = layout.turning(), list[tuple[str, str, str]]()
     for link in [link for link in layout.moving if link in turning]:
         rows += zip(coordinate(link), ('rad', 'rad/s', 'rad/s^2'), (
-            f'angle of {link}, continuous', f'angular velocity of {link}',
+            f'angle of {link}, from -pi to pi; its extrema go on', f'angular velocity of {link}',
             f'angular acceleration of {link}'))
     for link in layout.slides():
         rows += zip(travel(link), ('m', 'm/s', 'm/s^2'), [
