@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
-    from fourbar_lab.reproduction.documents import Row, Section, summary
     from fourbar_lab.reproduction.paper import reproduce
 
 __getattr__, __dir__, __all__ = lazily(__name__)

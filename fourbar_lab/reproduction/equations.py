@@ -38,9 +38,8 @@ PAPER = {1: (1, 4), 2: (1, 2), 3: (1, 3), 4: (2, 3), 5: (2, 4), 6: (3, 4)}
 
 
 class Angle(NamedTuple):
-    """A joint angle theta [rad], omega, alpha, and v = tan(theta/2) with its two derivatives."""
+    """Rate and acceleration of a joint angle, and v = tan(theta/2) with its two derivatives."""
 
-    theta: Scalar
     omega: Scalar
     alpha: Scalar
     v: Scalar
@@ -53,7 +52,7 @@ def half_angle(theta: Any, omega: Any = 0.0, alpha: Any = 0.0) -> Angle:
     # Eqs. (35) and (37) of the slides are the way back.
     v = np.tan(0.5 * theta)
     stretch = 0.5 * (1.0 + v * v)
-    return Angle(theta, omega, alpha, v, stretch * omega, stretch * (alpha + omega**2 * v))
+    return Angle(omega, alpha, v, stretch * omega, stretch * (alpha + omega**2 * v))
 
 
 class AngleEquation(NamedTuple):

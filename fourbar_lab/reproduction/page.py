@@ -3,17 +3,20 @@
 """The page of ``fourbar reproduce --html``: all rows, and the figures from computed values."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import date
+from functools import partial
 from html import escape
 from math import tau
 from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import make_figure, make_panels, Units, writing
+from fourbar_lab.drawing.mechanism_panel import Letters
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
-from fourbar_ros import __version__, CROSSED, find_extrema, OPEN
+from fourbar_ros import __version__, CROSSED, find_extrema, Mechanism, OPEN
+from fourbar_ros.mechanisms.picture import Points
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
@@ -40,35 +43,14 @@ printed value, ours, difference, verdict. {summary}.</p>
 </body></html>
 """
 FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', published.FOOT))
-# {figure of one pose: linkage, input, title, points, their letters in the slides, units, caption}
-POSES: dict[str, tuple[Any, ...]] = {
-    'example_7_2': (
-        published.EXAMPLE_7_2, published.GIVEN_7_2,
-        'slider-crank at 30 deg, points and units of the slides', None,
-        {'O_1': 'O_2', 'A': 'B', 'B': 'C'}, FEET, 'Velocity and acceleration polygons.'),
-    'example_7_3': (
-        published.EXAMPLE_7_3, published.GIVEN_7_3,
-        '4R at 120 deg, points and units of the slides', published.POINTS_7_3,
-        {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}, FEET, 'Velocity and acceleration polygons.'),
-    'example_7_5': (
-        published.EXAMPLE_7_5, published.GIVEN_7_5,
-        'inverted slider-crank at 30 deg, points and units of the slides', None,
-        {'O_1': 'E', 'O_4': 'D'}, FEET,
-        'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense of '
-        'the bar.'),
-    'example_7_6': (
-        published.EXAMPLE_7_6, published.GIVEN_7_6,
-        '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2', None, None, Units(),
-        'The slides solve this example with the input-output equations, in any unit of length.')}
 
 
-def figure_of(name: str) -> Captioned:
-    if name in POSES:
-        linkage, inputs, title, points, letters, units, caption = POSES[name]
-        return make_figure(linkage, linkage.motion(*inputs), None, title, points, letters,
-                           units), caption
-    return {'example_7_7': example_7_7, 'paper_figure_3': paper_figure_3,
-            'paper_figure_4': paper_figure_4}[name]()
+def pose(linkage: Mechanism, inputs: tuple[Any, ...], title: str, caption: str,
+         points: Points | None = None, letters: Letters | None = None, units: Units = FEET
+         ) -> Captioned:
+    """Draw a linkage at an input with its rates; ``letters``: of its joints in the slides."""
+    return make_figure(linkage, linkage.motion(*inputs), None, title, points, letters,
+                       units), caption
 
 
 def example_7_7() -> Captioned:
@@ -124,10 +106,27 @@ def _circled(panels: Mapping[str, Sequence[tuple[str, Array, Array]]],
     return figure
 
 
-def svg(name: str) -> tuple[str, str]:
-    figure, caption = figure_of(name)
-    figure.style |= {'svg.hashsalt': name}      # no two figures of a page share names
-    return figure._repr_svg_(), caption
+FIGURES: dict[str, Callable[[], Captioned]] = {
+    'example_7_2': partial(
+        pose, published.EXAMPLE_7_2, published.GIVEN_7_2,
+        'slider-crank at 30 deg, points and units of the slides',
+        'Velocity and acceleration polygons.', letters={'O_1': 'O_2', 'A': 'B', 'B': 'C'}),
+    'example_7_3': partial(
+        pose, published.EXAMPLE_7_3, published.GIVEN_7_3,
+        '4R at 120 deg, points and units of the slides', 'Velocity and acceleration polygons.',
+        published.POINTS_7_3, {'O_1': 'A', 'A': 'B', 'B': 'C', 'O_4': 'D'}),
+    'example_7_5': partial(
+        pose, published.EXAMPLE_7_5, published.GIVEN_7_5,
+        'inverted slider-crank at 30 deg, points and units of the slides',
+        'Q is the point of the bar under A; the Coriolis term turns V_rel by 90° in the sense of '
+        'the bar.', letters={'O_1': 'E', 'O_4': 'D'}),
+    'example_7_6': partial(
+        pose, published.EXAMPLE_7_6, published.GIVEN_7_6,
+        '4R at 60 deg, 10 rad/s, 100 rad/s², assembly mode 2',
+        'The slides solve this example with the input-output equations, in any unit of length.',
+        units=Units()),
+    'example_7_7': example_7_7, 'paper_figure_3': paper_figure_3,
+    'paper_figure_4': paper_figure_4}
 
 
 def page(sections: Sequence[Section], when: str) -> str:
@@ -147,8 +146,10 @@ def _section(section: Section) -> str:
             '</table>', '<ol>', *(f'<li>{escape(reason)}</li>' for reason in section.footnotes),
             '</ol>']
     if section.figure:
-        picture, caption = svg(section.figure)
-        text.append(f'<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>')
+        figure, caption = FIGURES[section.figure]()
+        figure.style |= {'svg.hashsalt': section.figure}    # no two figures of a page share names
+        text.append(f'<figure>{figure._repr_svg_()}<figcaption>{escape(caption)}</figcaption>'
+                    '</figure>')
     return '\n'.join(text)
 
 

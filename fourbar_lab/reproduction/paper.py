@@ -14,8 +14,8 @@ from fourbar_lab.reproduction import documents, published, slides
 from fourbar_lab.reproduction.documents import equal, printed, remark, Row, Section, WRONG, zero
 from fourbar_lab.reproduction.equations import equations_of_paper, half_angle
 from fourbar_lab.reproduction.published import PAPER_SPEED, THIN
-from fourbar_ros import CROSSED, find_extrema, FourBar, OPEN, plain
-from fourbar_ros.extrema.find import Extremum
+from fourbar_ros import CROSSED, OPEN, plain
+from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
@@ -141,13 +141,10 @@ def literal_moment(motion: NamedFields, loads: NamedFields) -> Scalar:
 
 
 def table_3() -> Section:
-    def largest(linkage: FourBar, quantity: Any) -> Extremum:
-        return max(find_extrema(linkage, (quantity,), PAPER_SPEED),
-                   key=lambda extremum: abs(extremum.value))
-
-    force, moment, literal = (largest(THIN, quantity) for quantity in (
-        'shaking_force', 'shaking_moment', literal_moment))
-    solid = largest(published.PAPER, 'shaking_moment')
+    force, moment, literal, solid = (
+        published.largest_extremum(linkage, quantity, PAPER_SPEED) for linkage, quantity in (
+            (THIN, 'shaking_force'), (THIN, 'shaking_moment'), (THIN, literal_moment),
+            (published.PAPER, 'shaking_moment')))
     theta1, *curves = published.wrong_curves()
     (wrong_force, theta1_force), (wrong_moment, theta1_moment), (wrong_literal, _) = (
         (curve.max(), theta1[curve.argmax()]) for curve in curves)
@@ -184,9 +181,9 @@ def last_question() -> Section:
     """Test the paper's claim that extreme alpha4 implies extreme shaking."""
     title = ('Paper, its question - do extreme angular velocity and acceleration '
              'imply extreme shaking?')
-    linkage = published.counterweighted(THIN)
-    theta1 = published.input_of_largest(linkage, 'alpha4')
-    peak = max(extremum.value for extremum in find_extrema(linkage, ('shaking_force',), 1.0))
+    theta1 = published.largest_extremum(THIN, 'alpha4', 1.0).theta1
+    linkage = published.counterweighted(THIN, theta1)
+    peak = OverInput(linkage, 'shaking_force').peak
     return Section(title, [
         equal('force at the largest alpha4 over its peak, with a counterweight on the crank', '',
               linkage.loads(theta1, 1.0).shaking_force / peak, 0.0, documents.ANSWERED,

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 from fourbar_lab.reproduction.documents import equal, Row
 from fourbar_ros import Bodies, Body, find_extrema, FourBar, plain, point_motion, round_rod
-from fourbar_ros.extrema.find import Extremum
+from fourbar_ros.extrema.find import AskedQuantity, Extremum
+from fourbar_ros.extrema.over_input import OverInput
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
@@ -106,17 +107,17 @@ def wrong_curves() -> WrongCurves:
                        np.abs(-torque - 0.01 * f43_y), np.abs(literal))
 
 
-def input_of_largest(linkage: FourBar, quantity: str) -> float:
-    """Return theta1 [rad] where a quantity is largest, of either sign."""
-    return max(find_extrema(linkage, (quantity,), 1.0),
-               key=lambda extremum: abs(extremum.value)).theta1
+def largest_extremum(linkage: Mechanism, quantity: AskedQuantity, speed: float) -> Extremum:
+    """Return the extremum of a quantity that is largest, of either sign."""
+    extremum = OverInput(linkage, quantity, speed).largest
+    assert extremum     # it is no angle
+    return extremum
 
 
-def counterweighted(linkage: FourBar) -> FourBar:
-    """Return a linkage with 5 kg on its crank: no shaking force at its largest alpha4."""
+def counterweighted(linkage: FourBar, theta1: float) -> FourBar:
+    """Return a linkage with 5 kg on its crank: no shaking force at theta1 [rad]."""
     assert linkage.bodies is not None
-    crank, mass, theta1 = linkage.bodies.crank, 5.0, input_of_largest(linkage, 'alpha4')
-    loads = linkage.loads(theta1, 1.0)
+    crank, mass, loads = linkage.bodies.crank, 5.0, linkage.loads(theta1, 1.0)
     force = complex(loads.shaking_force_x, loads.shaking_force_y)
     # at unit rate a first moment s on the crank adds the force s e^{i theta1}
     moment = crank.mass * complex(crank.cg_along, crank.cg_across) - force * np.exp(-1j * theta1)

@@ -204,8 +204,8 @@ def test_table_3_is_momentum(sections):
 
 
 def test_a_counterweight_on_the_crank_cancels_the_force_in_one_pose_alone():
-    weighted = published.counterweighted(published.THIN)
-    at, x = published.input_of_largest(published.THIN, 'alpha4'), np.linspace(-3.0, 3.0, 601)
+    at = published.largest_extremum(published.THIN, 'alpha4', 1.0).theta1
+    weighted, x = published.counterweighted(published.THIN, at), np.linspace(-3.0, 3.0, 601)
     forces = weighted.loads(x, 1.0).shaking_force
     assert weighted.loads(at, 1.0).shaking_force <= 64.0 * EPS * forces.max()
     assert weighted.bodies.crank.mass > published.THIN.bodies.crank.mass
@@ -253,8 +253,8 @@ def test_the_command_writes_a_page_that_holds_all_and_loads_nothing(sections, tm
                      ('example_7_5', '$A_{Cor}$')], 1)
 def test_figures_have_the_units_and_letters_of_their_tables(name, word):
     pytest.importorskip('matplotlib')
-    from fourbar_lab.reproduction.page import figure_of
-    figure, _ = figure_of(name)
+    from fourbar_lab.reproduction.page import FIGURES
+    figure, _ = FIGURES[name]()
     words = [text.get_text() for axes in figure.axes for text in axes.texts]
     assert any(text.startswith(word) for text in words), words
     assert any(text.endswith((' ft/s', ' ft/s$^2$')) for text in words)
