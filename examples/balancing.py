@@ -14,7 +14,7 @@ balance = full_force_balance(Places(loads, {'crank': 0.6, 'output': 0.6}))      
 for weight in balance.counterweights:
     print(f'{weight.mass:.6f} kg on the {weight.link} at ({weight.along:.3f}, '
           f'{weight.across:.3f}) m')
-for change in changes(loads, balance.numbers):
+for change in changes(loads, balance.moments):
     (rms, rms_after), (peak, peak_after) = change.rms, change.peak
     print(f'{change.name:8s} rms {rms:9.3f} -> {rms_after:9.3f}, '
           f'peak {peak:9.3f} -> {peak_after:9.3f} {change.unit}')

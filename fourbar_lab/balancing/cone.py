@@ -13,7 +13,7 @@ small, so root mean square, peak and full balance are programmes that Clarabel s
 Its prices prove how good a result is, whatever the error of the solver. For directions u_k with
 sum |u_k| <= 1 no design p' within M and the radii has less than
 
-    (G3)  max |load_k(p')| >= sum u_k . load_k(given) + min(0, M s),
+    (G3)  max |load_k(p')| >= sum u_k . load_k(unbalanced) + min(0, M s),
 
 where s is the least derivative of sum u_k . load_k per kilogram at any place.
 """
@@ -23,9 +23,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS
+from fourbar_lab.balancing.loads import BalanceError, Loads, MOMENTS, moments_of
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -54,12 +55,6 @@ class Counterweight(NamedTuple):
     along: float
     across: float
 
-    @property
-    def moments(self) -> Array:
-        """Return the (m, m x, m y, J) that the counterweight adds to its link."""
-        m, x, y = self.mass, self.along, self.across
-        return np.array((m, m * x, m * y, m * (x * x + y * y)))
-
 
 class Balance(NamedTuple):
     """Counterweights, and how good they are."""
@@ -67,7 +62,7 @@ class Balance(NamedTuple):
     counterweights: tuple[Counterweight, ...]
     value: float        # the minimized load or mass, of the links with counterweights
     bound: float        # no counterweights within the radii and the mass give less
-    numbers: Array      # (m, m x, m y, J) of all links with them, shape (4 links,)
+    moments: Array      # (m, m x, m y, J) of all links with them, shape (4 links,)
 
     @property
     def added(self) -> float:
@@ -97,10 +92,11 @@ class Places:
 
     def moments(self, counterweights: Iterable[Counterweight]) -> Array:
         """Return (m, m x, m y, J) of all links with counterweights, shape (4 links,)."""
-        moments = self.loads.given.copy()
+        moments = self.loads.unbalanced.copy()
         for weight in counterweights:
             first = MOMENTS * self.loads.links.index(weight.link)
-            moments[first:first + MOMENTS] += weight.moments
+            moments[first:first + MOMENTS] += moments_of(Body(
+                weight.mass, cg_along=weight.along, cg_across=weight.across))
         return moments
 
     def lowest(self, slope: Array) -> float:
@@ -179,7 +175,7 @@ def _least(sites: Places, blocks: Array, mass: float) -> tuple[tuple[Counterweig
     # blocks, shape (k, components, MOMENTS * links): the matrices B_k; mass: the most that may be
     # added [kg].
     # 1. the cones |B_k p| <= t, with loads and masses of about one and t as the last unknown
-    unbalanced = blocks @ sites.loads.column(sites.loads.given)     # (k, components)
+    unbalanced = blocks @ sites.loads.column(sites.loads.unbalanced)     # (k, components)
     largest = float(np.linalg.norm(unbalanced, axis=1).max())
     scale = largest if largest != 0.0 else 1.0
     share = mass if mass != 0.0 else 1.0        # [kg], the unit of the unknown masses
@@ -282,13 +278,14 @@ def full_force_balance(sites: Places) -> Balance:
     root = loads.root(('force',), must_settle=False)
     _, sizes, directions = np.linalg.svd(root)
     equations = directions[sizes > RANK * sizes[0]]         # equations @ p = 0: no shaking force
-    whole = float(loads.given[::MOMENTS].sum())
-    matrix, target = equations[:, sites.columns] * sites.units, -equations @ loads.given / whole
+    whole = float(loads.unbalanced[::MOMENTS].sum())
+    matrix = equations[:, sites.columns] * sites.units
+    target = -equations @ loads.unbalanced / whole
     A = np.concatenate((matrix, np.zeros((len(matrix), 1))), axis=1)
     solution = sites.solved((1.0, 0.0), [(A, -target, 'zero')], PLENTY)
     if solution is None:
         nearest, = front(sites, ('force',), (PLENTY * whole,))
-        remains = 100.0 * nearest.bound / float(np.linalg.norm(root @ loads.given))
+        remains = 100.0 * nearest.bound / float(np.linalg.norm(root @ loads.unbalanced))
         raise BalanceError(f'no counterweights on {", ".join(sites.radii)} take the shaking '
                            f'force away: {remains:.3g} % of its RMS remains at least, whatever '
                            'their mass')

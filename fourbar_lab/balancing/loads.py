@@ -61,7 +61,7 @@ class Loads:
     The loads of a mechanism with masses, as functions of these, at a constant input rate.
 
     The rate is in [rad/s or m/s]. BalanceError if it has no masses, or if its input ends at a
-    toggle position, where no mass helps. ``given`` holds (m, m x, m y, J) of all links, shape
+    toggle position, where no mass helps. ``unbalanced`` holds (m, m x, m y, J) of all links, shape
     (4 links,), before balancing.
     """
 
@@ -79,7 +79,8 @@ class Loads:
         self.mechanism, self.rate = mechanism, rate
         self.links: tuple[str, ...] = mechanism.BODIES._fields      # in the order of p
         # a link of a machine may have no body
-        self.given = np.concatenate([moments_of(body or Body(0.0)) for body in mechanism.bodies])
+        self.unbalanced = np.concatenate([moments_of(body or Body(0.0))
+                                          for body in mechanism.bodies])
         self.acting = mechanism.weightless.with_elements(*mechanism.elements)
         self.title = 'loads of inertia' + (', springs and forces' if mechanism.elements else '')
 
@@ -158,14 +159,14 @@ class Loads:
             blocks = []             # B with |B p| the root mean square of a load
             for name in names:
                 block = np.concatenate(np.sqrt(weights)[:, None] * self.matrices(x, name))
-                size = float(np.linalg.norm(block @ self.column(self.given)))
-                is_relative = len(names) > 1 and size > self._rounding(name, self.given)
+                size = float(np.linalg.norm(block @ self.column(self.unbalanced)))
+                is_relative = len(names) > 1 and size > self._rounding(name, self.unbalanced)
                 blocks.append(block / size if is_relative else block)
             # B = Q R with |Q v| = |v|: R has the norms of B in few rows
             root = np.asarray(np.linalg.qr(np.concatenate(blocks), mode='r'))
             size = float(np.linalg.norm(root))
             has_settled = abs(size - before) <= AGREE * size + max(
-                self._rounding(name, self.given) for name in names)
+                self._rounding(name, self.unbalanced) for name in names)
             if has_settled or points >= most:
                 break
             points, before = 2 * points, size

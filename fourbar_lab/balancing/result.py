@@ -41,7 +41,7 @@ def changes(loads: Loads, moments: Array) -> list[Change]:
     results = []
     for name in loads.groups:
         (rms, largest), (rms_after, largest_after) = (both(name, of_links)
-                                                      for of_links in (loads.given, moments))
+                                                      for of_links in (loads.unbalanced, moments))
         results.append(Change(name, unit_of(loads, name), (rms, rms_after),
                               (largest, largest_after)))
     return results
@@ -72,7 +72,7 @@ def scene_text(scene: Scene, balance: Balance, how: str) -> str:
     head = [f'# {how}; the bodies below include these counterweights, from the first joint:']
     head += [f'#   {weight.link}: {weight.mass:.9g} kg at along {weight.along:.9g} m, '
              f'across {weight.across:.9g} m' for weight in balance.counterweights]
-    return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.numbers))
+    return '\n'.join(head) + '\n' + as_text(scene_values(scene, balance.moments))
 
 
 def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
@@ -87,7 +87,7 @@ def draw_changes(loads: Loads, moments: Array, path: str | Path) -> None:
             (label, np.degrees(x) if is_angle else x,
              load[0] if len(load) == 1 else np.linalg.norm(load, axis=0))
             for label, load in zip(('before', 'after'), [
-                matrices @ loads.column(of_links) for of_links in (loads.given, moments)])]
+                matrices @ loads.column(of_links) for of_links in (loads.unbalanced, moments)])]
     save(make_panels(panels, 'input [deg]' if is_angle else 'input [m]',
                      f'{loads.title}, moment about O1'), path)
 

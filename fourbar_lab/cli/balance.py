@@ -97,7 +97,7 @@ def _run(arguments: argparse.Namespace) -> None:
     of_loads = [(change.name, change.unit,
                  *('not certain' if isnan(value) else f'{value:.6g}'
                    for value in (*change.rms, *change.peak)))
-                for change in balancing.changes(loads, balance.numbers)]
+                for change in balancing.changes(loads, balance.moments)]
     console = make_console()
     console.print(f'{how}: {balance.added:.9g} kg added')
     if scene.linkage.elements and not names:
@@ -111,4 +111,4 @@ def _run(arguments: argparse.Namespace) -> None:
     if arguments.out:
         arguments.out.write_text(scene_text(scene, balance, how), encoding='utf-8')
     if arguments.plot:
-        draw_changes(loads, balance.numbers, arguments.plot)
+        draw_changes(loads, balance.moments, arguments.plot)
