@@ -21,11 +21,10 @@ SAME = 1e-9      # joints nearer to each other than this share of the picture sh
 
 
 class Labels(NamedTuple):
-    """Names of joints and forces in a picture; textbook names need no ``words``, ``letters``."""
+    """Names of joints and forces in a picture; joints with textbook names have no ``letters``."""
 
     joints: Mapping[str, Array]         # {letter as mathtext: point}
     forces: Mapping[str, str]           # {field of the loads: symbol as mathtext}
-    words: Mapping[str, str]            # {field of the loads: words behind its symbol in a text}
     letters: Mapping[str, str]          # {joint: letter}
 
 
@@ -38,8 +37,7 @@ def labels_of(diagram: picture.Diagram) -> Labels:
     forces F_A1, F_A2. A letter stays where another point takes a name.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
-        return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces},
-                      {}, {})
+        return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces}, {})
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
     groups: list[list[str]] = []             # joints at one point
     for name, point in diagram.joints.items():
@@ -66,12 +64,13 @@ def labels_of(diagram: picture.Diagram) -> Labels:
                 letter := f'{first}_{index}' if index else first) not in taken)
         letter = next((known[name] for name in names if name in known), letter)
         joints[letter] = point
+        taken.add(letter)               # A_1 may be the next free one after A, and come in turn
         letters.update(dict.fromkeys(names, letter))
         for index, name in enumerate(names, 1):
             mark = index if len(names) > 1 else ''
             symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
-    return Labels(joints, forces, {force: force.replace('_', ' ') for force in forces}, letters)
+    return Labels(joints, forces, letters)
 
 
 # --- numbers -------------------------------------------------------------------------------------
@@ -107,7 +106,7 @@ def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     known = {'driving_torque': f'driving torque ${mechanism.TORQUE}$',
              'driving_force': 'driving force $P$'}
     for name, symbol in labels.forces.items():
-        words = f' {labels.words[name]}' if labels.words else ''
+        words = f' {name.replace("_", " ")}' if labels.letters else ''
         known |= {name: f'${symbol}${words}',
                   **{f'{name}_{axis}': f'${symbol[:-1]},{axis}}}${words}' for axis in 'xy'}}
     for coordinate in mechanism.PARTS:
@@ -146,9 +145,8 @@ def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[st
 
 def load_lines(loads: parts.NamedFields, labels: Labels, torque: str) -> list[str]:
     """Return lines of text: force at each joint, drive, guide, shaking; ``torque``: its symbol."""
-    lines = [' '.join(filter(None, (f'${symbol}$', labels.words.get(name),
-                                    f'= {significant(getattr(loads, name))} N')))
-             for name, symbol in labels.forces.items()]
+    lines = [f'${symbol}$ {name.replace("_", " ") + " " if labels.letters else ""}'
+             f'= {significant(getattr(loads, name))} N' for name, symbol in labels.forces.items()]
     values = {name: significant(value) for name, value in loads._asdict().items()}
     lines.append(f'drive $P$ = {values["driving_force"]} N'
                  if getattr(loads, 'driving_force', 0.0) != 0.0 else

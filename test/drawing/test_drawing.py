@@ -12,7 +12,7 @@ from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.machine.structure import BASE
-from fourbar_ros.mechanisms.picture import diagram_of
+from fourbar_ros.mechanisms.picture import Diagram, diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.scene.files import shipped
@@ -84,6 +84,13 @@ def test_letters_stay_where_a_point_takes_a_name():
     assert after == {**before, 'one_first': 'B', 'one_inner': 'B_1', 'two_first': 'knee'}
     jansen = load('jansen').linkage
     assert {'pin', 'hip', 'knee'} <= {*labels_of(diagram_of(jansen, jansen.motion(1.0))).joints}
+
+
+def test_no_two_of_many_joints_share_a_letter():
+    # more joints than letters: after A_1 for A, which a point is called, A_1 comes in turn too
+    joints = {f'j{i}': np.array([1.0 + i, 0.0]) for i in range(60)}
+    diagram = Diagram(joints, (), (), (), {}, {}, {'j59': 'A'})
+    assert len({*labels_of(diagram).letters.values()}) == len(labels_of(diagram).joints) == 60
 
 
 @pytest.mark.parametrize('value, expected', [(1.0, 1.0), (1.99, 1.0), (2.0, 2.0), (4.9, 2.0),
