@@ -17,7 +17,7 @@ from fourbar_lab.drawing.figure import BESIDE, CannotDraw, new_figure, Paper
 from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
 from fourbar_ros import Mechanism
-from fourbar_ros.extrema.find import Extremum, find_extrema, INTERIOR
+from fourbar_ros.extrema.find import find_extrema, INTERIOR
 from fourbar_ros.mechanisms import parts, picture
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -28,8 +28,6 @@ if TYPE_CHECKING:      # drawings alone need it
 
 NEAR = 1.6       # sizes of the mechanism from its middle: farther poles are left out
 AXIS = '#1f4e8c'        # colour
-AXIS_STYLE: dict[str, Any] = {'color': AXIS, 'lw': 1.8}
-LINE_STYLE: dict[str, Any] = {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))}
 
 
 def axis_parts(linkage: Mechanism, motion: parts.NamedFields, low: Array, high: Array
@@ -69,7 +67,8 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: 
     sheet = draw_mechanism(axes, linkage, motion, {}, (), list(poles.values()), title=title)
     lines, poles = axis_parts(linkage, motion, sheet.low, sheet.high)
     for name, ends in lines.items():
-        style = AXIS_STYLE if name == 'axis' else LINE_STYLE
+        style: dict[str, Any] = ({'color': AXIS, 'lw': 1.8} if name == 'axis' else
+                                 {'color': '0.55', 'lw': 0.8, 'ls': (0, (5, 3))})
         sheet.line(*ends, zorder=1, **style)
     for letter, pole in poles.items():
         axes.plot(*pole, 'o', ms=5, color=AXIS, zorder=7)
@@ -80,12 +79,6 @@ def draw_axis(axes: Axes, linkage: Mechanism, motion: parts.NamedFields, title: 
                   (0.98, 0.01), (0, 16 * sheet.zoom), ha='right', xycoords='axes fraction',
                   textcoords='offset points', color=AXIS, fontsize=11 * sheet.zoom, zorder=8,
                   bbox={'fc': 'w', 'ec': 'none', 'pad': 1.0})      # above the scale
-
-
-def extrema_inside(linkage: Mechanism, rate: float) -> list[Extremum]:
-    name = linkage.outputs[0].coordinate.rate
-    return [extremum for extremum in find_extrema(linkage, (name,), rate)
-            if extremum.place == INTERIOR]
 
 
 def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = None,
@@ -99,7 +92,8 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     """
     coordinate = linkage.outputs[0].coordinate
     collineation_axis(linkage, linkage.motion(cycles(linkage)[0][1], rate))     # refuses others
-    extrema = extrema_inside(linkage, rate)
+    extrema = [extremum for extremum in find_extrema(linkage, coordinate.rate, rate)
+               if extremum.place == INTERIOR]
     if position is None:
         if not extrema:
             raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give at')

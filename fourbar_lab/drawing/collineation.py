@@ -72,8 +72,19 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
         raise InvalidParameter('linkage', type(linkage).__name__, 'must be a four-bar or a '
                                'slider-crank that its crank drives')
     unit, a1 = max(map(abs, linkage.lengths)), linkage.lengths[0]
-    corners = ((0.0, 0.0, 1.0), (a1 * np.cos(motion.theta1), a1 * np.sin(motion.theta1), 1.0),
-               *_output_joints(linkage, motion))
+    fields: Any = motion
+    # (x w, y w, w) of the joints; O1, A, and beside the output B, O4
+    if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
+        of_output = (fields.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
+    else:
+        sine, cosine = np.sin(fields.theta4), np.cos(fields.theta4)
+        if isinstance(linkage, InvertedSlider):     # B is at infinity, square to the bar
+            of_output = (-sine, cosine, 0.0), (linkage.a4, 0.0, 1.0)
+        else:
+            _, _, a3, a4 = linkage.lengths
+            of_output = (a4 + a3 * cosine, a3 * sine, 1.0), (a4, 0.0, 1.0)
+    corners = ((0.0, 0.0, 1.0), (a1 * np.cos(fields.theta1), a1 * np.sin(fields.theta1), 1.0),
+               *of_output)
     scales = [unit if w > 0.0 else 1.0 for *_, w in corners]     # a direction has no unit
     o1, a, b, o4 = (np.stack(np.broadcast_arrays(x / scale, y / scale, w, motion.theta1)[:-1])
                     for (x, y, w), scale in zip(corners, scales))
@@ -85,16 +96,3 @@ def collineation_axis(linkage: Mechanism, motion: NamedFields) -> CollineationAx
     lines['axis'] = axis = cross(p13, p24)
     return CollineationAxis(p13, p24, coupler[0] * axis[0] + coupler[1] * axis[1],
                             coupler[0] * axis[1] - coupler[1] * axis[0], lines)
-
-
-def _output_joints(linkage: Mechanism, motion: Any) -> tuple[Corner, Corner]:
-    if isinstance(linkage, SliderCrank):        # O4 is at infinity, square to the guide
-        return (motion.slide, linkage.offset, 1.0), (0.0, 1.0, 0.0)
-    sine, cosine = np.sin(motion.theta4), np.cos(motion.theta4)
-    if isinstance(linkage, InvertedSlider):     # B is at infinity, square to the bar
-        return (-sine, cosine, 0.0), (linkage.a4, 0.0, 1.0)
-    _, _, a3, a4 = linkage.lengths
-    return (a4 + a3 * cosine, a3 * sine, 1.0), (a4, 0.0, 1.0)
-
-
-Corner = tuple[Any, Any, float]         # (x w, y w, w) of a joint

@@ -131,8 +131,8 @@ def _in_units(curves: Curves, shown_units: Mapping[str, str]) -> Curves:
         if isfinite(curves.period) else inf)
 
 
-def envelope_of(scene: Scene, linkage: Mechanism, speeds: tuple[float, float],
-                acceleration: float = 0.0, shown_units: Mapping[str, str] = UNITS) -> Curves:
+def envelope_of(linkage: Mechanism, speeds: tuple[float, float], acceleration: float,
+                shown_units: Mapping[str, str]) -> Curves:
     """Return the effort of the drive over the speed; InvalidParameter if it overflows."""
     unit = linkage.input_coordinate.unit
     force = 'N' if linkage.is_driven_by_slide else 'N m'

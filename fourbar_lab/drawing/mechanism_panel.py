@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import pi, remainder
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
@@ -28,7 +27,7 @@ Letters = Mapping[str, str]         # {name of a joint: other letter}
 
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: picture.Points,
                    paths: Sequence[Array] = (), extra_points: Sequence[Array] = (),
-                   names: Letters = MappingProxyType({}), title: str = '') -> Sheet:
+                   names: Letters | None = None, title: str = '') -> Sheet:
     """Draw a pose with points and paths (n, 2) [m]; the caller adds ``extra_points``, finishes."""
     diagram = picture.diagram_of(mechanism, motion)
     parts = picture.picture(mechanism, motion, points)
@@ -46,7 +45,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
         draw_part(sheet, part)
     middle = joints.mean(axis=0)
     for name, point in labels_of(diagram).joints.items():
-        sheet.label(renamed(name, names), point, point - middle, 'k', point)
+        sheet.label(renamed(name, names or {}), point, point - middle, 'k', point)
     for arm in arms:
         name = arm.name.replace('_', r'\_')
         sheet.label(rf'\mathrm{{{name}}}', arm.end, (1.0, 1.0), POINT, arm.end)

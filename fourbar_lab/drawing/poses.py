@@ -14,10 +14,6 @@ from fourbar_ros.pipeline import stepper
 from fourbar_ros.terminal import make_table
 from rich.table import Table
 
-FORCES = (parts.Reaction('shaking force', 'linkage on ground', 'shaking_force'),)
-MOMENTS = sorted((row for row in load_table.LOADS.values() if row.label),
-                 key=lambda row: row.name.startswith('shaking'))     # as of forces: at the end
-
 
 class DrawnPose(NamedTuple):
     """Motion and loads (None without masses) at one input; status as in pipeline.stepper."""
@@ -36,19 +32,18 @@ def evaluate_at(linkage: Mechanism, user_input: float, speed: float, acceleratio
     """Return the pose at an input [degrees or m], ``counted`` so in words; or FourBarError."""
     sample = position_of(linkage, user_input), speed, acceleration
     status, motion, loads = stepper.evaluate(linkage, *sample, linkage.has_loads)
-    if status == stepper.OUT_OF_RANGE:
-        ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
-        raise no_pose(linkage, user_input, f'is outside the input range {ranges}{counted}')
     if status == stepper.INVALID_INPUT:
         linkage.motion(*sample)       # raises where the input is not finite
-    if status == stepper.TOGGLE and not at_toggles:
-        raise no_pose(linkage, user_input, 'is a toggle position: rates and loads are unbounded')
+    why = ''
+    if status == stepper.OUT_OF_RANGE:
+        ranges = ranges_in_words(linkage.input_coordinate, linkage.input_ranges)
+        why = f'is outside the input range {ranges}{counted}'
+    elif status == stepper.TOGGLE and not at_toggles:
+        why = 'is a toggle position: rates and loads are unbounded'
+    if why:
+        unit = 'm' if linkage.is_driven_by_slide else 'deg'
+        raise FourBarError(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
     return DrawnPose(status, motion, loads if linkage.has_loads else None)
-
-
-def no_pose(linkage: Mechanism, user_input: float, why: str) -> FourBarError:
-    unit = 'm' if linkage.is_driven_by_slide else 'deg'
-    return FourBarError(f'{linkage.input_coordinate.position} = {user_input:.12g} {unit} {why}')
 
 
 def shown(coordinate: parts.Coordinate, value: float) -> str:
@@ -93,21 +88,24 @@ def motion_table(linkage: Mechanism, pose: DrawnPose) -> Table:
 def loads_table(linkage: Mechanism, loads: parts.NamedFields) -> Table:
     table = make_table('loads', ('', 'x>', 'y>', 'magnitude>', 'unit', 'of'))
     values = loads._asdict()
-    forces = (*linkage.REACTIONS, *FORCES)
-    in_forces = {force.magnitude for force in forces}
+    forces = (*linkage.REACTIONS,
+              parts.Reaction('shaking force', 'linkage on ground', 'shaking_force'))
+    # moments, power and the drive; what shakes stands at the end, as of the forces
+    labelled = sorted((row for row in load_table.LOADS.values() if row.label),
+                      key=lambda row: row.name.startswith('shaking'))
     for force in forces:
         table.add_row(force.symbol, *(ten_digits(values[field])
                                       for field in (force.x, force.y, force.magnitude)), 'N',
                       force.text)
     torque = re.sub('[_{}]', '', linkage.TORQUE)             # mathtext: T_{41} becomes T41
-    for row in MOMENTS:
+    for row in labelled:
         if row.name in values:
             table.add_row(row.label.replace('T41', torque), '', '', ten_digits(values[row.name]),
                           row.unit)
     known = quantities.known_quantities(linkage, linkage.input)
+    in_table = {force.magnitude for force in forces} | {row.name for row in labelled}
     for name, value in values.items():               # loads that only one kind of mechanism has
-        if name in known and name not in in_forces and not (
-                name in load_table.LOADS and load_table.LOADS[name].label):
+        if name in known and name not in in_table:
             table.add_row(name.replace('_', ' '), '', '', ten_digits(value), known[name].unit)
     return table
 

@@ -54,7 +54,7 @@ def properties_of(linkage: Mechanism) -> LinkageRecord:
         'input': _with_ranges(linkage.input_coordinate, linkage.input_ranges)
         | {'turns_fully': linkage.turns_fully, 'period': linkage.period},
         'outputs': [_output(linkage, coordinate) for coordinate, _ in linkage.outputs],
-        'dead_points': [_dead_point(linkage, point) for point in _dead_points(linkage)],
+        'dead_points': _dead_points(linkage),
         'toggles': list(linkage.toggles),       # where the links of a dyad come in line
         'transmission_angles': transmission_angles(linkage),
         'change_point_margin': linkage.change_point_margin,
@@ -91,21 +91,17 @@ def _output(linkage: Mechanism, coordinate: parts.Coordinate) -> LinkageRecord:
         'time_ratio': ratio}
 
 
-def _dead_points(linkage: Mechanism) -> Sequence[Any]:
-    if not hasattr(linkage, 'stages'):
-        return linkage.dead_points
-    return sorted([(counted(linkage, extremum.input), extremum.value)
-                   for extremum in turning_points(linkage)])
-
-
-def _dead_point(linkage: Mechanism, point: Any) -> LinkageRecord:
+def _dead_points(linkage: Mechanism) -> list[LinkageRecord]:
+    """Return where the output turns back: {name of input or output: its position there}."""
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
-    values = counted(linkage, point[0]), *point[1:]
-    record: LinkageRecord = {coordinate.position: value
-                             for coordinate, value in zip(coordinates, values)}
-    if hasattr(point, 'stretched'):
-        record['stretched'] = bool(point.stretched)
-    return record
+    points: Sequence[Any] = linkage.dead_points
+    if hasattr(linkage, 'stages'):      # of a machine there is no closed form
+        points = sorted([(counted(linkage, extremum.input), extremum.value)
+                         for extremum in turning_points(linkage)])
+    return [{**{coordinate.position: value for coordinate, value in zip(
+                coordinates, (counted(linkage, point[0]), *point[1:]))},
+             **({'stretched': bool(point.stretched)} if hasattr(point, 'stretched') else {})}
+            for point in points]
 
 
 def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:

@@ -64,10 +64,6 @@ def driven_linkage(scene: Scene, speed: Option, acceleration: Option, mode: int 
     return DrivenLinkage(linkage, scene.drive.speed if rate is None else rate, change or 0.0, at)
 
 
-def paper_of(width: Option, title: str | None) -> figure.Paper:
-    return figure.paper_of(value_of('width', width, 'm'), title)
-
-
 def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
          acceleration: Option = 0.0, mode: int | None = None, title: str | None = None,
          width: Option = None) -> PaperFigure:
@@ -79,7 +75,7 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
     or m/s]: default drive.speed of the scene; ``width`` [m]: of the picture, as '88mm'.
     """
     linkage, rate, change, user_input = driven_linkage(scene, speed, acceleration, mode, at)
-    paper, points = paper_of(width, title), scene.points
+    points, paper = scene.points, figure.paper_of(value_of('width', width, 'm'), title)
     if over == 'axis':
         return axis.make_axis_figure(linkage, rate, None if user_input is None else
                                      poses.position_of(linkage, user_input), paper)
@@ -118,7 +114,7 @@ def plot(scene: Scene, *names: str, speed: Option = None, acceleration: Option =
     No names: all but components, which would crowd a picture. ``units``: to show, as 'mm,kN'.
     """
     linkage, rate, change, _ = driven_linkage(scene, speed, acceleration, mode)
-    shown, paper = shown_units(units), paper_of(width, title)
+    shown, paper = shown_units(units), figure.paper_of(value_of('width', width, 'm'), title)
     wanted = names or [quantity.name for quantity in quantities.select(
         (), linkage, scene.point_quantities)]
     lines = curves.curves_of(scene, linkage, wanted, rate, change, samples, shown, True)
@@ -154,7 +150,7 @@ def columns(scene: Scene, names: Sequence[str], driven: tuple[Mechanism, float, 
             ] if isinstance(speeds, Sequence) and not isinstance(speeds, str) else []
     if len(ends) != 2 or ends[0] is None or ends[1] is None:
         raise InvalidParameter('speeds', speeds, 'must be the lowest and the highest')
-    return curves.envelope_of(scene, linkage, (ends[0], ends[1]), change, shown)
+    return curves.envelope_of(linkage, (ends[0], ends[1]), change, shown)
 
 
 def shown_units(wanted: Units) -> dict[str, str]:
