@@ -253,21 +253,24 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
             # on its side of a jump, so that one where a turn begins is not at both its ends
             for x in (np.arange(low + (first + 1e-9 * extremum.side - low) % curves.period,
                                 high + 0.5e-9, curves.period) if is_angle else [first])]
-    marked = {name: [value for quantity, _, value in dots if quantity == name]
+    marked = {name: [(x, value) for quantity, x, value in dots if quantity == name]
               for name in curves.names}
-    rows = [(name, symbol, unit, readable(values, marked[name]) if marked[name] else values)
-            for name, symbol, unit, values in zip(
-                curves.names, curves.symbols, curves.units, curves.values)][1:]
-    by_unit = {unit: [row for row in rows if row[2] == unit] for unit in curves.units[1:]}
-    figure = make_panels({AXES.get(unit, 'value') + (f' [{unit}]' if unit else ''):
-                          [(symbol, curves.values[0], values) for _, symbol, _, values in group]
-                          for unit, group in by_unit.items()},
-                         f'{curves.symbols[0]} [{curves.units[0]}]', curves.title, paper)
-    for axis, group in zip(figure.axes, by_unit.values()):
-        for line, (name, *_) in zip(list(axis.lines), group):
+    inputs, *columns = curves.values
+    panels: dict[str, list[tuple[str, Array, Array]]] = {}      # one for each unit
+    names: dict[str, list[str]] = {}                            # of the curves in it
+    for name, symbol, unit, values in zip(curves.names[1:], curves.symbols[1:], curves.units[1:],
+                                          columns):
+        text = AXES.get(unit, 'value') + (f' [{unit}]' if unit else '')
+        if marked[name]:
+            values = readable(values, [value for _, value in marked[name]])
+        panels.setdefault(text, []).append((symbol, inputs, values))
+        names.setdefault(text, []).append(name)
+    figure = make_panels(panels, f'{curves.symbols[0]} [{curves.units[0]}]', curves.title, paper)
+    for axis, of_panel in zip(figure.axes, names.values()):
+        for line, name in zip(list(axis.lines), of_panel):
             if marked[name]:
-                axis.plot(*zip(*[(x, value) for quantity, x, value in dots if quantity == name]),
-                          'o', color=line.get_color(), markersize=0.36 * figure.style['font.size'])
+                axis.plot(*zip(*marked[name]), 'o', color=line.get_color(),
+                          markersize=0.36 * figure.style['font.size'])
     if curves.units[0] == 'deg' and high - low > 180.0:
         from matplotlib.ticker import MultipleLocator
         figure.axes[-1].xaxis.set_major_locator(MultipleLocator(90.0))

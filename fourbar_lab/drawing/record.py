@@ -112,8 +112,7 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     every = find_extrema(linkage, asked, conditions=False)
     record = {}
     for name in asked:
-        extrema = [extremum for extremum in every if extremum.quantity == name]
-        least, most = (pick(extrema, key=lambda extremum: extremum.value) for pick in (min, max))
+        least, most = _least_and_most(every, name)
         worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
         record[name] = {'least': least.value, 'most': most.value, 'worst': worst.value,
                         'worst_at': counted(linkage, worst.input)}
@@ -125,10 +124,10 @@ def _inertia(linkage: Mechanism) -> LinkageRecord:
     inertia = OverInput(linkage, 'inertia')
     least, most = inertia.least, inertia.most
     assert least and most           # it is no angle
-    return {'least': least.value, 'least_at': counted(linkage, least.input),
-            'most': most.value, 'most_at': counted(linkage, most.input), 'mean': inertia.mean,
-            'unbounded_at': [counted(linkage, extremum.input) for extremum in inertia.extrema
-                             if extremum.value == inf]}
+    return _ends(linkage, least, most) | {
+        'mean': inertia.mean, 'unbounded_at': [counted(linkage, extremum.input)
+                                               for extremum in inertia.extrema
+                                               if extremum.value == inf]}
 
 
 def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
@@ -156,17 +155,25 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
     names = [name for name, quantity in quantities.of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
              and (linkage.has_loads or not quantity.is_load)]
-    every = find_extrema(frictionless, names, speed, conditions=False, within=within)
+    # the sign of the advantage is the sense of the output: it counts by its size
+    every = [extremum._replace(value=abs(extremum.value))
+             if extremum.quantity == 'mechanical_advantage' else extremum for extremum in
+             find_extrema(frictionless, names, speed, conditions=False, within=within)]
     for name in names:
-        of_name = [extremum for extremum in every if extremum.quantity == name]
-        is_size = name == 'mechanical_advantage'      # its sign is the sense of the output
-        least, most = (pick(of_name, key=lambda extremum: abs(extremum.value) if is_size
-                            else extremum.value) for pick in (min, max))
-        record[name] = {'unit': least.unit, **{key: value for key, extremum in (
-            ('least', least), ('most', most)) for key, value in (
-                (key, abs(extremum.value) if is_size else extremum.value),
-                (f'{key}_at', counted(linkage, extremum.input)))}}
+        least, most = _least_and_most(every, name)
+        record[name] = {'unit': least.unit} | _ends(linkage, least, most)
     return record
+
+
+def _least_and_most(extrema: Sequence[Extremum], name: str) -> tuple[Extremum, Extremum]:
+    of_name = [extremum for extremum in extrema if extremum.quantity == name]
+    return (min(of_name, key=lambda extremum: extremum.value),
+            max(of_name, key=lambda extremum: extremum.value))
+
+
+def _ends(linkage: Mechanism, least: Extremum, most: Extremum) -> LinkageRecord:
+    return {'least': least.value, 'least_at': counted(linkage, least.input),
+            'most': most.value, 'most_at': counted(linkage, most.input)}
 
 
 def _effort(linkage: Mechanism, speed: float, acceleration: float,

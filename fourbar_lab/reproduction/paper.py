@@ -145,9 +145,9 @@ def table_3() -> Section:
         published.largest_extremum(linkage, quantity, PAPER_SPEED) for linkage, quantity in (
             (THIN, 'shaking_force'), (THIN, 'shaking_moment'), (THIN, literal_moment),
             (published.PAPER, 'shaking_moment')))
-    theta1, *curves = published.wrong_curves()
-    (wrong_force, theta1_force), (wrong_moment, theta1_moment), (wrong_literal, _) = (
-        (curve.max(), theta1[curve.argmax()]) for curve in curves)
+    wrong = published.wrong_curves()
+    theta1_force, theta1_moment = (wrong.theta1[curve.argmax()]
+                                   for curve in (wrong.force, wrong.moment))
     rate = published.extreme(published.PAPER, 'omega4', 'minimum', PAPER_SPEED)
     grid = 'on a grid of 0.1 deg, to the last digit'
     return Section('Paper, Table 3 and Figure 4 - shaking force and moment, mode 2', [
@@ -162,10 +162,11 @@ def table_3() -> Section:
         printed('T14 + r34 x F34 with r34 of Fig. 2, from CG3', 'N m', '154.9566',
                 abs(literal.value), WRONG, WRONG_MOMENT),
         printed('  its theta1', 'rad', '5.7352', literal.theta1, WRONG, WRONG_MOMENT),
-        printed('the same with m v', 'kg m^2/s', '154.9566', wrong_literal, WRONG, WRONG_MOMENT),
-        printed('the force with m v', 'kg m/s', '56.9764', wrong_force, why=grid),
+        printed('the same with m v', 'kg m^2/s', '154.9566', wrong.literal_moment.max(), WRONG,
+                WRONG_MOMENT),
+        printed('the force with m v', 'kg m/s', '56.9764', wrong.force.max(), why=grid),
         printed('  its theta1', 'rad', '5.7299', theta1_force),
-        printed('the moment with m v and 0.01 m (thin rods)', '', '154.9566', wrong_moment,
+        printed('the moment with m v and 0.01 m (thin rods)', '', '154.9566', wrong.moment.max(),
                 why=f'{grid}; that 0.01 m is the radius of the rods is our inference'),
         printed('  its theta1', 'rad', '5.7352', theta1_moment),
         printed('least omega4 in the text', 'rad/s', '-23.9594', rate.value),
