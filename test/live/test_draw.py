@@ -416,6 +416,7 @@ def test_a_bare_number_has_the_unit_that_is_shown_and_a_refusal_names_what_was_t
         paper.keys(typed, Keys.ENTER)
         return paper.state['scene']['linkage']['points']['A']['along']
     assert write('41') == 0.041 and paper.in_python().values[crank] == 0.041
+    paper.until(lambda: paper.is_answered(crank, 0.041), 'the answer')      # which clears an alarm
     assert write('45 kg') == 0.041
     paper.until(lambda: f"{crank} = '45 kg': must be a number in m" in paper.alarm(), 'the unit')
     paper.keys(Keys.ESCAPE)

@@ -237,6 +237,12 @@ def test_samples_of_a_static_parallelogram_have_its_poles(driver, file, name):
     tab = Tab(driver, f'{file(name)}#drive.speed=0')
     assert tab.largest()[1] == inf and 'can be missed' in tab.proof()
     assert min(digits(tab, 'driving_torque')) == pytest.approx(torque, rel=1e-9)
+    # at 60 degrees, far from poles, arrows are of a size to be seen
+    longest, size = tab.script("""
+page.store.dispatch({ view: { at: Math.PI / 3 } });
+return [Math.max(...[...document.querySelectorAll('#picture line.force')].map(
+          line => line.getTotalLength())), page.engine.size * page.picture.scale]""")
+    assert longest > 0.02 * size
     tab.open('Extrema')
     assert not [row for row in tab.rows('Extrema') if 'global' in row[1]]
 
@@ -260,6 +266,8 @@ def test_rounding_is_no_extremum(driver, file):
         rows, curves = tab.rows('Extrema'), tab.script('return page.structure().usual')
         assert {row[1].split('\n')[0] for row in rows} == {'constant'}
         assert len(rows) == 1 + len(curves)         # and the largest force
+        assert max(tab.script("return [...document.querySelectorAll('.curve .line')].map(line => "
+                              'line.getBBox().height)')) < 1.0      # [px]: no noise is drawn
 
 
 def test_an_emptied_mass_is_taken_out_and_an_emptied_length_is_refused(driver, address):

@@ -45,7 +45,7 @@ export class Curves {
       let [least, most] = [finite[0], finite.at(-1)];
       const [a, b] = [0.02, 0.98].map(part => finite[Math.round(part * (finite.length - 1))]);
       if (most - least > 20 * (b - a) && b > a) [least, most] = [a - 0.5 * (b - a), b + 0.5 * (b - a)];
-      const room = (extrema[0]?.kind !== "constant" && 0.06 * (most - least)) || Math.abs(most) * 0.1 || 1;
+      const isConstant = extrema[0]?.kind === "constant", room = (!isConstant && 0.06 * (most - least)) || 0.1 * Math.abs(isConstant ? extrema[0].value * scale : most) || 1;
       [least, most] = [least - room, most + room];
       const up = value => bottom - ((value - least) / (most - least)) * (bottom - TOP);
       if (name.startsWith("transmission_angle") && unit === "deg") {

@@ -300,8 +300,7 @@ export function addDrawing(page) {
     }
   };
 
-  // --- what is drawn above the picture --------------------------------------------------------------
-
+  // --- what is drawn above the picture ---
   const put = (tag, attributes, text) => draw(page.picture.over, tag, attributes, text);
   const clear = () => page.picture.over.replaceChildren();
   const line = (a, b, kind) => {
@@ -342,8 +341,7 @@ export function addDrawing(page) {
     text.addEventListener('keydown', key => { if (key.key === 'Enter') ask(key); });
   }
 
-  // --- where the pointer is -----------------------------------------------------------------------------
-
+  // --- where the pointer is ---
   const size = () => page.picture.svg.clientWidth / page.picture.scale / 2;
   const snapped = place => {                              // three digits of the picture
     const step = 10 ** Math.floor(Math.log10(size() / 100));
@@ -383,8 +381,7 @@ export function addDrawing(page) {
     return bars;
   }
 
-  // --- changes ---------------------------------------------------------------------------------------
-
+  // --- changes ---
   /** Make a change that gives the scene of a sketch. */
   function dispatchDrawn(sketch, change) {
     store.dispatch({ ...change, view: { at: sketch.x } });
@@ -414,15 +411,10 @@ export function addDrawing(page) {
   }
   function addTool(tool) {
     const handlers = { begin() {}, down() {}, move() {}, up() {}, key: () => false, ...tool }, acts = Object.entries(handlers).filter(([, of]) => typeof of === 'function');
-    const begin = () => {
-      becomeMachine();
-      handlers.begin();
-    };
-    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(begin), end: clear, isDrawing: true, get hint() { return tool.hintNow?.() ?? tool.title; } });
+    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(() => (becomeMachine(), handlers.begin())), end: clear, isDrawing: true, get hint() { return tool.hintNow?.() ?? tool.title; } });
   }
 
-  // --- two rods, a slide, a cylinder ------------------------------------------------------------------
-
+  // --- two rods, a slide, a cylinder ---
   const fromOrigin = place => (isEmpty() && draft.origin ? offset(draft.origin, place) : place);
   const onPicture = place => (isEmpty() && draft.origin ? [place[0] + draft.origin[0], place[1] + draft.origin[1]] : place);
   function hintOf(kind) {
@@ -526,10 +518,7 @@ export function addDrawing(page) {
       name, label: label_, title, hintNow: () => hintOf(kind),
       begin: () => showDraft(kind),
       redraw: () => (draft.origin || draft.ends) && showDraft(kind),
-      down(place) {
-        click(kind, place);
-        showDraft(kind);
-      },
+      down: place => (click(kind, place), showDraft(kind)),
       move: place => showDraft(kind, place),
       up(place) {
         if (!draft.guide) return;
@@ -537,17 +526,11 @@ export function addDrawing(page) {
         finish('RRP', first, pin.at, { direction });
         showDraft(kind);
       },
-      key(event) {
-        if (event.key !== 'Escape') return false;
-        draft = {};
-        showDraft(kind);
-        return true;
-      },
+      key: event => event.key === 'Escape' && (draft = {}, showDraft(kind), true),
     });
   }
 
-  // --- shape: drag what is there ------------------------------------------------------------------------
-
+  // --- shape: drag what is there ---
   let grabbed = null, drags = 0;
   const turnBetween = (u, v) => Math.atan2(cross(u, v), dot(u, v));
   /** Move what a hand holds; return the point that it holds. */
@@ -609,8 +592,7 @@ export function addDrawing(page) {
     }
   }
 
-  // --- points, springs, forces: pressed on a link, let go elsewhere ------------------------------------
-
+  // --- points, springs, forces: pressed on a link, let go elsewhere ---
   const freshIn = (family, letter) => Array.from({ length: 99 }, (_, i) => `${letter}${i + 1}`).find(name => !(name in (scene()[family] || {})));
   const localPlace = (sketch, { link, at }) => {
     const [along, across] = localIn(sketch.frames[link], at).map(tidy);
@@ -657,8 +639,7 @@ export function addDrawing(page) {
     return { [`external.${start.link}`]: { ...store.state.scene.external?.[start.link], force_x, force_y, along, across } };
   });
 
-  // --- modes, drive, what goes ---------------------------------------------------------------------------
-
+  // --- modes, drive, what goes ---
   /** [dyad, where its pin would be in the other mode]. */
   const mirrors = sketch => sketch.dyads.filter(dyad => dyad.inner).map(dyad => {
     const p = placeOfEnd(sketch, dyad.first), chord = dyad.kind === 'RRR' ? frameTo(p, placeOfEnd(sketch, dyad.second)) : frameAt(p, dyad.direction + Math.PI / 2);

@@ -41,13 +41,6 @@ export class Engine {
     [this.to, this.beside] = [0, 1].map(() => new Float64Array(module.names.length));
     this.status = 1;
   }
-  /** Another engine with these parameters; RangeError names one that this structure does not have. */
-  with(changed) {
-    for (const name in changed) {
-      if (!(name in this.module.parameters)) throw new RangeError(`${name}: no parameter of this structure`);
-    }
-    return new Engine(this.structure, this.module, { ...this.values, ...changed }, this.acceleration);
-  }
   get turnsFully() { return this.ranges.length === 1 && this.ranges[0].turns; }
   get isAngle() { return this.structure.input.unit === "rad"; }
 
@@ -76,11 +69,6 @@ export class Engine {
     return [to[i + 2] - w * dy, to[i + 3] + w * dx, to[i + 4] - a * dy - w * w * dx, to[i + 5] + a * dx - w * w * dy];
   }
   joint(name) { return this.point(this.structure.sketch.joints[name][0]); }
-  /** Where a place of the plane is on a link in this pose: [along, across]. */
-  local(link, [x, y]) {
-    const [x0, y0, c, s] = this.frame(link);
-    return [(x - x0) * c + (y - y0) * s, (y - y0) * c - (x - x0) * s];
-  }
 
   // --- where it closes ---
   /** Ranges of the input, from the server while nothing has changed, else followed from the pose. */
@@ -104,12 +92,7 @@ export class Engine {
         else bad = start + sense * i * h;
       }
       if (Number.isNaN(bad)) return sense * Infinity;
-      while (Math.abs(bad - good) > 1e-12 * whole) {
-        const middle = (good + bad) / 2;
-        if (middle === good || middle === bad) break;
-        if (this.at(middle)) good = middle;
-        else bad = middle;
-      }
+      for (let i = 0; i < 50; i++) [good, bad] = (middle => (this.at(middle) ? [middle, bad] : [good, middle]))((good + bad) / 2);
       return good;
     });
     if (ends[1] === Infinity && this.isAngle) {
@@ -135,15 +118,9 @@ export class Engine {
       const [u, v] = this.point(ref);
       return Math.hypot(u - x, v - y) + (0.05 * this.size * Math.abs(input - from)) / span;
     };
-    const { inputs, rows } = this.sweep, { to } = this;
-    let best = from, least = Infinity;
-    rows.forEach((row, i) => {
-      this.to = row;
-      const input = inputs[i] + (this.turnsFully ? span * Math.round((from - inputs[i]) / span) : 0), distance = far(input);
-      if (distance < least) [best, least] = [input, distance];
-    });
-    this.to = to;
-    return this.inside(climbed(input => (this.at(this.inside(input)) ? -far(input) : -Infinity), best, span / rows.length, 1e-7 * span));
+    const inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0)), distances = this.ofSamples(i => far(inputs[i]));
+    const best = distances.reduce((least, distance, i) => (distance < distances[least] || Number.isNaN(distances[least]) ? i : least), 0);
+    return this.inside(climbed(input => (this.at(this.inside(input)) ? -far(input) : -Infinity), inputs[best], span / inputs.length, 1e-7 * span));
   }
 
   // --- over the input ---
@@ -169,6 +146,12 @@ export class Engine {
     const isFlat = inputs.map((x, i) => this.step(x, this.rate, this.acceleration, rows[i])).some(Boolean);
     return (this._sweep = { inputs, rows, isFlat });
   }
+  /** What a function gives in the pose of each sample, of its index. */
+  ofSamples(of) {
+    const { to } = this, all = this.sweep.rows.map((row, i) => ((this.to = row), of(i)));
+    this.to = to;
+    return all;
+  }
   /** A function x -> value of a quantity; those of the drive have rates of their own. */
   valueOf(name) {
     const { drive, outputRate } = this.structure, to = new Float64Array(this.to.length);
@@ -192,19 +175,15 @@ export class Engine {
       return angles.map(angle => angle - turn);
     }) };
   }
-  /** What rounding makes of a quantity of a unit, as the search of fourbar show has it: 64 eps of the terms that add up, over the sine of the transmission angle; the median of the samples. */
-  noise(unit) {
-    this._noise ??= {};
-    if (unit in this._noise) return this._noise[unit];
-    const { index, structure: { links, size, sketch } } = this, sum = (names, row) => names.reduce((all, i) => all + Math.abs(i === undefined ? 0 : row[i]), 0);
-    const frames = links.map(link => index[`frame.${link}.x`]), forces = Object.keys(sketch.forces).map(name => index[name]);
-    const bounds = this.sweep.rows.map(row => {
-      const omega = sum(frames.map(i => i + 8), row) + Math.abs(this.rate) / (this.isAngle ? 1 : size), force = sum(forces, row);
-      const alpha = sum(frames.map(i => i + 9), row) + omega * omega, sine = Math.abs(Math.sin(row[index.transmission_angle])) || 1;
-      const terms = { rad: 1, m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: Math.abs(this.rate) * force * (this.isAngle ? size : 1) };
-      return (64 * Number.EPSILON * (terms[unit] ?? 1)) / sine;
-    });
-    return (this._noise[unit] = median(bounds));
+  /** What rounding makes of a quantity, by its unit, as the search of fourbar show has it: 64 eps of the terms that add up, over the sine of the transmission angle; of medians. */
+  get rounding() {
+    if (this._rounding) return this._rounding;
+    const { index, isAngle, sweep: { rows }, structure: { links, size, sketch } } = this, frames = links.map(link => index[`frame.${link}.x`]);
+    const sum = indices => median(rows.map(row => indices.reduce((all, i) => all + Math.abs(row[i] || 0), 0)));
+    const rate = Math.abs(this.rate), omega = sum(frames.map(i => i + 8)) + rate / (isAngle ? 1 : size), alpha = sum(frames.map(i => i + 9)) + omega * omega;
+    const force = sum(Object.keys(sketch.forces).map(name => index[name])), sine = median(rows.map(row => Math.abs(Math.sin(row[index.transmission_angle])))) || 1;
+    const terms = { m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: rate * force * (isAngle ? size : 1) };
+    return (this._rounding = unit => (64 * Number.EPSILON * (terms[unit] ?? 1)) / sine);
   }
   /** Where samples turn, [{k, sign, inward: at an end of a range the way into it}], maxima and minima by turns; variations of less than `noise` are none. */
   turns(values, noise, winds) {
@@ -227,10 +206,10 @@ export class Engine {
   }
   /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges, or a constant; pairs nearer than a sample are lost. */
   extrema(name) {
-    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), noise = this.noise(unit), valueAt = this.valueOf(name);
-    const winds = unit === "rad" && this.turnsFully && Math.abs(values.at(-1) - values[0]) > Math.PI, turns = this.turns(values, noise, winds);
+    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), noise = this.rounding(unit), valueAt = this.valueOf(name);
     const [usual, usualSize] = [values, values.map(Math.abs)].map(all => median(all.filter(Number.isFinite)));
-    if (!turns.length && !winds && usual !== undefined) return [{ quantity: name, kind: "constant", input: inputs[0], value: usualSize <= noise ? 0 : usual, isGlobal: true, note: "" }];
+    if (values.every(value => !(Math.abs(value - usual) > noise))) return usual === undefined ? [] : [{ quantity: name, kind: "constant", input: inputs[0], value: usualSize <= noise ? 0 : usual, isGlobal: true, note: "" }];
+    const winds = unit === "rad" && this.turnsFully && Math.abs(values.at(-1) - values[0]) > Math.PI, turns = this.turns(values, noise, winds);
     const found = turns.map(({ k, sign, inward }) => {
       const value = unit === "rad" ? x => sameTurn(valueAt(x), values[k]) : valueAt;
       // towards a pole values grow, as one over the distance or over its root
@@ -256,22 +235,13 @@ export class Engine {
   get box() {
     if (this._box) return this._box;
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity], { joints, points, bars } = this.structure.sketch;
-    const to = this.to, add = place => place.forEach((value, i) => {
-      if (Number.isFinite(value)) [low[i], high[i]] = [Math.min(low[i], value), Math.max(high[i], value)];
-    });
     const places = [...Object.values(joints).map(refs => refs[0]), ...Object.values(points), ...bars.flat()];
-    for (const row of this.sweep.rows.filter((_, i) => i % 9 === 0)) {
-      this.to = row;
-      for (const place of places) add(this.point(place));
-    }
-    this.to = to;
+    this.ofSamples(i => i % 9 || places.forEach(place => this.point(place).forEach((value, k) => {
+      if (Number.isFinite(value)) [low[k], high[k]] = [Math.min(low[k], value), Math.max(high[k], value)];
+    })));
     return (this._box = Number.isFinite(low[0]) ? [low, high] : [[0, 0], [1, 1]]);
   }
   get size() { return Math.max(this.box[1][0] - this.box[0][0], this.box[1][1] - this.box[0][1]) || 1; }
   /** The path of a point over the cycle: a list of places, NaN between ranges. */
-  path(point) {
-    const to = this.to, places = this.sweep.rows.map(row => ((this.to = row), this.point(point)));
-    this.to = to;
-    return places;
-  }
+  path(point) { return this.ofSamples(() => this.point(point)); }
 }

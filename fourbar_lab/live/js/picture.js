@@ -128,7 +128,7 @@ export class Picture {
     this.svg = svg;
     Object.assign(this, { view: { x: 0, y: 0, scale: 1, perNewton: 0 }, usual: 1 });
     [this.under, this.behind, this.main, this.grips, this.over] = ["under", "behind", "main", "grips", "over"].map(name => draw(svg, "g", { class: `fb ${name}` }));
-    [this.paleSheet, this.sheet] = [new Sheet(this.behind), new Sheet(this.main)];
+    [this.paleSheet, this.sheet, this.gripSheet] = [this.behind, this.main, this.grips].map(group => new Sheet(group));
     this.measure();
   }
   measure() {
@@ -141,7 +141,6 @@ export class Picture {
   clear() {
     this.measure();
     for (const group of [this.under, this.behind, this.main, this.grips, this.over]) group.replaceChildren();
-    this.gripped = "";
     this.usual = 2 * this.width;
     this.view = { scale: this.usual, x: -0.25, y: this.height / 4 / this.width, perNewton: 0 };
   }
@@ -168,7 +167,7 @@ export class Picture {
     const [[left, right], [foot, top]] = [0, 1].map(i => [Math.min, Math.max].map(end => end(...corners.map(corner => corner[i]))));
     const { rows } = engine.sweep, sizes = Object.keys(engine.structure.sketch.forces).flatMap(name =>
       rows.map(row => row[engine.index[name]])).filter(Number.isFinite).sort((a, b) => a - b);
-    const longest = sizes[Math.floor(0.98 * (sizes.length - 1))] || 0, reach = longest > 0 ? 0.15 * size : 0;
+    const [most, usual] = [0.98, 0.5].map(part => sizes[Math.floor(part * (sizes.length - 1))] || 0), longest = Math.min(most, usual ? 5 * usual : most), reach = longest > 0 ? 0.15 * size : 0;
     this.usual = Math.min((this.width - 2 * margin) / (right - left + reach || size), (this.height - 2 * margin) / (top - foot + reach || size));
     if (!this.view.isChosen && !(isKept && this.shows(corners))) {
       this.view = { scale: this.usual, x: (left + right - this.width / this.usual) / 2, y: (foot + top + this.height / this.usual) / 2 };
@@ -252,12 +251,9 @@ export class Picture {
     this.svg.setAttribute("aria-label", `the mechanism at ${input.name} = ${significant(engine.isAngle ? (engine.x * 180) / Math.PI : engine.x)} ${engine.isAngle ? "degrees" : "m"}`);
   }
   drawTraces(engine, layers) {
-    const under = document.createDocumentFragment();
-    for (const point of layers.curves === false ? [] : Object.values(engine.structure.sketch.points)) {
-      const line = lineThrough(engine.path(point).map(place => this.pixels(place)));
-      if (line) draw(under, "path", { class: "trace", d: line });
-    }
-    this.under.replaceChildren(under);
+    const paths = (layers.curves === false ? [] : Object.values(engine.structure.sketch.points)).map(point => engine.path(point));
+    this.under.replaceChildren();
+    for (const path of paths) draw(this.under, "path", { class: "trace", d: lineThrough(path.map(place => this.pixels(place))) });
   }
   /** Forces that are drawn: reactions by their letters, external ones, as {name, words, point [m], vector [px]}. */
   forces(engine) {
@@ -334,19 +330,11 @@ export class Picture {
     }));
   }
   /** Grips stay the same elements while the pose moves, so that they keep the focus. */
-  grip(joints, sketch) {
-    const wanted = Object.keys(joints).filter(name => !sketch.ground.includes(name));
-    if (this.gripped !== wanted.join(" ")) {
-      this.gripped = wanted.join(" ");
-      this.grips.replaceChildren();
-      for (const name of wanted) {
-        draw(this.grips, "circle", { class: "grip", r: 22, tabindex: 0, role: "slider", "aria-label": `joint ${plain(sketch.letters[name] ?? name)}`,
-          "aria-valuenow": 0, "data-joint": name });
-      }
+  grip(joints, { ground, letters }) {
+    for (const [name, [cx, cy]] of Object.entries(joints).filter(([joint]) => !ground.includes(joint))) {
+      draw(this.gripSheet, "circle", { class: "grip", r: 22, tabindex: 0, role: "slider", "aria-label": `joint ${plain(letters[name] ?? name)}`, "aria-valuenow": 0, "data-joint": name, cx, cy });
     }
-    for (const grip of this.grips.children) {
-      [grip.cx.baseVal.value, grip.cy.baseVal.value] = joints[grip.dataset.joint];
-    }
+    this.gripSheet.end();
   }
   /** The picture as a file, in the colours of print. */
   file(style) {
