@@ -384,8 +384,10 @@ def _ends(curves: CutCurves, k: int, x: Array, row: Array, s: Array, slope: Arra
         s = np.unwrap(s, period=period)
         first, last = (np.floor((end - points[0]) / period) for end in (s.min(), s.max()))
         points = np.unique(np.add.outer(np.arange(first - 1, last + 2) * period, points))
+    # a sample at a point itself counts as above it, as in newton_roots(): of rising ones the
+    # interval before it is the one that crosses, of falling ones the interval behind it
     low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
-    first, last = np.searchsorted(points, low), np.searchsorted(points, high)
+    first, last = (np.searchsorted(points, size, side='right') for size in (low, high))
     last = np.where(row[1:] == row[:-1], last, first)       # none between two rows
     interval = np.repeat(np.arange(low.size), last - first)
     if not interval.size:

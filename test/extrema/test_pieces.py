@@ -206,6 +206,35 @@ def test_a_jump_of_a_table_counts_on_both_sides(places, values, limits, is_linea
     assert min(extremum.value for extremum in extrema) == pytest.approx(-max(values), abs=1e-7)
 
 
+@pytest.mark.parametrize('share', [0.25, 0.5, 0.75])
+@pytest.mark.parametrize('over', ['input', 'crank', Way(Attachment('output'))], ids=str)
+@pytest.mark.parametrize('mode', [1, 2])
+def test_a_jump_at_a_sample_of_the_search_is_found(share, over, mode):
+    """A slide of a round range, whose middle and quarters are samples: 0 below, 1000 N above."""
+    # theta1 rises in mode 2 and falls in mode 1; the table's places are its values to the bit
+    slide = SliderCrank(0.1, 0.3, mode=mode, input='slide', stroke=(0.25, 0.35),
+                        bodies=Bodies(Body(0.0), Body(0.0), Body(0.0)))
+    middle, link = 0.25 + 0.1 * share, Attachment('output')
+    of_angle = over == 'crank'
+    if of_angle:
+        middle_of_table = slide.motion(middle).theta1
+        over, places = LinkAngle('crank'), middle_of_table + np.array([-1.0, 0.0, 0.0, 1.0])
+    else:
+        places = [0.2, middle, middle, 0.4]
+    values = np.array([0.0, 0.0, -1000.0, -1000.0])
+    if of_angle and mode == 1:
+        values = values[::-1]
+    pushed = slide.with_elements(PositionForce(
+        link, ForceTable(places, values.tolist(), is_linear=True), over, 0.0))
+    load = OverInput(pushed, 'driving_force', 1.0)
+    assert [abs(end - middle) < 1e-12 for end in pushed.pieces.ends] == [True]
+    assert load.peak == pytest.approx(1000.0, rel=1e-9)
+    assert load.rms**2 == pytest.approx(1e6 * (1.0 - share), rel=1e-9)
+    limits = [(extremum.side, extremum.value) for extremum in find_extrema(
+        pushed, 'driving_force', 1.0) if abs(extremum.input - middle) < 1e-9]
+    assert sorted(limits) == [(-1, pytest.approx(0.0, abs=1e-6)), (1, pytest.approx(1000.0))]
+
+
 def test_a_force_that_is_on_between_two_places_alone_has_proven_peaks():
     """At rest without weight: nothing but a step up and one down, over the input and a way."""
     linkage = SliderCrank(0.3, 1.0, bodies=Bodies(*(round_rod(0.5, 7750.0, 0.01),) * 3))
