@@ -139,11 +139,14 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
             twice = ''
         elif is_driven and len(inputs) == 1:
             twice = twice or stage.name
-    turns = 2 if twice else 1
+    turns, of_turn = 2 if twice else 1, search.layout
+    bounds_of_turn = [end.x for bound in limits if bound for end in bound]
+    if flats and bounds_of_turn and layout.driver == 'crank':     # between two ranges
+        of_turn = of_turn._replace(seam=0.5 * (min(bounds_of_turn) + max(bounds_of_turn)) - pi)
     search.forget()
     return DyadRanges(tuple(limits), '', dict(sorted(flats.items())),
                       partial(search.toggles, near), partial(search.poles, limits, turns),
-                      turns, search.layout)
+                      turns, of_turn)
 
 
 class _Path(NamedTuple):

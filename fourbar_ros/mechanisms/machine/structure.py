@@ -112,6 +112,9 @@ class Layout(NamedTuple):
     links: tuple[str, ...]          # names of all links
     stages: tuple[Stage, ...]       # in order; with a cylinder its own first
     output: str                     # name of the link that the machine is used for
+    # A crank that does not turn fully counts within the turn that begins at this angle [rad]: a
+    # pair that lies flat in it may have its other side a turn later.
+    seam: float | None = None
 
     @property
     def moving(self) -> tuple[str, ...]:

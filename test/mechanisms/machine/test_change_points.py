@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Change points by whole numbers: the kinds and the same linkages as machines of dyads."""
 from dataclasses import replace
-from math import inf, pi
+from math import cos, inf, pi, sin
 import random
 
 from fourbar_ros import InvalidParameter, Toggle
@@ -251,6 +251,25 @@ def test_what_differs_from_turn_to_turn_is_refused():
     assert Machine([swings, replace(kite, name='m', links=('m1', 'm2'))]).driven_otherwise() == ()
     both = Machine([kite, replace(kite, name='m', links=('m1', 'm2'), mode=1)])
     assert both.period == 4.0 * pi and both.flat_inputs == (0.0,)
+
+
+@pytest.mark.parametrize('is_first', [True, False])
+@pytest.mark.parametrize('about', [0.0, 1.9, pi])
+def test_a_kite_in_a_range_of_another_dyad_is_the_same_in_each_turn(is_first, about):
+    """Its side is that of half the angle: a turn later it was its other one, or a toggle."""
+    kite = rods('k', ('crank', 1.0), ('ground', 1.0), 3.0, 3.0)
+    # the crank swings by less than half a turn about an angle
+    limit = rods('s', ('crank', 1.0), ('ground', 2.0 * cos(about), 2.0 * sin(about)), 1.0, 1.0)
+    follower = rods('f', ('k2', 0.5), ('s2', 0.5), 3.0, 3.1)
+    machine = Machine([*[kite, limit][::1 if is_first else -1], follower])
+    assert not machine.turns_fully and machine.period == 2.0 * pi
+    for low, high in machine.input_ranges:
+        x = np.linspace(low, high, 22)[1:-1]
+        first = machine.motion(x, 1.3, -0.7)
+        for turn in (-2.0 * pi, 2.0 * pi, 4.0 * pi):
+            again = machine.motion(x + turn, 1.3, -0.7)
+            np.testing.assert_allclose(again[3:], first[3:], 1e-9, 1e-9)
+    assert all(extremum.proof == '' for extremum in find_extrema(machine, conditions=False))
 
 
 @pytest.mark.parametrize('mode', [1, 2])

@@ -31,6 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from math import cos, sin
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanisms.curves import between, Direction, FIXED, LinkMotion, point_of
@@ -109,9 +110,12 @@ def slid(start: OnLink, direction: OnLink, slide: Sequence[Scalar]) -> LinkMotio
                       change * s, c, s, 0.0, 0.0)
 
 
-def driven_crank(n: NumberType, angle: Scalar) -> Driven:
-    """Return a crank about the origin, by half its angle, the input."""
+def driven_crank(n: NumberType, angle: Scalar, seam: float | None = None) -> Driven:
+    """Return a crank about the origin, by half its angle, the input; ``seam``: of its layout."""
     c, s = n.cos(0.5 * angle), n.sin(0.5 * angle)
+    if seam is not None:        # half the angle beyond the seam is from 0 to pi
+        turn = n.where((s * cos(0.5 * seam) - c * sin(0.5 * seam)).real < 0.0, -1.0, 1.0)
+        c, s = turn * c, turn * s
     curve = LinkMotion(*dyads.ORIGIN, (c - s) * (c + s), 2.0 * (s * c), 1.0, 0.0)
     return Driven(curve, (0.0, 0.0), (c, s))
 
@@ -129,7 +133,7 @@ def driven_link(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
         return crank_with_cylinder(n, signs[0], dyad_lengths[0], x)
     if layout.driver == 'slide':
         return driven_slider(x)
-    return driven_crank(n, x)
+    return driven_crank(n, x, layout.seam)
 
 
 def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Scalar) -> Driven:
