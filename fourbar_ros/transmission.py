@@ -29,7 +29,7 @@ from math import ceil, inf, tau
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.extrema.over_input import turning_points
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate
 from fourbar_ros.notebook import short_repr
@@ -289,40 +289,37 @@ def branch_of(mechanism: Mechanism, start: float) -> Branch:
     start = finite('start', start)
     low, high = mechanism.range_around(start)
     inputs = np.linspace(low, high, SAMPLES)
-    turning_points = _turning_points(mechanism, low, high)
+    ends = _turning_points(mechanism, low, high)
     if mechanism.turns_fully and not mechanism.stroke:
-        if not turning_points:
+        if not ends:
             branch = Branch(inputs, _continuous(mechanism, inputs, start), None)
             if branch.advance == 0.0:       # a kite whose crank turns about the pin at B
                 raise InvalidParameter(coordinate.position, start, 'the output stands still')
             return branch
         # no end of the range ends the branch: the next turning point may lie a period away
         period = mechanism.period
-        turning_points = [x + turn for x in turning_points for turn in (-period, 0.0, period)]
+        ends = [x + turn for x in ends for turn in (-period, 0.0, period)]
         low, high = -inf, inf
-    if start in turning_points:
+    if start in ends:
         raise InvalidParameter(coordinate.position, start,
                                'the output turns back there: start on one side of it')
-    low = max([low, *(x for x in turning_points if x < start)])
-    high = min([high, *(x for x in turning_points if x > start)])
+    low = max([low, *(x for x in ends if x < start)])
+    high = min([high, *(x for x in ends if x > start)])
     inputs = np.linspace(low, high, SAMPLES)
     outputs = _continuous(mechanism, inputs, start)     # NaN where rounding leaves the range
     closes = ~np.isnan(outputs)
     inputs, outputs = inputs[closes], outputs[closes]
     first, last = (BranchEnd(float(inputs[i]), float(outputs[i]),
-                             'the output turns back' if inputs[i] in turning_points
+                             'the output turns back' if inputs[i] in ends
                              else 'the range of the input ends') for i in (0, -1))
     return Branch(inputs, outputs, (first, last))
 
 
 def _turning_points(mechanism: Mechanism, low: float, high: float) -> list[float]:
     """Return the inputs in a range where the output turns back: the extrema of its position."""
-    extrema = find_extrema(mechanism, (mechanism.outputs[0].coordinate.position,),
-                           conditions=False)
     turn = mechanism.period if mechanism.input_coordinate.unit == 'rad' else 0.0
-    inputs = [extremum.input + turn * ceil((low - extremum.input) / turn) if turn
-              else extremum.input for extremum in extrema
-              if extremum.kind != 'constant' and not extremum.side]
+    inputs = [point.input + turn * ceil((low - point.input) / turn) if turn else point.input
+              for point in turning_points(mechanism)]
     return sorted(x for x in inputs if low < x < high)
 
 

@@ -18,6 +18,7 @@ from fourbar_lab.drawing.mechanism_panel import draw_mechanism
 from fourbar_lab.drawing.record import counted
 from fourbar_ros import Mechanism
 from fourbar_ros.extrema.find import find_extrema, INTERIOR
+from fourbar_ros.extrema.over_input import most_extreme
 from fourbar_ros.mechanisms import parts, picture
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
@@ -95,9 +96,10 @@ def make_axis_figure(linkage: Mechanism, rate: float, position: float | None = N
     extrema = [extremum for extremum in find_extrema(linkage, coordinate.rate, rate)
                if extremum.place == INTERIOR]
     if position is None:
-        if not extrema:
+        fastest = most_extreme(extrema, 1, abs)
+        if fastest is None:
             raise CannotDraw(f'{coordinate.rate} has no extremum inside a range: give at')
-        position = max(extrema, key=lambda extremum: abs(extremum.value)).theta1
+        position = fastest.theta1
     title = f'{linkage.description}, theta1 {degrees(position):.4f} deg'
     with new_figure(12.6, 5.6, paper) as figure:
         boxes = (0.01, 0.02, 0.5, 0.9), (0.6, 0.56, 0.38, 0.38), (0.6, 0.1, 0.38, 0.38)

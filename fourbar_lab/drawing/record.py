@@ -3,7 +3,7 @@
 """What ``fourbar show`` tells of a scene as one record of plain values in SI units."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from math import inf, nan, pi
 from typing import Any
@@ -12,7 +12,13 @@ from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.errors import Locked
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import efficiency_of, output_ranges, OverInput, turning_points
+from fourbar_ros.extrema.over_input import (
+    dead_points,
+    efficiency_of,
+    most_extreme,
+    output_ranges,
+    OverInput,
+)
 from fourbar_ros.mechanisms import parts, picture, quantities
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
@@ -94,14 +100,10 @@ def _output(linkage: Mechanism, coordinate: parts.Coordinate) -> LinkageRecord:
 def _dead_points(linkage: Mechanism) -> list[LinkageRecord]:
     """Return where the output turns back: {name of input or output: its position there}."""
     coordinates = linkage.input_coordinate, *(output.coordinate for output in linkage.outputs)
-    points: Sequence[Any] = linkage.dead_points
-    if hasattr(linkage, 'stages'):      # of a machine there is no closed form
-        points = sorted([(counted(linkage, extremum.input), extremum.value)
-                         for extremum in turning_points(linkage)])
     return [{**{coordinate.position: value for coordinate, value in zip(
                 coordinates, (counted(linkage, point[0]), *point[1:]))},
              **({'stretched': bool(point.stretched)} if hasattr(point, 'stretched') else {})}
-            for point in points]
+            for point in dead_points(linkage)]
 
 
 def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
@@ -113,10 +115,18 @@ def transmission_angles(linkage: Mechanism) -> dict[str, LinkageRecord]:
     record = {}
     for name in asked:
         least, most = _least_and_most(every, name)
-        worst = max((least, most), key=lambda extremum: abs(extremum.value - 0.5 * pi))
+        worst = _most((least, most), 1, lambda angle: abs(angle - 0.5 * pi))
         record[name] = {'least': least.value, 'most': most.value, 'worst': worst.value,
                         'worst_at': counted(linkage, worst.input)}
     return record
+
+
+def _most(extrema: Sequence[Extremum], sense: int, size: Callable[[float], float] = float
+          ) -> Extremum:
+    """Return :func:`.most_extreme` of a quantity that is no angle which only turns on."""
+    extremum = most_extreme(extrema, sense, size)
+    assert extremum
+    return extremum
 
 
 def _inertia(linkage: Mechanism) -> LinkageRecord:
@@ -167,8 +177,7 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
 
 def _least_and_most(extrema: Sequence[Extremum], name: str) -> tuple[Extremum, Extremum]:
     of_name = [extremum for extremum in extrema if extremum.quantity == name]
-    return (min(of_name, key=lambda extremum: extremum.value),
-            max(of_name, key=lambda extremum: extremum.value))
+    return _most(of_name, -1), _most(of_name, 1)
 
 
 def _ends(linkage: Mechanism, least: Extremum, most: Extremum) -> LinkageRecord:
@@ -187,10 +196,8 @@ def _effort(linkage: Mechanism, speed: float, acceleration: float,
     load = OverInput(linkage, linkage.drive_load, speed, acceleration, within,
                      [extremum for extremum in extrema
                       if extremum.quantity == linkage.drive_load])
-    peak, work = load.largest, load.of_cycle
-    assert peak             # it is no angle
-    pin = max((extremum for extremum in extrema if extremum.quantity in pins),
-              key=lambda extremum: extremum.value)
+    peak, work = _most(load.extrema, 1, abs), load.of_cycle
+    pin = _most([extremum for extremum in extrema if extremum.quantity in pins], 1)
     without = (OverInput(linkage.without_friction, linkage.drive_load, speed, acceleration,
                          within).of_cycle if linkage.friction else work)
     return {

@@ -23,7 +23,7 @@ from fourbar_ros.extrema.full_turns import (
     turn_fully,
     Turns,
 )
-from fourbar_ros.extrema.over_input import EQUAL, settled
+from fourbar_ros.extrema.over_input import are_equal, settled, time_ratio
 from fourbar_ros.extrema.turns_by_pieces import search_pieces
 from fourbar_ros.mechanisms.batches import are_switched, step_of_arrays
 from fourbar_ros.mechanisms.elements import refuses_turns, turns_of
@@ -101,7 +101,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
 
     def some(rows: Array) -> Designs:
         return Designs(designs.scene, {name: column[rows] for name, column in drawn.items()})
-    unsure = in_groups(np.nonzero(wanted)[0], lambda rows, samples: some(rows).turn_fully(samples))
+    unsure = in_groups(np.nonzero(wanted)[0],
+                       lambda rows, samples: some(rows).are_known_to_turn(samples))
     is_done[unsure] = wanted[unsure] = False
     # where the pieces of loads end
     cuts = PieceEnds(np.empty((is_done.size, 0)), np.empty((is_done.size, 0), bool))
@@ -159,22 +160,22 @@ def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[A
         return of_part[measure.part], are_right[row]
     if not values.shape[-1]:
         inputs = values = np.full((len(values), 1), np.nan)
-    designs = np.arange(len(values))
-    with np.errstate(invalid='ignore'):         # NaN beyond the last extremum
-        most, least = (pick.reduce(values, axis=1) for pick in (np.fmax, np.fmin))
-        alike = EQUAL * np.maximum(np.abs(most), np.abs(least))[:, None]
-        are_most, are_least = (np.abs(values - best[:, None]) <= alike for best in (most, least))
+    designs, every = np.arange(len(values)), np.ones(len(values), bool)
+    most, least = (pick.reduce(values, axis=1) for pick in (np.fmax, np.fmin))
+    largest = np.maximum(np.abs(most), np.abs(least))[:, None]
+    are_most, are_least = (are_equal(values, best[:, None], largest) for best in (most, least))
+    # of equal ones the first
     most_at, least_at = (inputs[designs, np.argmax(are_best, axis=1)]
                          for are_best in (are_most, are_least))
-    extent = Extent(most, most_at, least, least_at, turns.counts[row])
     if measure.part == kinds.TIME_RATIO:
         has_ratio = (are_most.sum(axis=1) == 1) & (are_least.sum(axis=1) == 1)
-        return (np.where(has_ratio & ~turns.are_turning[row], extent.of(measure.part), np.nan),
-                np.ones(len(values), bool))
-    if measure.part not in (kinds.SWING, kinds.STROKE):
-        return np.asarray(extent.of(measure.part)), np.ones(len(values), bool)
-    is_turn = (measure.part == kinds.SWING) & turns.are_turning[row]
-    return np.where(is_turn, tau, extent.max - extent.min), is_turn | (extent.extrema > 0)
+        return np.where(has_ratio & ~turns.are_turning[row], time_ratio(least_at, most_at, tau),
+                        np.nan), every
+    if measure.part in (kinds.SWING, kinds.STROKE):
+        is_turn = (measure.part == kinds.SWING) & turns.are_turning[row]
+        return np.where(is_turn, tau, most - least), is_turn | (turns.counts[row] > 0)
+    extent = Extent(most, most_at, least, least_at, turns.counts[row])
+    return np.asarray(extent.of(measure.part)), every
 
 
 def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = TOGETHER
@@ -244,7 +245,7 @@ class Designs:
                     is_allowed &= value != 1.0
         return is_allowed
 
-    def turn_fully(self, count: int) -> Array:
+    def are_known_to_turn(self, count: int) -> Array:
         """Return whose dyads are certainly nowhere in line, by ``count`` samples, shape (n,)."""
         linkage = self.scene.linkage
         sines = [Quantity(name, '', '', False) for name in linkage.MOTION._fields

@@ -11,18 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import nan, pi, tau
+from math import nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, nearest, OutOfRange
 from fourbar_ros.extrema.find import Extremum, find_extrema
-from fourbar_ros.extrema.over_input import (
-    most_extreme,
-    output_ranges,
-    OutputRange,
-    OverInput,
-    time_ratio,
-)
+from fourbar_ros.extrema.over_input import most_extreme, output_ranges, OutputRange, OverInput
 from fourbar_ros.mechanisms.quantities import by_name, Named
 from fourbar_ros.numerics.arrays import Values
 from fourbar_ros.scene.scene import Scene
@@ -93,18 +87,15 @@ class Extent(NamedTuple):
     min_at: Values
     extrema: Values
 
-    def of(self, part: str, period: float = tau) -> Values:
-        """Return a part of the quantity by name, all but rms, or a measure of the mechanism."""
-        # The latter is the time ratio (of the extent of the output) or the least transmission
-        # angle (of that of the transmission angle). period: of the input [rad].
+    def of(self, part: str) -> Values:
+        """Return a part of the quantity by name, all but rms, or its least transmission angle."""
         with np.errstate(invalid='ignore', divide='ignore'):   # inf - inf where loads are infinite
             span = self.max - self.min
             parts: dict[str, Values] = {
                 **self._asdict(), 'span': span,
                 'peak': np.maximum(np.abs(self.max), np.abs(self.min)),
                 # at a toggle rounding may put it beyond 0
-                LEAST_ANGLE: np.maximum(np.minimum(self.min, pi - self.max), 0.0),
-                TIME_RATIO: time_ratio(self.min_at, self.max_at, period)}
+                LEAST_ANGLE: np.maximum(np.minimum(self.min, pi - self.max), 0.0)}
         return parts[part]
 
 
@@ -212,7 +203,7 @@ class Design:
         if most and least:
             extent = Extent(most.value, most.input, least.value, least.input,
                             len(self.extrema[name]))
-        return float(extent.of(measure.part, linkage.period))
+        return float(extent.of(measure.part))
 
     def extreme(self, name: str, part: str) -> Extremum | None:
         """Return the largest or least (max, min) extremum of a quantity that was searched."""

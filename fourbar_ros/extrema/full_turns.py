@@ -20,6 +20,7 @@ from collections.abc import Callable, Sequence
 from math import pi
 from typing import NamedTuple
 
+from fourbar_ros.extrema.sampling import whole_turns
 from fourbar_ros.numerics.arrays import Array, as_grid, EPS, rank_of, Values
 from fourbar_ros.numerics.roots import changes_and_doubts, first_guesses
 import numpy as np
@@ -105,9 +106,6 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     low[is_doubtful] = high[is_doubtful] = periodic[:, is_doubtful] = 0.0
     is_constant = (high - low <= CONSTANT * size) & (turns == 0.0)
     is_doubtful |= is_coarse(periodic, high - low) & ~is_constant
-    for i in np.nonzero(is_angle)[0]:       # the least may be on either side of -pi
-        begun = _begun(samples[i])
-        is_doubtful.reshape(shape)[i] |= np.abs(begun - np.round(begun)) < RESOLVED
     is_constant, is_positive = is_constant.reshape(shape), is_positive.reshape(shape)
     is_doubtful = is_doubtful.reshape(shape).any(axis=0)
     slopes = slopes_of(periodic)
@@ -116,23 +114,31 @@ def search_turns(evaluate: ColumnFunction, mechanisms: int, count: int, is_angle
     roots, has_hidden = _bracketed(slopes, spacing, mechanisms)
     x, value, strays = refined(evaluate, roots, is_positive, spacing)
     is_doubtful |= has_hidden | strays
-    at_inputs, values = (by_quantity(roots, part, shape) for part in (np.mod(x, 2.0 * pi), value))
+    at_inputs, values = by_input(roots.quantity, roots.mechanism, x, value, 2.0 * pi, shape)
     if is_constant.any():       # as find_extrema lists a constant: once, where the range begins
         if not at_inputs.shape[-1]:
             at_inputs, values = (np.full((*shape, 1), np.nan) for _ in range(2))
         at_inputs[is_constant, 0], values[is_constant, 0] = 0.0, samples[is_constant, 0]
-    for i in np.nonzero(is_angle)[0]:       # in the turn of the samples, which are continuous
+    turns_on = turns.reshape(shape) != 0.0
+    for i in np.nonzero(is_angle)[0] if values.shape[-1] else ():
+        # in the turn of the samples, which are continuous, then of find_extrema
         near = np.clip(np.nan_to_num(at_inputs[i] / spacing).astype(int), 0, count - 1)
         reference = np.take_along_axis(samples[i], near, axis=-1)
         values[i] += 2.0 * pi * np.round((reference - values[i]) / (2.0 * pi))
+        least, most = (pick.reduce(values[i], axis=1) for pick in (np.fmin, np.fmax))
+        turns_on[i] |= most - least >= 2.0 * pi
+        off = np.nan_to_num(whole_turns(least, most))[:, None]
+        values[i] -= off
+        samples[i] -= off
     with np.errstate(all='ignore'):
         squares = samples * samples
         mean, mean_square = samples.mean(axis=-1), squares.mean(axis=-1)
         half, half_square = samples[..., ::2].mean(axis=-1), squares[..., ::2].mean(axis=-1)
         are_squares = np.abs(mean_square - half_square) <= AGREE * mean_square
         are_means = are_squares & (np.abs(mean - half) <= AGREE_MEAN * np.sqrt(mean_square))
-        # of an angle that turns on they depend on where that begins
-        are_means[is_angle] &= np.ptp(samples[is_angle], axis=-1) < 2.0 * pi
+    # of an angle that turns on they depend on where that begins: there is none
+    for means, are_right in ((mean, are_means), (mean_square, are_squares)):
+        means[turns_on], are_right[turns_on] = np.nan, True
     return Turns(at_inputs, values, np.isfinite(at_inputs).sum(axis=-1), mean, mean_square,
                  are_means, are_squares, turns.reshape(shape) != 0.0, is_doubtful)
 
@@ -142,12 +148,11 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     # Returned are their samples, shape (samples, q * n); whole turns of each angle in a cycle,
     # which are taken off; and which quantities are positive: of them it is half the square, since
     # a magnitude |F| changes suddenly near a zero of the force and its square does not. Angles in
-    # samples are made continuous, the least of them in [-pi, pi).
+    # samples are made continuous.
     quantities, mechanisms, count = samples.shape
     turns: Array = np.zeros((quantities, mechanisms))
     for i in np.nonzero(is_angle)[0]:
         samples[i] = np.unwrap(samples[i], axis=-1)
-        samples[i] -= 2.0 * pi * np.floor(_begun(samples[i]))[:, None]
         turns[i] = np.round((samples[i, :, -1] - samples[i, :, 0]) / (2.0 * pi))
     turns = turns.ravel()
     flat = np.ascontiguousarray(samples.reshape(-1, count).T)
@@ -159,11 +164,6 @@ def _periodic(samples: Array, is_angle: Array) -> tuple[Array, Array, Array]:
     return flat, turns, is_positive
 
 
-def _begun(angles: Array) -> Array:
-    """Return the least of continuous angles [rad] in turns, from where these begin, at -pi."""
-    return np.asarray(angles.min(axis=-1) / (2.0 * pi) + 0.5)
-
-
 class Roots(NamedTuple):
     """Extrema of all mechanisms, arrays (roots,), sorted by mechanism, quantity, input."""
 
@@ -171,7 +171,6 @@ class Roots(NamedTuple):
     bend: Array         # how the slope rises there: the second derivative
     mechanism: Array    # of which it is an extremum, as an index
     quantity: Array
-    rank: Array         # its number among those of the quantity
 
 
 def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[Roots, Array]:
@@ -196,15 +195,20 @@ def _bracketed(slopes: Array, spacing: float, mechanisms: int) -> tuple[Roots, A
     share, bend = np.where(is_near, share, guess), np.where(is_near, bend, fb - fa)
     has_hidden: Array = np.logical_or.reduce(doubtful.reshape(-1, mechanisms))
     x = (i + share + 0.5) * spacing
-    rank = rank_of(mechanism * (slopes.shape[1] // mechanisms) + quantity)
-    return Roots(x, bend / spacing**2, mechanism, quantity, rank), has_hidden
+    return Roots(x, bend / spacing**2, mechanism, quantity), has_hidden
 
 
-def by_quantity(roots: Roots, numbers: Array, shape: tuple[int, ...]) -> Array:
-    """Return a number of each root as a table (q, n, r), NaN where a quantity has fewer than r."""
-    table = np.full((*shape, int(roots.rank.max(initial=-1)) + 1), np.nan)
-    table[roots.quantity, roots.mechanism, roots.rank] = numbers
-    return table
+def by_input(quantity: Array, mechanism: Array, x: Array, values: Array, cycle: float,
+             shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return inputs and values of extrema, (extrema,), by input as tables (q, n, r), else NaN."""
+    # x: in any turn of the cycle [rad]; shape: (q, n). Of two at one input the order stays.
+    x = np.mod(x, cycle)
+    order = np.lexsort((x, quantity, mechanism))
+    quantity, mechanism = quantity[order], mechanism[order]
+    rank = rank_of(mechanism * shape[0] + quantity)
+    tables = np.full((2, *shape, int(rank.max(initial=-1)) + 1), np.nan)
+    tables[:, quantity, mechanism, rank] = x[order], values[order]
+    return tables[0], tables[1]
 
 
 def refined(evaluate: ColumnFunction, roots: Roots, is_positive: Array,

@@ -244,8 +244,8 @@ def _within(ends: dict[float, End], cut: tuple[float, float], new_ends: dict[flo
             ) -> dict[float, End]:
     """Return {phi: End} of the part of a range between the two inputs ``cut``."""
     # new_ends: {phi: input}, those of both that lie inside the range. They are regular ends, but
-    # next to a pole the pole is the end.
-    slack = {phi: NARROWEST if end.is_pole else 0.0 for phi, end in ends.items()}
+    # next to a pole, or the end of a piece, that is the end.
+    slack = {phi: 0.0 if end.kind == TOGGLE else NARROWEST for phi, end in ends.items()}
     low, high = cut
     kept = {phi: end for phi, end in ends.items()
             if low - slack[phi] <= end.x <= high + slack[phi]}

@@ -14,19 +14,20 @@ not samples; means are integrals that settle to 1e-12.
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import copysign, inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fourbar_ros.extrema import find
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, SAMPLES
 from fourbar_ros.extrema.input_paths import input_paths
 from fourbar_ros.extrema.sampling import Sampler
+from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
 from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes, smooth_ranges
-from fourbar_ros.mechanisms.quantities import is_position, OfDrive
+from fourbar_ros.mechanisms.quantities import is_position, Named, OfDrive
 from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
@@ -72,7 +73,7 @@ class OverInput:
     @property
     def largest(self) -> Extremum | None:
         """Return the extremum of the largest magnitude; None of an angle that only turns on."""
-        return max(self.extrema, key=lambda extremum: abs(extremum.value), default=None)
+        return most_extreme(self.extrema, 1, abs)
 
     @property
     def peak(self) -> float:
@@ -143,7 +144,8 @@ class OverInput:
     def _middle(self) -> float:
         """Return the middle of an angle, from which it is less than half a turn; else NaN."""
         least, most = self.least, self.most
-        if not least or not most or most.value - least.value >= tau:
+        if (not least or not most or most.value - least.value >= tau
+                or _turns_on(self._linkage, self._quantity)):
             return nan      # it turns on: what its mean is depends on where that begins
         return 0.5 * (least.value + most.value)
 
@@ -166,14 +168,28 @@ class OverInput:
                 and len({extremum.value for extremum in self.extrema}) == 1)
 
 
-def most_extreme(extrema: Sequence[Extremum], sense: int) -> Extremum | None:
-    """Return the largest (``sense`` 1) or least extremum (-1), of equal ones the first."""
-    best = max(extrema, key=lambda extremum: sense * extremum.value, default=None)
-    if best is None or not isfinite(best.value):
-        return best
-    alike = EQUAL * max(abs(extremum.value) for extremum in extrema if isfinite(extremum.value))
-    first = next(extremum for extremum in extrema if abs(extremum.value - best.value) <= alike)
-    return first._replace(value=best.value)
+def most_extreme(extrema: Sequence[Extremum], sense: int,
+                 size: Callable[[float], float] = float) -> Extremum | None:
+    """
+    Return the largest (``sense`` 1) or least extremum (-1), of equal ones that at the least input.
+
+    ``size``: what of values is compared, as their magnitude.
+    """
+    best = max(extrema, key=lambda extremum: sense * size(extremum.value), default=None)
+    if best is None:
+        return None
+    largest = max([abs(extremum.value) for extremum in extrema if isfinite(extremum.value)],
+                  default=0.0)
+    first = min([extremum for extremum in extrema if extremum is best or are_equal(
+        size(extremum.value), size(best.value), largest)], key=lambda extremum: extremum.input)
+    is_same = are_equal(first.value, best.value, largest)       # not of the other sign
+    return first._replace(value=best.value) if is_same else first
+
+
+def are_equal(values: Values, best: Values, largest: Values) -> Any:
+    """Return which values of extrema equal that of the best; ``largest``: the size of them all."""
+    with np.errstate(invalid='ignore'):
+        return (np.abs(np.subtract(values, best)) <= EQUAL * largest) | np.equal(values, best)
 
 
 def settled(mean: Values, rms: Values) -> Values:
@@ -232,8 +248,9 @@ class OutputRange(NamedTuple):
         return self._at(self.high)
 
     def _at(self, end: float) -> list[float]:
-        alike = EQUAL * max(abs(self.low), abs(self.high))
-        return [extremum.input for extremum in self.extrema if abs(extremum.value - end) <= alike]
+        largest = max(abs(self.low), abs(self.high))
+        return [extremum.input for extremum in self.extrema
+                if are_equal(extremum.value, end, largest)]
 
     @property
     def width(self) -> float:
@@ -264,13 +281,9 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
     quantity = Quantity(coordinate.position, coordinate.unit, '', False)
     if extrema is None:
         extrema = find_extrema(linkage, quantity, conditions=False)
-    ranges, is_angle = linkage.input_ranges, coordinate.unit == 'rad'
-    if linkage.turns_fully and is_angle:
-        sampler = Sampler(linkage, [quantity], (0.0, 0.0))
-        angles = [sampler.along(path).values[0] for path in input_paths(linkage, SAMPLES)]
-        # a path that closes lacks its last step, less than half a turn
-        if not extrema or round(sum(each[-1] - each[0] for each in angles) / tau):
-            return [OutputRange(ranges[0], -pi, pi, True, ())]
+    ranges = linkage.input_ranges
+    if _turns_on(linkage, quantity):
+        return [OutputRange(ranges[0], -pi, pi, True, ())]
 
     def input_in(bounds: tuple[float, float], extremum: Extremum) -> float:
         """Return the input of an extremum, in the turn of a range, on its side of an end."""
@@ -282,35 +295,37 @@ def output_ranges(linkage: Mechanism, coordinate: Coordinate | None = None,
         x = input_in(bounds, extremum)
         return max(bounds[0] - x, x - bounds[1])        # less than zero inside
 
-    def whole_turns(angle: float) -> float:
-        return tau * round(angle / tau) if is_angle else 0.0
-
     by_range: dict[tuple[float, float], list[Extremum]] = {bounds: [] for bounds in ranges}
     for extremum in extrema:
         by_range[min(ranges, key=lambda bounds: is_outside_by(bounds, extremum))].append(extremum)
     swept = []
     for bounds, inside in by_range.items():
         inside.sort(key=lambda extremum: input_in(bounds, extremum))
-        values, turns = list[float](), 0.0
-        for extremum in inside:     # each part between two flat positions has a turn of its own
-            if values and extremum.side > 0:
-                turns = whole_turns(values[-1] - extremum.value)
-            values.append(extremum.value + turns)
-        turns = whole_turns(0.5 * (min(values) + max(values)))
-        shifted = [extremum._replace(value=value - turns)
-                   for extremum, value in zip(inside, values)]
-        swept.append(OutputRange(bounds, min(values) - turns, max(values) - turns, False,
-                                 tuple(shifted)))
+        values = [extremum.value for extremum in inside]
+        swept.append(OutputRange(bounds, min(values), max(values), False, tuple(inside)))
     return swept
+
+
+def _turns_on(linkage: Mechanism, quantity: Named) -> bool:
+    """Return whether a turn of the input turns an angle on, with reversals or without."""
+    if (isinstance(quantity, OfDrive) or not is_position(quantity) or quantity.unit != 'rad'
+            or not linkage.turns_fully):
+        return False
+    sampler = Sampler(linkage, [quantity], (0.0, 0.0))
+    angles = [sampler.along(path).values[0] for path in input_paths(linkage, SAMPLES)]
+    # a path that closes lacks its last step, less than half a turn
+    return bool(round(sum(each[-1] - each[0] for each in angles) / tau))
 
 
 def turning_points(linkage: Mechanism) -> list[Extremum]:
     """Return where the first output turns back in the mode of a linkage; not ends of its input."""
-    # Of a kind ``dead_points`` are the same, in closed form.
     coordinate = linkage.outputs[0].coordinate
-    extrema = find_extrema(linkage, Quantity(coordinate.position, coordinate.unit, '', False),
-                           conditions=False)
-    swept = output_ranges(linkage, coordinate, extrema)
-    return [extremum for extremum in ([*extrema] if swept[0].turns_fully else
-                                      [each for part in swept for each in part.extrema])
+    return [extremum for extremum in find_extrema(
+        linkage, Quantity(coordinate.position, coordinate.unit, '', False), conditions=False)
             if not extremum.side and extremum.kind != CONSTANT]
+
+
+def dead_points(linkage: Mechanism) -> Sequence[tuple[Any, ...]]:
+    """Return the same as records that begin with input and output, of kinds in closed form."""
+    return (linkage.dead_points if isinstance(linkage, Kind) else
+            sorted((extremum.input, extremum.value) for extremum in turning_points(linkage)))

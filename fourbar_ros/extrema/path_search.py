@@ -18,12 +18,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cache
-from math import comb, inf, isnan, nan, pi
+from math import comb, inf, isfinite, isnan, nan, pi
 from typing import NamedTuple
 
 from fourbar_ros.extrema.input_paths import End, InputPath, PIECE, REGULAR
-from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler, Samples, SMALLEST
-from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.extrema.sampling import (
+    DifferenceSampler,
+    exactly_scaled,
+    Sampler,
+    Samples,
+    SMALLEST,
+    whole_turns,
+)
+from fourbar_ros.numerics.arrays import Array, EPS, Values
 from fourbar_ros.numerics.roots import find_brackets, newton_roots, rises, SMALL, turn_after
 import numpy as np
 
@@ -111,24 +118,43 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, side, end, rows)
 
+    begin = float(path.x[0]) if path.low is None else path.low.x
+
+    def beyond(x: Values) -> Values:
+        """Return how far inputs lie along the path, in each turn the same."""
+        return x - begin if sampler.period == inf else np.mod(x - begin, sampler.period)
+
     def along(extremum: PathExtremum) -> tuple[float, int]:
         if extremum.side and not extremum.is_jump:
             return -extremum.side * inf, 0
-        return (extremum.x if path.low is None or sampler.period == inf
-                else (extremum.x - path.low.x) % sampler.period), extremum.side
+        return float(beyond(extremum.x)), extremum.side
 
-    # maxima and minima of a quantity take turns; two jumps may follow each other at one input, or
-    # at both ends of a plateau
+    def may_follow(a: PathExtremum, b: PathExtremum) -> bool:
+        """Return whether two of one sense follow each other: over a jump, or a plateau."""
+        if a.is_jump and b.is_jump and a.x == b.x:
+            return True
+        low, x, high = along(a)[0], beyond(path.x), along(b)[0]
+        between = samples.values[a.quantity, (x > low) & (x < high) if low < high
+                                 else (x > low) | (x < high)]
+        return isfinite(a.value) and bool(
+            between.size and (np.abs(between - a.value) <= FLAT * abs(a.value)).all())
+
+    # maxima and minima of a quantity take turns
     by_quantity: dict[int, list[PathExtremum]] = {}
     for extremum in sorted(extrema, key=along):
         by_quantity.setdefault(extremum.quantity, []).append(extremum)
     wrong = {quantity for quantity, inorder in by_quantity.items() if len(inorder) > 1 and any(
-        a.sense == b.sense and not (a.is_jump and b.is_jump and (
-            a.x == b.x or abs(a.value - b.value) <= FLAT * abs(a.value)))
+        a.sense == b.sense and not may_follow(a, b)
         for a, b in zip(inorder, inorder[1:] + inorder[:path.is_closed])) or any(
         isnan(extremum.value) for extremum in inorder)}
-    return [extremum._replace(misses=extremum.quantity in wrong) for extremum in extrema
-            if not isnan(extremum.value)]
+    turns = dict.fromkeys(by_quantity, 0.0)
+    for quantity, inorder in by_quantity.items():
+        if sampler.is_angle[quantity]:
+            values = [extremum.value for extremum in inorder]
+            turns[quantity] = float(whole_turns(min(values), max(values)))
+    return [extremum._replace(value=extremum.value - turns[extremum.quantity],
+                              misses=extremum.quantity in wrong)
+            for extremum in extrema if not isnan(extremum.value)]
 
 
 class AtCut(NamedTuple):
@@ -147,9 +173,7 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
     # The brackets reach from a cut to the sample next to it: within BESIDE_CUT of it lies none.
     cuts, before, x = samples.path.cuts, samples.path.before_cuts, samples.path.x
     after = (before + 1) % x.size
-    tiny = BESIDE_CUT * float(np.abs(x).max())      # ends are found at any turn
-    if sampler.linkage.friction:
-        tiny = max(tiny, BESIDE_JUMP)
+    tiny = _beside_cut(sampler, samples.path)
     x_after = turn_after(x[after], cuts, sampler.period) if samples.path.is_closed else x[after]
     values, slopes, _ = sampler.sample(np.concatenate((cuts - tiny, cuts + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
@@ -193,6 +217,12 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
     return tuple(map(np.concatenate, zip(*brackets))), at_cuts
 
 
+def _beside_cut(sampler: Sampler, path: InputPath) -> float:
+    """Return how far beside the ends of pieces values are taken, in the unit of the input."""
+    tiny = BESIDE_CUT * float(np.abs(path.x).max())         # ends are found at any turn
+    return max(tiny, BESIDE_JUMP) if sampler.linkage.friction else tiny
+
+
 class TurningPoints(NamedTuple):
     """Where the slopes of quantities change their sign, arrays of shape (n,)."""
 
@@ -213,8 +243,9 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, brackets: Sequence[A
     # at a toggle derivatives have poles of a power of sin(mu): without them sign changes show
     # between samples, and a positive factor moves no root
     values = samples.values[rows]
-    scale = np.where((values > 0.0).all(axis=1, keepdims=True),
-                     values * samples.sine**(2 * AT_TOGGLE - 1), samples.sine**AT_TOGGLE)
+    scale = np.where((values > 0.0).all(axis=1, keepdims=True), exactly_scaled(
+        values, np.abs(values).max(axis=1, keepdims=True)) * samples.sine**(2 * AT_TOGGLE - 1),
+        samples.sine**AT_TOGGLE)
     f = np.asarray(samples.slopes[rows].T * scale.T)
     turn = rises(np.unwrap(x)[:, None], False, before_cuts)[:, 0]
     i, row, xa, xb, fa, guess = find_brackets(lambda x, row: sampler.slope(x, rows[row]),
@@ -239,7 +270,7 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, brackets: Sequence[A
     which = np.flatnonzero(is_positive)
     if which.size:      # one that dips below zero between samples is no magnitude
         before, after = _beside(sampler, root[which], KINK * spacing[which], row[which])
-        which = which[before * after > 0.0]
+        which = which[np.sign(before) * after > 0.0]
     if which.size:
         is_positive[which] = False
         root[which] = solved(which)
@@ -305,7 +336,7 @@ def _is_kink(sampler: Sampler, roots: TurningPoints, which: Array) -> Array:
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
     size = np.maximum(np.abs(before), np.abs(after))
-    is_kink = (before * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
+    is_kink = (np.sign(before) * after < 0.0) & (np.abs(before + after) <= 0.25 * size)
     by_input = 4.0 * np.spacing(np.maximum(np.abs(sampler.fold(x)), SMALL)) * size
     value = np.abs(roots.value[which])
     is_zero = is_kink & (value <= by_input)
@@ -422,8 +453,12 @@ def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
     """Return the limits of the quantities ``rows`` at one end of a path as extrema."""
     # side: +1 if the path lies above the end. A limit is infinite, or a minimum if the quantity
     # rises inward, else a maximum.
-    if end.kind in (REGULAR, PIECE):
+    if end.kind == REGULAR:
         limits = sampler.values(np.array([end.x]))[:, 0]
+    elif end.kind == PIECE:         # a load may jump there: its value inside
+        tiny = side * _beside_cut(sampler, samples.path)
+        values, slopes, _ = sampler.sample(np.array([end.x + tiny]))
+        limits = (values - tiny * slopes)[:, 0]
     elif end.is_pole:
         limits = np.copysign(inf, samples.values[:, samples.path.inward(side)[0]])
     else:

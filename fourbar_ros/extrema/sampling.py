@@ -24,7 +24,7 @@ from fourbar_ros.mechanisms.evaluation import formula_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, NoLoads
 from fourbar_ros.mechanisms.quantities import Asked, is_position, is_published
-from fourbar_ros.numerics.arrays import Array, EPS, Value
+from fourbar_ros.numerics.arrays import Array, EPS, Value, Values
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.roots import fold
@@ -39,11 +39,12 @@ FAR, NEAR, SMALLEST = (2.0**-20, 2.0**-30), (2.0**-26, 2.0**-36), 2.0**-1022
 # the distance [in the unit of the input].
 BESIDE_DOUBLE_ROOTS = 2.0**-6
 # Complex step: its square vanishes next to one, and it is far below the distance of any sample
-# from a toggle or a pole.
-STEP = 2.0**-200
+# from a toggle or a pole. Of lengths below the least [m] it is no number beside the real part.
+STEP, LEAST_LENGTH = 2.0**-200, 2.0**-768
 # Relative steps of a length, for conditions by differences: at most the first; a part of the
 # distance to the next change point, where everything changes; but never lost in rounding.
 MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
+SAME_TURN = 2.0**-30        # middles of angles that differ by less, as part of a turn, are alike
 # Step of real differences of fourth order, in samples: their error is about as large as rounding.
 DIFFERENCE = 2.0**-6
 
@@ -68,6 +69,18 @@ def not_real(quantity: Asked, result: str) -> InvalidParameter:
                             f'number for each input inside the range, not {result}')
 
 
+def whole_turns(low: Values, high: Values) -> Values:
+    """Return by how many turns [rad] angles from low to high are off from about zero."""
+    # Without these their middle is from -pi to pi; one that is at half a turn is at pi, be it by
+    # rounding below -pi or not.
+    return 2.0 * pi * np.ceil((low + high) / (4.0 * pi) - 0.5 - SAME_TURN)
+
+
+def exactly_scaled(values: Array, size: Array) -> Array:
+    """Return values over a power of two next to a size: no product with one overflows."""
+    return np.asarray(np.ldexp(values, -np.frexp(size)[1]))
+
+
 class Sampler:
     """Values and derivatives of some quantities of a mechanism in its mode."""
 
@@ -82,6 +95,8 @@ class Sampler:
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], poles: Sequence[float] = ()) -> None:
         self.linkage, self.quantities, self.rates = linkage, quantities, rates
+        if max(map(abs, linkage.lengths)) < LEAST_LENGTH:
+            raise InvalidParameter('lengths', linkage.lengths, 'too small: derivatives underflow')
         self.needs_loads = any(q.is_load for q in quantities)
         if self.needs_loads:
             linkage.require_loads()
@@ -111,10 +126,8 @@ class Sampler:
         if np.isinf(values).any() or np.isinf(slopes).any():
             raise InvalidParameter('rate, acceleration', self.rates,
                                    'too large: quantities overflow')
-        if self.is_angle.any():         # without jumps, the least of them in [-pi, pi)
-            angles = np.unwrap(values[self.is_angle], axis=1)
-            turns = np.floor(angles.min(axis=1, keepdims=True) / (2.0 * pi) + 0.5)
-            values[self.is_angle] = angles - 2.0 * pi * turns
+        if self.is_angle.any():         # without jumps
+            values[self.is_angle] = np.unwrap(values[self.is_angle], axis=1)
         return Samples(path, values, slopes, state, *self.errors(path.x, state))
 
     def same_turn(self, reference: Array, values: Array, row: Array) -> Array:
@@ -206,7 +219,7 @@ class Sampler:
         turn = self.TURN * spacing
         both = self.value_and_slope(np.concatenate((x, x + turn)), np.concatenate((row, row)))
         value, slope = (part.reshape(2, -1) for part in both)
-        here, there = np.where(is_squared, value * slope, slope)
+        here, there = np.where(is_squared, exactly_scaled(value, value[0]) * slope, slope)
         with np.errstate(divide='ignore', invalid='ignore'):
             return here, here * turn / (there - here)
 

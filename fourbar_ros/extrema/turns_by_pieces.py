@@ -180,7 +180,7 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: PieceEnds, count: i
     order = np.lexsort((quantity, row[interval]))
     quantity, interval, t, bend = (v[order] for v in (quantity, interval, t, bend))
     roots = full_turns.Roots(of.low[interval] + half[interval] * (1.0 + t), bend, row[interval],
-                             quantity, order)
+                             quantity)
     root, value_of_root, strays = full_turns.refined(
         evaluate, roots, is_positive, step * half[interval])
     of_ends = ends.inputs[roots.mechanism]
@@ -198,19 +198,14 @@ def search_pieces(evaluate: full_turns.ColumnFunction, ends: PieceEnds, count: i
         *((of_jump[0], of_end[of_jump[1]], x_ends[of_jump[1]], value[:, side][of_jump])
           for side in (0, 1)),
         (*of_constant, np.zeros(of_constant[0].size), samples[:, 0, first][of_constant])))
-    x = np.mod(x, cycle)
-    order = np.lexsort((x, quantity, mechanism))
-    quantity, mechanism, x, values = (v[order] for v in (quantity, mechanism, x, values))
-    listed = full_turns.Roots(x, x, mechanism, quantity, rank_of(mechanism * shape[0] + quantity))
-    inputs = full_turns.by_quantity(listed, x, shape)
+    inputs, values = full_turns.by_input(quantity, mechanism, x, values, cycle, shape)
     mean, mean_square = (np.add.reduceat((rule.weights @ g) * (half / cycle), first, axis=1)
                          for g in (samples, samples * samples))
     error = np.add.reduceat(rule.tails(samples)[1] * (2.0 * half / cycle), first, axis=1)
     is_settled = error <= SETTLED * np.sqrt(mean_square)
     return full_turns.Turns(
-        inputs, full_turns.by_quantity(listed, values, shape), np.isfinite(inputs).sum(axis=-1),
-        mean, mean_square, is_settled, is_settled,
-        np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
+        inputs, values, np.isfinite(inputs).sum(axis=-1), mean, mean_square, is_settled,
+        is_settled, np.zeros(shape, bool), is_doubtful.any(axis=0) | has_hidden | strays)
 
 
 def _intervals(ends: PieceEnds, widest: float, cycle: float) -> _Intervals:

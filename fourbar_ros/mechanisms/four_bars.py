@@ -33,7 +33,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import atan2, sqrt
+from math import atan2, pi, remainder, sqrt
 from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
@@ -44,7 +44,7 @@ from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, GROUND, THETA1, THETA2, THETA3, THETA4
-from fourbar_ros.numerics.number_types import exact_sum, Function, REAL, Scalar, TINY
+from fourbar_ros.numerics.number_types import exact_sum, Function, REAL, Scalar, scaled, TINY
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -70,6 +70,15 @@ class DeadPoint(NamedTuple):
 
     theta1: float
     theta4: float
+    stretched: bool
+
+
+class MovingJointDeadPoint(NamedTuple):
+    """The same of a drive at A or B, whose angle is the input; angles in [rad]."""
+
+    input: float
+    theta4: float
+    theta1: float
     stretched: bool
 
 
@@ -117,6 +126,38 @@ class FourBarLinks(Kind):
         lambda a1, a2, a3, a4: DyadLengths((a1, 0.0), (a4, 0.0), (a2, a3), (),
                                            (a1, a4, (1.0, 0.0), 1.0, 0.0)),
         four_bar_ranges, singular_angles, kind.FORWARD)}
+
+    def in_line(self, side: float) -> Iterator[DeadPoint]:
+        """
+        Yield the poses, up to two, of crank and coupler in line, sin(mu) of the sign ``side``.
+
+        mu is the angle from coupler to output link. Whichever link is driven, the output link
+        stands still there and turns back.
+
+        Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
+        a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the
+        half angles at O1 and O4 follow by the law of cosines,
+
+            (DP1) tan^2(theta1/2) = (a3^2 - (r - a4)^2) / ((r + a4)^2 - a3^2)
+            (DP2) tan^2(theta4/2) = ((a3 + a4)^2 - r^2) / (r^2 - (a4 - a3)^2)
+        """
+        a1, a2, a3, a4 = scaled(self.lengths)
+        for stretched, coupler in ((True, a2), (False, -a2)):
+            # Numerator and denominator of (DP1) as products of exact sums, in which r = a1 +
+            # coupler: they keep their digits where the triangle is nearly flat. Both are negative
+            # where r is.
+            over = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
+            under = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
+            if over * under > 0.0:          # else there is no triangle
+                # folded, the coupler points back and B is on the other side of the crank
+                sign = side if stretched else -side
+                theta1 = sign * 2.0 * atan2(sqrt(abs(over)), sqrt(abs(under)))         # (DP1)
+                # behind O1, crank and rocker are on two sides of the ground
+                sign = sign if a1 + coupler > 0.0 else -sign
+                theta4 = sign * 2.0 * atan2(                                           # (DP2)
+                    sqrt(REAL.difference_of_squares(a3, a4, a1, coupler)),
+                    sqrt(REAL.difference_of_squares(a1, coupler, a4, -a3)))
+                yield DeadPoint(theta1, theta4, stretched)
 
     def _require_closing(self) -> None:
         lengths = self.lengths
@@ -196,36 +237,7 @@ class FourBar(FourBarLinks):
             (-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
     def stalls(self, side: float) -> Iterator[DeadPoint]:
-        """
-        Yield the dead points, up to two, with sin(mu) of the sign ``side``.
-
-        mu is the angle from coupler to output link; at a dead point the output link stands still
-        and turns back.
-
-        Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
-        a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the
-        half angles at O1 and O4 follow by the law of cosines,
-
-            (DP1) tan^2(theta1/2) = (a3^2 - (r - a4)^2) / ((r + a4)^2 - a3^2)
-            (DP2) tan^2(theta4/2) = ((a3 + a4)^2 - r^2) / (r^2 - (a4 - a3)^2)
-        """
-        a1, a2, a3, a4 = self.lengths
-        for stretched, coupler in ((True, a2), (False, -a2)):
-            # Numerator and denominator of (DP1) as products of exact sums, in which r = a1 +
-            # coupler: they keep their digits where the triangle is nearly flat. Both are negative
-            # where r is.
-            over = exact_sum((a3, -a1, -coupler, a4)) * exact_sum((a3, a1, coupler, -a4))
-            under = exact_sum((a1, coupler, a4, -a3)) * exact_sum((a1, coupler, a4, a3))
-            if over * under > 0.0:          # else there is no triangle
-                # folded, the coupler points back and B is on the other side of the crank
-                sign = side if stretched else -side
-                theta1 = sign * 2.0 * atan2(sqrt(abs(over)), sqrt(abs(under)))         # (DP1)
-                # behind O1, crank and rocker are on two sides of the ground
-                sign = sign if a1 + coupler > 0.0 else -sign
-                theta4 = sign * 2.0 * atan2(                                           # (DP2)
-                    sqrt(REAL.difference_of_squares(a3, a4, a1, coupler)),
-                    sqrt(REAL.difference_of_squares(a1, coupler, a4, -a3)))
-                yield DeadPoint(theta1, theta4, stretched)
+        return self.in_line(side)
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
         """Return the same linkage driven at its output link, once for each assembly mode."""
@@ -307,6 +319,15 @@ class MovingJointFourBar(FourBarLinks):
     @property
     def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
         return 'T_{12}' if self.input == parts.JOINT_A else 'T_{23}'
+
+    def stalls(self, side: float) -> Iterator[MovingJointDeadPoint]:
+        for point in (*self.in_line(1.0), *self.in_line(-1.0)):
+            beta = point.theta1 + pi * (not point.stretched)
+            angle, of_mode = ((pi * (not point.stretched), point.theta4)
+                              if self.input == parts.JOINT_A else
+                              (remainder(point.theta4 - beta + pi, 2.0 * pi), point.theta1))
+            if of_mode * side > 0.0:        # sin(theta4), or that of theta1
+                yield MovingJointDeadPoint(angle, point.theta4, point.theta1, point.stretched)
 
     def driven_otherwise(self) -> tuple[FourBar, ...]:
         """Return the same links driven at the crank, which goes on at toggles of this drive."""

@@ -8,7 +8,7 @@ from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, fsum, inf, lcm, nan, pi, remainder
-from typing import Any, cast, TYPE_CHECKING, TypeVar
+from typing import Any, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, External, NOT_APPLIED
@@ -27,8 +27,6 @@ _T = TypeVar('_T')
 # Nearer to a limit that is a change point than this, in units of the input, accelerations are
 # noise: their error is some eps over the third power of the distance.
 BESIDE_FLAT_LIMITS = 2.0**-17
-# Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
-NEAR_DEAD_POINT = 1e-6
 # A singular input so near to the end of a range is this end [in the unit of the input].
 AT_END = 1e-12
 
@@ -219,30 +217,6 @@ class MechanismGeometry(StatedMechanism):
     @property
     def _has_odd_turns(self) -> bool:
         return len(self.flat_inputs) % 2 == 1
-
-    @cached_by_lengths
-    def dead_points(self) -> tuple[Any, ...]:
-        """Return where the output turns back in this mode, at any rate of the input."""
-        # Of kinds alone: those of a machine are extrema, of turning_points in extrema.over_input.
-        # Records of the input, from -pi on, and the output there; for a change point whose branch
-        # changes its side, those of either side through which its motion goes in a period.
-        if not self.flat_inputs:
-            return tuple(sorted(point for point in self.stalls(self.sign)
-                                if self.is_in_stroke(point[0])))
-
-        def is_passed(point: Any) -> bool:
-            """Return whether the motion has the output of a point there: on its own branch."""
-            motion = cast(Any, self).motion(point.theta1)
-            apart = getattr(motion, self.outputs[0].coordinate.position) - point[1]
-            if self.outputs[0].coordinate.unit == 'rad':
-                return abs(remainder(apart, 2.0 * pi)) < NEAR_DEAD_POINT
-            return bool(abs(apart) < NEAR_DEAD_POINT * power_of_two(*self.lengths))
-
-        points = [point._replace(theta1=point.theta1 + 2.0 * pi * turn)
-                  for side in (1.0, -1.0) for point in self.stalls(side)
-                  for turn in range(round(self.period / (2.0 * pi)))]
-        return tuple(sorted(point for point in points
-                            if self.is_in_stroke(point.theta1) and is_passed(point)))
 
     def is_in_stroke(self, position: float) -> bool:
         """Return whether an input is in the stroke, if there is one; angles in any turn."""

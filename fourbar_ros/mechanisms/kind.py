@@ -16,8 +16,9 @@ Lengths are scaled by a power of two, so that no square of one overflows.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from math import pi, remainder
 from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External, NOT_APPLIED
@@ -34,7 +35,10 @@ from fourbar_ros.mechanisms.machine.solve.loads import solve_loads
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, load_fields, Pair, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
+
+# Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
+NEAR_DEAD_POINT = 1e-6
 
 LINKS = ('crank', 'coupler', 'output')
 # {coordinate: (a link, that from which its angle counts)}
@@ -118,6 +122,34 @@ class Kind(Mechanism):
         if 0.0 in self.margins:
             return 'change point'
         return self.CLASSES[tuple([1 if margin > 0.0 else -1 for margin in self.margins])]
+
+    def stalls(self, side: float) -> Iterable[Any]:
+        """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""
+        return ()
+
+    @cached_by_lengths
+    def dead_points(self) -> tuple[Any, ...]:
+        """Return where the output turns back in this mode, at any rate of the input."""
+        # Records of the input, of angles from -pi on, and the output there; for a change point
+        # whose branch changes its side, those of either side through which its motion goes in a
+        # period. Those of a machine have no closed form, see dead_points() in extrema.over_input.
+        if not self.flat_inputs:
+            return tuple(sorted(point for point in self.stalls(self.sign)
+                                if self.is_in_stroke(point[0])))
+
+        def is_passed(point: Any) -> bool:
+            """Return whether the motion has the output of a point there: on its own branch."""
+            motion = self.motion(point[0])
+            apart = getattr(motion, self.outputs[0].coordinate.position) - point[1]
+            if self.outputs[0].coordinate.unit == 'rad':
+                return abs(remainder(apart, 2.0 * pi)) < NEAR_DEAD_POINT
+            return bool(abs(apart) < NEAR_DEAD_POINT * power_of_two(*self.lengths))
+
+        turns = 1 if self.is_driven_by_slide else round(self.period / (2.0 * pi))
+        points = [type(point)(point[0] + 2.0 * pi * turn, *point[1:])
+                  for side in (1.0, -1.0) for point in self.stalls(side) for turn in range(turns)]
+        return tuple(sorted(point for point in points
+                            if self.is_in_stroke(point[0]) and is_passed(point)))
 
     @classmethod
     def motion_fields(cls) -> tuple[str, ...]:

@@ -73,6 +73,13 @@ class SliderDeadPoint(NamedTuple):
     stretched: bool
 
 
+class CrankDeadPoint(NamedTuple):
+    """A driven slide turns the crank no farther: square to the coupler, or pin A at the foot."""
+
+    slide: float      # [m]
+    theta1: float     # [rad]
+
+
 @dataclass(frozen=True, repr=False)
 class SliderCrank(Kind):
     """
@@ -159,12 +166,19 @@ class SliderCrank(Kind):
             (fabs(cos_b) if self.input == CRANK else a1 * fabs(sin_2)) + TINY)
         return condition
 
-    def stalls(self, side: float) -> Iterator[SliderDeadPoint]:
+    def stalls(self, side: float) -> Iterator[SliderDeadPoint | CrankDeadPoint]:
         unit = number_types.power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
+        if self.input == SLIDE:         # the coupler points along y, up or down
+            for up in (1.0, -1.0):
+                rise, run = e - up * a2, REAL.difference_of_squares(a1, 0.0, e, -up * a2)
+                if run > 0.0:
+                    x = up * side * sqrt(run)
+                    yield CrankDeadPoint(unit * x, atan2(rise, x))
+            return
         folded, stretched = closed_forms.reach(a1, a2, e)
         for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
-            if square > 0.0 and self.input == CRANK:
+            if square > 0.0:
                 x = side * sqrt(square) if is_stretched else -side * sqrt(square)       # of A
                 sign = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
                 yield SliderDeadPoint(atan2(sign * e, x), unit * sign * x, is_stretched)
@@ -280,12 +294,17 @@ class InvertedSlider(Kind):
         (a1, a4, _), (cosine, sine, *_) = lengths, coordinates[THETA1]
         return a1 - a4 * cosine, a4 * sine
 
-    def stalls(self, side: float) -> Iterator[InvertedDeadPoint]:
+    def stalls(self, side: float) -> Iterator[InvertedDeadPoint | CrankDeadPoint]:
         a1, a4, h = number_types.scaled(self.lengths)
+        if self.input == SLIDE:         # A is as near to O4 as on any crank
+            near, far = closed_forms.reach(a1, a4, h)
+            if near < 0.0:
+                yield CrankDeadPoint(0.0, side * 2.0 * atan2(sqrt(-near), sqrt(far)))
+            return
         for sign in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - sign * a1        # a4 sin y
             run = REAL.difference_of_squares(a4, 0.0, h, -sign * a1)
-            if run > 0.0 and self.input == CRANK:
+            if run > 0.0:
                 cosine, sine = -side * sqrt(run), rise
                 yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
 

@@ -10,7 +10,7 @@ A kind, or a machine of dyads, gives these facts, and formulas for any
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.mechanics.bodies import Gravity
@@ -112,10 +112,6 @@ class StatedMechanism(ABC):
     def transmission_sine(self, motion: parts.NamedFields) -> Scalar:
         """Return a number of at most one in size that is zero where the dyad is in line."""
         # Errors of rates and loads grow as one over it: the search for extrema bounds noise by it.
-
-    def stalls(self, side: float) -> Iterable[Any]:
-        """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""
-        return ()
 
     @property
     def modes(self) -> Mapping[int, str]:

@@ -1,10 +1,12 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Peaks, means and ranges over the input beside closed forms and dense scans of each range."""
-from math import inf, isnan, pi, sqrt, tau
+from math import asin, inf, isnan, pi, sqrt, tau
 
-from fourbar_ros import Bodies, flat_bar, FourBar, load_scene, ScotchYoke
-from fourbar_ros.extrema import find_extrema, output_ranges, OverInput
+from fourbar_lab.drawing.record import drive_of
+from fourbar_ros import Bodies, Body, flat_bar, FourBar, InvertedSlider, load_scene, ScotchYoke
+from fourbar_ros.extrema import Extremum, find_extrema, output_ranges, OverInput
+from fourbar_ros.extrema.over_input import most_extreme
 from fourbar_ros.machine import Dyad, Machine, Point
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 import numpy as np
@@ -119,3 +121,76 @@ def reversing():
     two = Dyad('two', 'RPR', Point('coupler', 0.10309871, -1.17079605),
                Point('ground', 1.02996685, -0.39033883), ('block', 'bar'), offset=0.0, mode=2)
     return Machine([one, two], output='bar')
+
+
+# --- of equal extrema ----------------------------------------------------------------------------
+
+def extremum(value, theta1):
+    return Extremum('f', 'N', 2, 'maximum' if value > 0.0 else 'minimum', theta1, value, True)
+
+
+@pytest.mark.parametrize('bits', [-2, 0, 2])
+def test_of_equal_extrema_that_at_the_least_input_counts(bits):
+    """Rounding chose among them the peak of a drive, the worst pin and the worst angle."""
+    other = 7.0 * (1.0 + bits * EPS)
+    every = [extremum(*each) for each in ((3.0, 0.5), (-7.0, 1.0), (other, 2.0), (-other, 3.0))]
+    over = OverInput(FourBar(0.4, 1.2, 0.8, 1.0), 'omega4', extrema=every)
+    assert (over.largest.input, over.largest.value) == (1.0, -7.0)
+    assert (over.most.input, over.least.input) == (2.0, 1.0) and over.peak == max(7.0, other)
+    # the same of two pins, in any order, of unbounded values and of angles that differ from pi/2
+    assert most_extreme(every[::-1], 1, abs).input == 1.0
+    assert most_extreme([extremum(inf, 2.0), extremum(inf, 1.0)], 1).input == 1.0
+    angles = [extremum(0.5, 3.0), extremum(pi - 0.5 * (1.0 + bits * EPS), 1.0)]
+    worst = most_extreme(angles, 1, lambda angle: abs(angle - 0.5 * pi))
+    assert worst == angles[1] and most_extreme([], 1) is None
+
+
+@pytest.mark.parametrize('bits', range(-3, 4))
+def test_the_peak_of_a_symmetric_torque_does_not_depend_on_the_last_bits(bits):
+    """A yoke whose torque is as large in each quarter of a turn."""
+    yoke = ScotchYoke(0.1 * (1.0 + bits * EPS), bodies=Bodies(*[Body(1.0)] * 3))
+    effort = drive_of(yoke, 10.0)['effort']
+    assert effort['peak_at'] == pytest.approx(0.25 * pi, abs=1e-7)
+
+
+# --- the turn of angles --------------------------------------------------------------------------
+
+def test_positions_over_two_ranges_are_those_of_the_mirror_image():
+    """One range of mode 1 was a turn beside the other: 8.27 rad, and no mean."""
+    lengths = 0.66063946, 1.05541733, 0.32974365, 1.0537845
+    one, two = (FourBar(*lengths, mode=mode) for mode in (1, 2))
+    swept = [OverInput(each, 'theta4') for each in (one, two)]
+    assert len(one.input_ranges) == 2
+    assert swept[0].most.value == pytest.approx(-swept[1].least.value, rel=64 * EPS)
+    assert swept[0].least.value == pytest.approx(-swept[1].most.value, rel=64 * EPS)
+    assert swept[0].most.value - swept[0].least.value < tau
+    assert swept[0].mean == pytest.approx(-swept[1].mean, rel=1e-12)
+    assert swept[0].rms == pytest.approx(swept[1].rms, rel=1e-12)
+    for each, over in zip((one, two), swept):
+        values = sorted(extremum.value for extremum in over.extrema)
+        ranges = output_ranges(each)
+        assert values == sorted(extremum.value for part in ranges for extremum in part.extrema)
+        assert all(abs(part.low + part.high) <= tau for part in ranges)
+
+
+@pytest.mark.parametrize('bits', range(-4, 5))
+def test_a_range_about_half_a_turn_is_counted_beyond_it_whatever_the_rounding(bits):
+    """A bar that swings about 180 deg: the kind and the machine that it is said +180 and -180."""
+    a1, a4 = 0.1 * (1.0 + bits * EPS), 0.3
+    machine = Machine([Dyad('d', 'RPR', Point('crank', a1), Point('ground', a4),
+                            ('block', 'bar'), offset=0.0)])
+    for linkage in (InvertedSlider(a1, a4), machine):
+        (low, high), = [(part.low, part.high) for part in output_ranges(linkage)]
+        assert (low, high) == pytest.approx((pi - asin(1 / 3), pi + asin(1 / 3)), rel=1e-12)
+        assert {round(extremum.value, 9) for extremum in find_extrema(
+            linkage, linkage.outputs[0].coordinate.position)} == {round(low, 9), round(high, 9)}
+
+
+def test_an_angle_that_turns_on_with_reversals_has_no_mean():
+    """Its reversals gave it a middle, and what lies about that a number."""
+    whitworth = FourBar(2.0, 4.0, 3.5, 1.0)
+    assert isnan(OverInput(whitworth, 'theta4').mean) and isnan(OverInput(whitworth, 'theta4').rms)
+    drag = reversing()
+    over = OverInput(drag, drag.outputs[0].coordinate.position)
+    assert output_ranges(drag)[0].turns_fully and over.extrema
+    assert isnan(over.mean) and isnan(over.rms)

@@ -117,7 +117,28 @@ def turning_points(x, values):
     return [(x[i - 1], x[i + 1], int(step[i - 1]), i) for i in inner]
 
 
-@pytest.mark.parametrize('seed', range(more(12, 500)))
+@pytest.mark.parametrize('after', [5.0, 9.0])
+def test_a_plateau_may_lie_between_a_jump_and_an_end(after):
+    """And at an end where a load jumps its value is that inside: a least -7 was lost."""
+    crank = SliderCrank(0.05, 0.2, bodies=Bodies(*[Body(0.0)] * 3)).with_elements(PositionForce(
+        Attachment('crank'), ForceTable((0.0, 1.0, 2.0, 2.0, TURN), (3.0, 7.0, 7.0, after, 3.0),
+                                        True, True), direction=None))
+    falls = after - 3.0
+    for within, expected in (
+            ((0.3, 2.0), [(-4.2, 1), (-7.0, -1)]),
+            ((0.3 + TURN, 2.0 + TURN), [(-4.2, 1), (-7.0, -1)]),
+            ((2.0, 4.0), [(-after, 1), (2.0 * falls / (TURN - 2.0) - after, -1)]),
+            ((1.5, 4.0), [(-7.0, 1), (-7.0, -1), (-after, 1),
+                          (2.0 * falls / (TURN - 2.0) - after, -1)])):
+        extrema = find_extrema(crank, 'driving_torque', 0.0, conditions=False, within=within)
+        assert {extremum.proof for extremum in extrema} == {''}
+        assert [extremum.side for extremum in extrema] == [side for _, side in expected]
+        assert [extremum.value for extremum in extrema] == pytest.approx(
+            [value for value, _ in expected], rel=1e-12)
+
+
+# 258: a plateau of a load lies between its jump and the end of the range
+@pytest.mark.parametrize('seed', sorted({*range(more(12, 500)), 258}))
 def test_no_extremum_of_a_load_is_lost(seed):
     rng = np.random.default_rng(seed)
     mechanism = mechanism_of(rng)

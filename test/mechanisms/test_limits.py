@@ -2,9 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Classes, limits of the input, dead points of every kind: in closed form with many digits."""
 from dataclasses import replace
+from functools import partial
 from math import inf, nan, nextafter, pi, remainder
 
-from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, SliderCrank, Toggle
+from fourbar_ros import (
+    FourBar,
+    InvalidParameter,
+    InvertedSlider,
+    load_scene,
+    ScotchYoke,
+    SliderCrank,
+    Toggle,
+)
+from fourbar_ros.extrema.over_input import dead_points, output_ranges, turning_points
+from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 import mpmath as mp
 import numpy as np
 import pytest
@@ -239,5 +250,61 @@ def is_near(one, other, coordinate, bound):
 
 
 @pytest.mark.parametrize('kind', [SliderCrank, InvertedSlider])
-def test_a_driven_slide_has_no_dead_points(kind):
+def test_a_driven_slide_has_no_dead_points_of_a_crank_that_turns_fully(kind):
     assert kind(2.5, 6.0, input='slide').dead_points == ()
+
+
+KINDS = {'slider-crank by its slide': partial(SliderCrank, input='slide'),
+         'inverted one by its slide': partial(InvertedSlider, input='slide'),
+         'yoke by its slide': lambda a1, *_, mode: ScotchYoke(a1, mode=mode, input='slide'),
+         'four-bar at A': partial(MovingJointFourBar, input='A'),
+         'four-bar at B': partial(MovingJointFourBar, input='B'),
+         'four-bar': FourBar, 'slider-crank': SliderCrank, 'inverted': InvertedSlider}
+
+
+@pytest.mark.parametrize('name', KINDS)
+def test_dead_points_of_every_drive_are_the_extrema_of_its_output(name):
+    """Without the drives at a slide, at A and at B there were none in Python."""
+    rng, count = np.random.default_rng(3), 0
+    for _ in range(16):
+        lengths, mode = rng.uniform(0.2, 1.2, 4), int(rng.integers(1, 3))
+        if name in ('four-bar', 'four-bar at A', 'four-bar at B'):
+            numbers = lengths
+        else:
+            numbers = *lengths[:2], lengths[2] - 0.6
+        try:
+            mechanism = KINDS[name](*numbers, mode=mode)
+        except InvalidParameter:
+            continue
+        output = mechanism.outputs[0].coordinate
+        extrema = sorted((point.input, point.value) for point in turning_points(mechanism))
+        assert dead_points(mechanism) == mechanism.dead_points
+        assert len(extrema) == len(mechanism.dead_points)
+        count += len(extrema)
+        for x, place, *_ in mechanism.dead_points:
+            assert any(abs(mechanism.distance(x, at)) < 1e-7
+                       and is_near(place, value, output, 1e-12) for at, value in extrema)
+            rate = getattr(mechanism.motion(x, 1.0), output.rate)
+            assert abs(rate) <= 64 * EPS * (1.0 + mechanism.motion(x).condition)**2
+    assert count > 4 or name == 'yoke by its slide'
+
+
+def test_a_machine_has_its_dead_points_from_the_search():
+    with pytest.raises(AttributeError):         # () would say that there are none
+        load_scene('watt').linkage.dead_points
+    assert dead_points(load_scene('watt').linkage)
+
+
+@pytest.mark.parametrize('scale', [2.0**-560, 2.0**-400, 2.0**520, 2.0**900])
+@pytest.mark.parametrize('mode', [1, 2])
+def test_dead_points_and_swept_ranges_do_not_depend_on_the_unit(scale, mode):
+    """Products of lengths overflowed or were 0: other dead points, none, or a bare error."""
+    for kind, lengths in ((FourBar, (0.4, 1.2, 0.8, 1.0)), (SliderCrank, (0.3, 1.0, 0.1)),
+                          (InvertedSlider, (0.3, 1.0, 0.1))):
+        plain, other = (kind(*[length * by for length in lengths], mode=mode)
+                        for by in (1.0, scale))
+        per = 1.0 / scale if kind is SliderCrank else 1.0
+        assert [(theta1, place * per, *rest) for theta1, place, *rest in other.dead_points] == [
+            tuple(point) for point in plain.dead_points] != []
+        (one,), (two,) = output_ranges(plain), output_ranges(other)
+        assert (two.low * per, two.high * per) == pytest.approx((one.low, one.high), rel=64 * EPS)

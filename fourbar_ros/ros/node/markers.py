@@ -170,11 +170,8 @@ def limits(scene: Scene) -> Iterator[Marker]:
     ends = [] if mechanism.turns_fully else [
         ('toggle', position) for low, high in mechanism.input_ranges
         for position in (low + INSIDE * (high - low), high - INSIDE * (high - low))]
-    inputs = [point[0] for point in mechanism.dead_points]
-    if hasattr(mechanism, 'stages'):    # a machine, which has no closed form of them
-        from fourbar_ros.extrema.over_input import turning_points  # markers do not need it
-        inputs = [extremum.input for extremum in turning_points(mechanism)]
-    dead = [('dead point', position) for position in inputs]
+    from fourbar_ros.extrema.over_input import dead_points  # other markers do not need it
+    dead = [('dead point', point[0]) for point in dead_points(mechanism)]
     width = 0.4 * WIDTH * size_of(mechanism)
     for index, (kind, position) in enumerate([*ends, *dead]):
         try:
