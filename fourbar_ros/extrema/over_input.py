@@ -182,8 +182,10 @@ def most_extreme(extrema: Sequence[Extremum], sense: int,
                   default=0.0)
     first = min([extremum for extremum in extrema if extremum is best or are_equal(
         size(extremum.value), size(best.value), largest)], key=lambda extremum: extremum.input)
-    is_same = are_equal(first.value, best.value, largest)       # not of the other sign
-    return first._replace(value=best.value) if is_same else first
+    # one that is as large only, of the other sign, is not of the same value
+    value = next((sign * best.value for sign in (1.0, -1.0)
+                  if are_equal(first.value, sign * best.value, largest)), first.value)
+    return first._replace(value=value)
 
 
 def are_equal(values: Values, best: Values, largest: Values) -> Any:
