@@ -237,7 +237,7 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
 
 @pytest.mark.slow
 def test_the_shipped_engine_reaches_five_seconds():
-    """16 000 legs, one for each place of its table, within the evaluations allowed."""
+    """Past 16 000 places of its table, within the evaluations allowed."""
     scene = load('engine')
     run = simulate(scene.dynamics.system(scene.linkage), 5.0, 1e-8)
     assert run.status == REACHED and run.error <= 1e-8 and run.drift <= 1e-8
