@@ -40,7 +40,8 @@ def add(verbs: Verbs) -> None:
 
 def _generate(arguments: Namespace) -> None:
     from fourbar_lab.export.files import generate, paths_of
-    refuse_overwriting(paths_of(Path(arguments.scene).stem, arguments.out, arguments.format),
+    from fourbar_ros.scene.files import name_of
+    refuse_overwriting(paths_of(name_of(arguments.scene), arguments.out, arguments.format),
                        arguments.force)
     written = generate(arguments.scene, arguments.out, arguments.format, arguments.outputs,
                        arguments.parameters)

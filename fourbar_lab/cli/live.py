@@ -48,6 +48,6 @@ def _live(arguments: Namespace) -> None:
         return
     from fourbar_lab.live.page import page
     refuse_overwriting([arguments.out], arguments.force)
-    name = arguments.scene and Path(arguments.scene).stem
-    arguments.out.write_text(page(name, scene, second=second), encoding='utf-8')
+    arguments.out.write_text(page(scene.name if scene else None, scene, second=second),
+                             encoding='utf-8')
     print(arguments.out)

@@ -50,7 +50,7 @@ def generate(scene: str | Path | Scene, directory: str | Path, as_: str = 'c',
     if as_ not in FORMATS:
         raise InvalidParameter('as', as_, one_of(FORMATS))
     loaded = scene if isinstance(scene, Scene) else load(scene)
-    stem = name or ('linkage' if isinstance(scene, Scene) else Path(scene).stem)
+    stem = name or ('linkage' if isinstance(scene, Scene) else loaded.name)
     model = GeneratedModel(loaded, word(stem), outputs, parameters)
     model.check()
     if as_ == 'js' and (outputs, parameters) != (None, None):

@@ -189,7 +189,8 @@ try:
     main({list(words)!r})
 except SystemExit:
     pass
-print(sorted(name for name in sys.modules if '.cli.' in name and name.count('.') == 2))
+print(sorted(name for name in sys.modules if name.count('.') == 2
+             and name.split('.')[1] in ('cli', 'pipeline')))
 """], capture_output=True, text=True, check=True)
         return done.stdout.splitlines()[-1]
     assert loaded('scene', 'print', 'paper') == (

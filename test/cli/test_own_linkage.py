@@ -122,6 +122,40 @@ def test_a_scene_is_read_as_windows_writes_it(encoding, mark, capsys):
         assert main(['show', 'mine.yaml']) == 1
 
 
+@pytest.mark.parametrize('name', ['engine', 'lift_table'])      # of tables in a file
+def test_a_printed_scene_loads_wherever_it_lies(name, capsys):
+    assert main(['scene', 'print', name, '-o', 'mine.yaml']) == 0
+    mine, shipped = load_scene('mine.yaml'), load_scene(name)
+    assert mine.values == pytest.approx(shipped.values, nan_ok=True, abs=0.0, rel=0.0)
+    assert Path('mine.yaml').read_text().startswith('# ')
+
+
+TWO_NODES = """# Two fingers.
+{node}left: {{ros__parameters: {{linkage: {{a1: 40mm, a2: 0.12, a3: 0.08, a4: 0.1}}}}}}
+{node}right: {{ros__parameters: {{linkage: {{a1: 0.05, a2: 0.12, a3: 0.08, a4: 0.1}}}}}}
+"""
+
+
+@pytest.mark.parametrize('node', ['', 'hand/'])
+def test_two_scenes_of_one_file_have_names_and_texts_of_their_own(node, capsys):
+    Path('fingers.yaml').write_text(TWO_NODES.format(node=node))
+    names = []
+    for side in ('left', 'right'):
+        scene = load_scene(f'fingers.yaml:{node}{side}')
+        names.append(scene.name)
+        assert main(['scene', 'print', f'fingers.yaml:{node}{side}', '-o', f'{side}.yaml']) == 0
+        assert load_scene(f'{side}.yaml').linkage == scene.linkage
+        assert main(['generate', f'fingers.yaml:{node}{side}', '-o', 'code']) == 0
+        assert main(['live', f'fingers.yaml:{node}{side}', '-o', f'{side}.html']) == 0
+        assert f'<title>{names[-1]}' in Path(f'{side}.html').read_text()
+    prefix = node.replace('/', '_')
+    assert names == [f'fingers_{prefix}left', f'fingers_{prefix}right']
+    assert {path.name for path in Path('code').iterdir()} == {
+        f'{name}.{ending}' for name in names for ending in 'ch'}
+    assert 'a1: 40mm' in Path('left.yaml').read_text()
+    assert load_scene('paper').name == 'paper'
+
+
 def test_a_text_in_ansi_says_how_to_save_it(capsys):
     Path('mine.yaml').write_bytes('# Größe\n'.encode('cp1252'))
     Path('table.csv').write_bytes('Größe [mm]; Kraft [N]\n0; 1\n1; 2\n'.encode('cp1252'))
