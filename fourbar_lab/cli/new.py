@@ -220,12 +220,13 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
         for dyad in dyads:
             if dyad.name in named:
                 named[dyad.name] = {'link': dyad.links[0], 'distance_2': 0.0}
-        tree = {'linkage': {'kind': 'machine', 'dyads': [dyad.name for dyad in dyads],
-                            'points': named},
+        pivot = next(name for name in links[0] if joints[name].link == 'ground')
+        tree = {'linkage': {'kind': 'machine', 'pivot': pivot,
+                            'dyads': [dyad.name for dyad in dyads], 'points': named},
                 'dyads': {dyad.name: {
                     'kind': dyad.kind,
                     **{end: drawing.ends.get(f'{dyad.name}.{end}', getattr(dyad, end)._asdict())
-                       for end in ('first', 'second')}, 'links': [*dyad.links],
+                       for end in ('first', 'second')}, 'inner': dyad.name, 'links': [*dyad.links],
                     **{name: value for name, value in vars(dyad).items() if value is not None
                        and name.startswith(('length', 'direction'))}, 'mode': dyad.mode}
                     for dyad in dyads}}

@@ -68,7 +68,7 @@ def _of_kind(values: ParameterValues) -> Mechanism:
     """Return a four_bar, slider_crank, ... with the mode, stroke, bodies and loads of a scene."""
     name = values['linkage.kind']
     kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
-    for only in ('linkage.dyads', 'linkage.output', 'linkage.carrier'):
+    for only in ('linkage.dyads', 'linkage.output', 'linkage.carrier', 'linkage.pivot'):
         if values[only] != of_name(only).default:
             raise InvalidParameter(only, values[only], f'linkage.kind {MACHINE} alone has it')
     arguments = {length.name: values[f'linkage.{length.name}'] for length in kind.LENGTHS}

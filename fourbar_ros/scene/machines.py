@@ -11,7 +11,7 @@ from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.description import ANGLES, by_link, Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths
+from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, DyadLengths
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
@@ -46,6 +46,9 @@ def machine_of(values: ParameterValues) -> Machine:
     # {end of a dyad: the named point on which it hangs}
     hang = {f'{name}.{end}': point for name in names for end in ('first', 'second')
             if (point := values.get(f'dyads.{name}.{end}'))}
+    names_of_joints = {BASE: values['linkage.pivot'], **{
+        f'{name}_inner': values[f'dyads.{name}.inner'] for name in names}, **{
+        end.replace('.', '_'): point for end, point in hang.items()}}
     try:
         dyads = []
         for name in names:
@@ -64,7 +67,7 @@ def machine_of(values: ParameterValues) -> Machine:
         machine = Machine(tuple(dyads), values['linkage.input'], values['linkage.output'] or None,
                           cylinder, stroke=tuple(stroke) if stroke else None,
                           carrier=values['linkage.carrier'], joint_names={
-                              end.replace('.', '_'): point for end, point in hang.items()})
+                              joint: name for joint, name in names_of_joints.items() if name})
     except InvalidParameter as error:
         # of a wrong dyads.D.first.link, where dyads.D.first names a point, the point is at fault
         end = '.'.join(error.name.split('.')[:3])

@@ -285,6 +285,9 @@ PARAMETERS = _table(
               f'link of a {MACHINE} to which the driven crank is pinned, at its origin: the '
               'ground, or for a drive between two moving links one that takes the place of the '
               'ground in dyads; see docs/machines.md', live=False),
+    Parameter('linkage.pivot', 'string', '', '',
+              f'of a {MACHINE}: name in pictures of the joint of its driven link with the ground; '
+              'empty: O1', live=False),
     *_point('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
             'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
             'to which the crank is pinned at O1; see docs/machines.md', live=False),
@@ -376,6 +379,8 @@ _DYAD = _table(
                 f'name of the point (linkage.points.*) on which dyad NAME hangs with its {end} '
                 f'link, in place of {end}.link, {end}.along and {end}.across', live=False)
       for end in ('first', 'second')),
+    Parameter('dyads.NAME.inner', 'string', '', '',
+              'name in pictures of the inner joint of dyad NAME; empty: a letter', live=False),
     Parameter('dyads.NAME.kind', 'string', REQUIRED, '',
               'kind of dyad NAME by its joints, R a pin, P a slide: outer, inner, outer; '
               'see docs/machines.md', choices=tuple(DIMENSIONS), live=False),

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from fourbar_lab.drawing.labels import labels_of
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.kinds import KINDS
@@ -65,7 +66,7 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
      ['--links', 'O1-P-A', 'A-B', 'B-O4'], 'machine', 'RRR'),
     *[(*public.options, '', '') for public in PUBLIC.values()]])
 def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
-    """All joints that move, at drive.start, where they were drawn."""
+    """All joints that move, at drive.start, where they were drawn, by the names given there."""
     assert main(['new', 'my', '--points', *points, *options, '--rod', '8mm']) == 0
     assert said in capsys.readouterr().out
     scene, places = load_scene('my.yaml'), {}
@@ -80,6 +81,11 @@ def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
     found = np.array([*pose.joints.values()])
     for place in drawn:
         assert np.hypot(*(found - place).T).min() < 1e-12
+    letters = labels_of(pose).joints
+    if scene.kind == 'machine':         # a kind has the letters of its forces: f41 at O1, ...
+        assert {*letters} == {*places} - {*scene.points}
+        for name, place in letters.items():
+            assert np.hypot(*(place - (places[name] - origin))) < 1e-12, name
     for name, point in scene.points.items():
         place = point_motion(linkage, motion, *point).place
         assert np.hypot(*(place - (places[name] - origin))) < 1e-12

@@ -12,7 +12,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.description import Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine
-from fourbar_ros.mechanisms.machine.structure import CRANK_LINK
+from fourbar_ros.mechanisms.machine.structure import BASE, CRANK_LINK
 from fourbar_ros.mechanisms.parts import CROSSED, GROUND, OPEN
 from fourbar_ros.mechanisms.points import point_motion
 
@@ -106,7 +106,10 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
                 raise InvalidParameter('points', dyad.name,
                                        'the links do not close where it is drawn')
             dyads[i] = as_drawn
-    return Drawing(Machine(tuple(dyads), **options), start, joints, ends)
+    names_of_joints = {BASE: pivots[0], **{f'{dyad.name}_inner': dyad.name for dyad in dyads},
+                       **{end.replace('.', '_'): name for end, name in ends.items()}}
+    return Drawing(Machine(tuple(dyads), joint_names=names_of_joints, **options), start, joints,
+                   ends)
 
 
 def _next_dyad(waiting: Sequence[list[str]], joints: Mapping[str, Point],

@@ -76,7 +76,7 @@ class Machine(Mechanism):
         angle counts: the ground, or a link that moves. In dyads that takes the place of the
         ground, and one dyad has the ground among its links, as of a Cylinder on a moving link.
     joint_names : mapping {joint: name}
-        Names of points of a scene, which pictures show in place of letters.
+        Names of points of a scene or a drawing, which pictures show in place of letters.
 
     Raises
     ------

@@ -6,10 +6,12 @@ from math import cos, hypot, sin
 import re
 from typing import NamedTuple
 
+from fourbar_lab.drawing.labels import labels_of
 from fourbar_ros import FourBar
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.machine.from_points import read_drawing
+from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 import numpy as np
 import pytest
@@ -119,6 +121,18 @@ def test_public_linkages_are_entered_without_a_calculation(name):
         for joint, angle in slides.items():
             way = moved[joint] - drawn[joint]
             assert abs(way @ (-sin(angle), cos(angle))) < 1e-9 * size, joint
+
+
+@pytest.mark.parametrize('name', PUBLIC)
+def test_pictures_have_the_letters_of_the_drawing(name):
+    points, links, ground, slides = PUBLIC[name].given
+    drawing = read_drawing(points, links, ground, slides)
+    letters = labels_of(diagram_of(drawing.machine, drawing.machine.motion(drawing.start))).joints
+    origin, = (points[joint] for joint in links[0] if joint in ground)
+    size = max(map(hypot, *zip(*points.values())))
+    assert {*letters} >= {joint for joint in points if sum(joint in link for link in links) > 1}
+    for joint, place in letters.items():
+        assert hypot(*(place + origin - points[joint])) < 1e-9 * size, joint
 
 
 def test_their_ranges_are_the_published_ones():
