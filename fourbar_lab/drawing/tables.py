@@ -55,6 +55,7 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
         driven, *(output.coordinate for output in linkage.outputs))}
     lengths = [f'{name} {length:g}' for name, length in properties['lengths'].items()]
     rows = [('lengths', '  '.join([*lengths, 'm'])),
+            *([('in doubt', linkage.doubt)] if linkage.doubt else []),
             ('class', properties['class']), ('assembly mode', properties['mode_name']),
             *([('change point', linkage.branch_in_words)] if linkage.branch_in_words else []),
             ('input', _ranges(driven, linkage.input_ranges))]
@@ -97,7 +98,10 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
 def _masses(linkage: Mechanism, properties: LinkageRecord) -> list[tuple[str, str]]:
     rows = [(name, f'{body["mass"]:.6g} kg, {body["inertia"]:.6g} kg m^2, CG at '
                    f'({body["cg_along"]:g}, {body["cg_across"]:g}) m'
-                   if (body['mass'], body['inertia']) != (0.0, 0.0) else 'no mass in the scene')
+                   + ', a point mass at its first joint' * (
+                       body['cg_along'] == body['cg_across'] == body['inertia'] == 0.0
+                       and linkage.link(name).turns)
+                   if (body['mass'], body['inertia']) != (0.0, 0.0) else 'no mass')
             for name, body in properties['bodies'].items()]
     if not any(field_of(linkage.gravity)) and not isinstance(linkage.gravity, Base):
         rows.append(NO_WEIGHT)

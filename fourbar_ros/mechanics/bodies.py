@@ -22,7 +22,8 @@ class Body:
 
     ``mass`` [kg] and ``inertia`` about the centre of gravity [kg m^2] are zero or more.
     ``cg_along``, ``cg_across``: the centre of gravity from the first joint (O1 of the crank, A of
-    the coupler, O4 of the output link), along the link and to its left [m].
+    the coupler, O4 of the output link), along the link and to its left [m]. ``Body(2.0)`` is a
+    point mass at that joint; a uniform bar is :func:`flat_bar` or :func:`round_rod`.
     """
 
     mass: float

@@ -27,6 +27,7 @@ from fourbar_ros.notebook import as_html, short_repr
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
+import numpy as np
 from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 # Links and the coordinate that drives them: a mechanism, or the same links driven at another one.
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
 _Self = TypeVar('_Self', bound='Mechanism')
+LONGEST = 20.0      # [m] what is longer is likely in millimetres
 # what tab completion shows besides the fields
 SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'holding',
          'in_mode', 'inertia', 'input', 'input_ranges', 'lengths', 'loads', 'margins', 'modes',
@@ -52,9 +54,16 @@ class Mechanism(MechanismGeometry):
 
     def __repr__(self) -> str:
         """Return it with all that is not the default, in at most ten lines."""
-        return short_repr(type(self).__name__, {
+        text = short_repr(type(self).__name__, {
             field.name: value for field in fields_of(self)
             if (value := getattr(self, field.name)) != field.default})
+        return f'{text}  # {self.doubt}' if self.doubt else text
+
+    @property
+    def doubt(self) -> str:
+        """Return a line on lengths that are likely in millimetres; empty: none are."""
+        longest = float(np.max(np.abs(np.hstack([0.0, *self.lengths]))))
+        return f'lengths of up to {longest:g} m: in mm?' if longest > LONGEST else ''
 
     @cached_by_lengths
     def _compute_motion(self) -> tuple[Function, Function]:

@@ -10,7 +10,7 @@ from typing import Any, TYPE_CHECKING
 from fourbar_ros.errors import in_words, InvalidParameter, nearest, OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, Body, flat_bar, Gravity, round_rod, UNKNOWN_BASE
 from fourbar_ros.mechanisms.kinds import kind_of, KINDS
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.mechanism import LONGEST, Mechanism
 from fourbar_ros.mechanisms.parts import JOINT_A, Link
 from fourbar_ros.numerics.number_types import Scalar
 from fourbar_ros.scene.parameters import member_of, of_name, unit_in
@@ -196,7 +196,6 @@ def bodies_of_links(values: ParameterValues, links: Sequence[Link], lengths: Map
 
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------
 
-LONGEST = 20.0                      # [m]
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
 FAR_THICKER = 5.0       # than a rod is long: in millimetres

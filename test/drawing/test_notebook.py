@@ -12,19 +12,23 @@ from fourbar_lab.drawing import collineation_axis
 from fourbar_lab.drawing.figure import COLOURS, CURVES, save
 from fourbar_lab.studies import find_extrema_many
 from fourbar_ros import (
+    Bodies,
     Body,
     find_extrema,
+    flat_bar,
     FourBar,
     InvalidParameter,
     load_scene,
     Loads,
     point_motion,
     round_rod,
+    SliderCrank,
 )
 from fourbar_ros.bag.overview import info
 from fourbar_ros.cli.main import main
 from fourbar_ros.dynamics import simulate, TorqueTable
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.load_table import LOADS
 from fourbar_ros.mechanisms.picture import diagram_of
@@ -121,6 +125,24 @@ def test_a_linkage_alone_at_an_angle():
     toggle = load_scene('door_closer')
     low, _ = toggle.linkage.input_ranges[0]
     assert toggle.draw(f'{low}rad', over='linkage').axes
+
+
+def test_a_linkage_says_what_is_in_doubt():
+    """Millimetres given as metres, and a rod that is a point mass: where one looks, and once."""
+    points = {'A': (0, 0), 'B': (20, 50), 'C': (180, 90), 'D': (200, 10)}
+    rods = Bodies(Body(0.1), flat_bar(0.18, 7850.0, 0.02, 0.005), Body(0.3, cg_along=0.1))
+    for linkage, said in ((FourBar(60, 180, 140, 200), 'lengths of up to 200 m: in mm?'),
+                          (Machine.from_points(points, ['AB', 'BC', 'CD'], 'AD'), 'in mm?'),
+                          (FourBar(0.06, 0.18, 0.14, 0.2, bodies=rods), '')):
+        rows = cells_of(linkage._repr_html_())
+        assert said in repr(linkage) and ('#' in repr(linkage)) is bool(said)
+        assert [text for name, text in rows if name == 'in doubt'] == [linkage.doubt][:bool(said)]
+        assert linkage.doubt.endswith(said)
+    assert ['point mass' in text for name, text in rows
+            if name in ('crank', 'coupler', 'output') and 'kg' in text] == [True, False, False]
+    engine = SliderCrank(0.05, 0.15, bodies=Bodies(*rods[:2], Body(0.3)))
+    assert 'CG at (0, 0) m' in dict(cells_of(engine._repr_html_()))['output']    # a piston
+    assert eval(repr(FourBar(60, 180, 140, 200))) == FourBar(60, 180, 140, 200)
 
 
 def test_a_repr_makes_the_same_linkage_again():
