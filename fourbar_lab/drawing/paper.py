@@ -52,5 +52,5 @@ class PaperFigure(Figure):
     def _repr_svg_(self) -> str:
         file = StringIO()
         self.savefig(file, format='svg', metadata={'Date': None})
-        text = file.getvalue()
-        return text[text.index('<svg'):]        # without the head of an XML file
+        _, _, text = file.getvalue().partition('<svg')      # without the head of an XML file
+        return f'<svg style="max-width: 100%; height: auto"{text}'      # whole in a narrow page

@@ -93,6 +93,7 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
         motion = (linkage.motion(cycles.usual_input(linkage)) if user_input is None else
                   poses.evaluate_at(linkage, user_input, 0.0, 0.0).motion)
         if over == 'linkage':
+            usual += f', assembly mode {linkage.modes[linkage.mode]}'
             return cycles.make_linkage_figure(linkage, motion, points, (), usual, paper)
         moving = cycles.usual_points(linkage, points)
         return cycles.make_linkage_figure(
@@ -175,15 +176,16 @@ def plot_run(run: Run) -> PaperFigure:
     if run.system.drive:
         rows[f'drive [{"N" if unit == "m" else "N m"}]'] = run.torque
     return figure.make_panels({text: [('', run.time, values)] for text, values in rows.items()},
-                              'time [s]', '')
+                              'time [s]', f'run: {run.system.mechanism.description}')
 
 
 def html(shown: Scene | Mechanism) -> str:
     """Return a mechanism, or that of a scene, as HTML: a picture of it and a table of facts."""
     linkage, points = (shown.linkage, shown.points) if isinstance(shown, Scene) else (shown, {})
-    drawing = cycles.make_linkage_figure(linkage, linkage.motion(cycles.usual_input(linkage)),
-                                         points, size=PICTURE)
-    parts = [drawing._repr_svg_(), html_table(('', ''), tables.facts(linkage))]
+    drawn_at, coordinate = cycles.usual_input(linkage), linkage.input_coordinate
+    drawing = cycles.make_linkage_figure(linkage, linkage.motion(drawn_at), points, size=PICTURE)
+    drawn = 'drawn at', f'{coordinate.position} {tables.shown(coordinate, drawn_at)}'
+    parts = [drawing._repr_svg_(), html_table(('', ''), [drawn, *tables.facts(linkage)])]
     if isinstance(shown, Scene):
         values = {name: shown.values[name] for name in ('gravity.x', 'gravity.y')}
         values |= parameters.without_defaults(shown.values)

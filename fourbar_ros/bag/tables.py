@@ -36,7 +36,7 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
     Topics that are not named and whose messages are not known here, as JSON, are left out;
     ``tell`` is called with a line for each. ``style``: of CSV. ``units``: {SI unit: unit in which
     to write what measures the same}; columns whose unit the definition of their message tells
-    then have it behind their name. Raises BagError; InvalidParameter for a unit of no column;
+    then have it behind their name. Raises BagError; InvalidParameter for units of no column;
     MissingPackage without pyarrow.
     """
     bag, out = reader.Bag(path, progress), Path(out)

@@ -48,7 +48,8 @@ def folder() -> Path:
 def find(name: str | Path) -> Path:
     """Return the path of a scene: a file, or a supplied one by name, as paper; or SceneError."""
     if not isinstance(name, str | Path):
-        raise SceneError(f'{name!r}: must be a path, or the name of a scene')
+        raise SceneError(f'{name!r:.60}: must be a path, or the name of a scene; '
+                         'fourbar_ros.scene.from_values makes one of numbers')
     path = Path(name)
     is_folder = path.is_dir()       # perhaps with code that was generated from the scene
     if path.exists() and not is_folder or path.parent != Path('.') or path.suffix:
@@ -66,7 +67,8 @@ def find(name: str | Path) -> Path:
 def located(scene: str | Path) -> tuple[Path, str | None]:
     """Return (file, full name of a node or None) of a name for :func:`find`, or FILE:NODE."""
     file, colon, node = str(scene).rpartition(':')
-    if colon and not Path(scene).exists() and Path(file).is_file():
+    if (colon and isinstance(scene, str | Path) and not Path(scene).exists()
+            and Path(file).is_file()):
         return Path(file), '/' + node.strip('/')
     return find(scene), None
 

@@ -163,15 +163,14 @@ def wanted_units(text: str) -> dict[str, str]:
 
 def require_columns(wanted: Mapping[str, str], kinds: Iterable[str]) -> None:
     """
-    Raise InvalidParameter for a unit of no column; ``kinds``: SI units of the columns.
+    Raise InvalidParameter if no unit is of a column; ``kinds``: SI units of the columns.
 
-    ``wanted``: {SI unit: unit}.
+    ``wanted``: {SI unit: unit}. One list may serve many tables: 'mm,N' where only forces are.
     """
     kinds = dict.fromkeys(filter(None, kinds))
-    for si, unit in wanted.items():
-        if si not in kinds:
-            raise InvalidParameter('units', unit, 'is of no column: they ' + (
-                f'are in {", ".join(kinds)}, or in units of these' if kinds else 'have no units'))
+    if wanted and not wanted.keys() & kinds.keys():
+        raise InvalidParameter('units', ','.join(wanted.values()), 'is of no column: they ' + (
+            f'are in {", ".join(kinds)}, or in units of these' if kinds else 'have no units'))
 
 
 def in_unit(values: Value, si: str, unit: str) -> Value:

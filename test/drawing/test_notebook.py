@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 from fourbar_lab.drawing import collineation_axis
+from fourbar_lab.drawing.cycles import usual_input
 from fourbar_lab.drawing.figure import COLOURS, CURVES, save
 from fourbar_lab.studies import find_extrema_many
 from fourbar_ros import (
@@ -145,6 +146,19 @@ def test_a_linkage_says_what_is_in_doubt():
     assert eval(repr(FourBar(60, 180, 140, 200))) == FourBar(60, 180, 140, 200)
 
 
+def test_a_picture_fits_its_cell_and_says_mode_and_pose():
+    pytest.importorskip('matplotlib')
+    picture = PAPER_SCENE.draw(60)._repr_svg_()
+    assert picture.startswith('<svg style="max-width: 100%; height: auto"')
+    for mode, said in (1, '1 (crossed)'), (2, '2 (open)'):
+        axes, = PAPER_SCENE.draw(60, over='linkage', mode=mode).axes
+        assert axes.get_title(loc='left').endswith(f'theta1 60 deg, assembly mode {said}')
+    rows = dict(row for row in cells_of(LINKAGE._repr_html_()) if len(row) == 2)
+    name, degrees, unit = rows['drawn at'].split()
+    assert (name, unit) == ('theta1', 'deg')
+    assert usual_input(LINKAGE) == pytest.approx(np.radians(float(degrees)), abs=1e-6)
+
+
 def test_a_repr_makes_the_same_linkage_again():
     linkage = FourBar(0.4, 1.2, 0.8, 1.0, mode=1)
     assert eval(repr(linkage)) == linkage
@@ -221,7 +235,10 @@ def test_a_frame_is_the_table_of_its_verb(capsys):
     (lambda: PAPER_SCENE.table(speeds=(None, 1)), 'must be the lowest and the highest'),
     (lambda: PAPER_SCENE.table(speeds=(1, '5m/s')), "speeds = '5m/s': must be a number in rad/s"),
     (lambda: PAPER_SCENE.table('f41', speeds=(1, 2)), 'speeds: cannot be combined with quantit'),
-    (lambda: load_scene(3), '3: must be a path, or the name of a scene')])
+    (lambda: load_scene(3), '3: must be a path, or the name of a scene'),
+    (lambda: load_scene({'linkage.a1': 0.4}), "'linkage.a1': 0.4}: must be a path, or the name of "
+     'a scene; fourbar_ros.scene.from_values makes one'),
+    (lambda: PAPER_SCENE.table('f41', units='kg,W'), "units = 'kg,W': is of no column")])
 def test_a_wrong_option_is_named(call, said):
     with pytest.raises(FourBarError) as refused:
         call()
@@ -370,12 +387,14 @@ def test_speeds_are_two(speeds):
 
 def test_units_are_a_text_or_a_list():
     frames = [PAPER_SCENE.table('f41', samples=np.int64(5), units=units)
-              for units in ('kN,rad', ['kN', 'rad'], {'N': 'kN', 'rad': 'rad'})]
+              for units in ('kN,rad', 'mm,kN,rad', ['kN', 'rad'], {'N': 'kN', 'rad': 'rad'})]
     assert list(frames[0]) == ['theta1 [rad]', 'f41 [kN]']
     assert all(frame.equals(frames[0]) for frame in frames)
 
 
 def test_a_plot_of_a_run_is_smooth_between_steps(run):
-    line = run.plot().axes[0].lines[0]
+    axis = run.plot().axes[0]
+    assert run.system.mechanism.description in axis.get_title().replace('\n', ' ')
+    line = axis.lines[0]
     assert len(line.get_xdata()) > 700
     np.testing.assert_array_equal(line.get_ydata(), run.at(line.get_xdata()).position)

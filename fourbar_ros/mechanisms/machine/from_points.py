@@ -6,6 +6,7 @@ from __future__ import annotations
 from cmath import phase, rect
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
@@ -35,6 +36,7 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
                  modes: Mapping[str, int] | None = None, **options: Any) -> Drawing:
     """Return a :class:`Drawing`; arguments and errors as of :meth:`.Machine.from_points`."""
     # Points in [m], shape (2,) each, directions of slides in [rad].
+    links, ground = [_names_of(link, points) for link in links], _names_of(ground, points)
     slides, modes, used = slides or {}, modes or {}, {name for link in links for name in link}
     for name in (*used, *ground, *slides, *modes):
         if name not in points:
@@ -110,6 +112,14 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
                        **{end.replace('.', '_'): name for end, name in ends.items()}}
     return Drawing(Machine(tuple(dyads), joint_names=names_of_joints, **options), start, joints,
                    ends)
+
+
+def _names_of(text: Sequence[str], points: Mapping[str, Any]) -> list[str]:
+    """Return the names of points in 'O2A' or 'O2-A', or in a sequence of names."""
+    if not isinstance(text, str):
+        return [*text]
+    names = '|'.join(map(re.escape, sorted(points, key=len, reverse=True)))
+    return re.findall(f'{names}|[^-]', text) if points else [*text]
 
 
 def _next_dyad(waiting: Sequence[list[str]], joints: Mapping[str, Point],

@@ -127,7 +127,7 @@ class Machine(Mechanism):
         points : mapping {name: (x, y)}
             Joints, and other points of links [m].
         links : sequence of sequences of str
-            Points of each link, those of the crank first.
+            Points of each link, those of the crank first: 'ABP', 'O2-A' or ('O2', 'A').
         ground : sequence of str
             Points that do not move.
         slides : mapping {pin: float}

@@ -177,6 +177,16 @@ def test_a_parallelogram_is_read_on_both_sides_of_its_flat_position():
         assert machine.dyads[0].mode == 2
 
 
+@pytest.mark.parametrize('links', [['O2A', 'AB', 'BO4'], ['O2-A', 'A-B', 'B-O4'],
+                                   [('O2', 'A'), ['A', 'B'], ('B', 'O4')]])
+def test_names_of_two_letters_are_told_apart(links):
+    points = {'O2': (0, 0), 'A': (1, 2), 'B': (4, 3), 'O4': (5, 0)}
+    machine = Machine.from_points(points, links, 'O2O4' if 'O2A' in links else ('O2', 'O4'))
+    plain = {'P': (0, 0), 'A': (1, 2), 'B': (4, 3), 'Q': (5, 0)}
+    same = Machine.from_points(plain, ['PA', 'AB', 'BQ'], 'PQ')
+    assert [dyad.lengths for dyad in machine.dyads] == [dyad.lengths for dyad in same.dyads]
+
+
 PAPER = {'A': (0, 0), 'B': (1, 2), 'C': (4, 3), 'D': (5, 0)}
 
 
