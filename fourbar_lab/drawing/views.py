@@ -184,7 +184,7 @@ def html(shown: Scene | Mechanism) -> str:
     linkage, points = (shown.linkage, shown.points) if isinstance(shown, Scene) else (shown, {})
     drawn_at, coordinate = cycles.usual_input(linkage), linkage.input_coordinate
     drawing = cycles.make_linkage_figure(linkage, linkage.motion(drawn_at), points, size=PICTURE)
-    drawn = 'drawn at', f'{coordinate.position} {tables.shown(coordinate, drawn_at)}'
+    drawn = 'drawn at', f'{coordinate.position} {poses.shown(coordinate, drawn_at)}'
     parts = [drawing._repr_svg_(), html_table(('', ''), [drawn, *tables.facts(linkage)])]
     if isinstance(shown, Scene):
         values = {name: shown.values[name] for name in ('gravity.x', 'gravity.y')}
