@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from textwrap import fill
 from typing import Any
 
 from fourbar_ros.optional import lab, MissingPackage
@@ -18,6 +19,12 @@ def short_repr(name: str, fields: Mapping[str, Any]) -> str:
              f'{field}={value!r}' for field, value in fields.items()]
     text = ' '.join(f'{name}({", ".join(words)})'.split())
     return text if len(text) <= LONGEST else f'{text[:LONGEST - 5]} ...)'
+
+
+def in_lines(text: str) -> str:
+    """Return a long repr in lines of at most 100 characters, each but the first indented."""
+    return fill(text, 100, subsequent_indent='    ', break_long_words=False,
+                break_on_hyphens=False)
 
 
 def html_table(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

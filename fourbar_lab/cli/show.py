@@ -85,7 +85,7 @@ def _show(arguments: Namespace) -> None:
     quantities = select((), linkage, scene.point_quantities)
     if linkage.locked_ranges(speed, acceleration, within):      # there are no loads in them
         quantities = [quantity for quantity in quantities if not quantity.is_load]
-    with bar('proof', 100) as done:
+    with bar('proof', 100, arguments.certify) as done:
         extrema = find_extrema(
             linkage, quantities, speed, acceleration, arguments.certify, seconds=arguments.seconds,
             progress=lambda share: done(round(100.0 * share)), within=within)

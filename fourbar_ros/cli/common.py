@@ -179,12 +179,13 @@ def json_line(record: dict[str, Any]) -> str:
 
 
 @contextmanager
-def bar(text: str, total: float) -> Iterator[Callable[[float], None]]:
+def bar(text: str, total: float, is_asked: bool = True) -> Iterator[Callable[[float], None]]:
     """Show a progress bar on a terminal; give the function to call with the amount done."""
     from rich.console import Console
     from rich.progress import Progress
     console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+    with Progress(console=console, transient=True,
+                  disable=not (is_asked and console.is_terminal)) as progress:
         task = progress.add_task(text, total=total)
         yield lambda done: progress.update(task, completed=done)
 

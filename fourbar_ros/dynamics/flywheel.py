@@ -25,6 +25,7 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.roots import halve
@@ -43,6 +44,9 @@ class Flywheel(NamedTuple):
     fluctuation: float      # coefficient of speed fluctuation
     position: Array         # [rad] over the cycle, from zero
     rate: Array             # [rad/s] there
+
+    def __repr__(self) -> str:
+        return short_repr('Flywheel', self._asdict())
 
 
 def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywheel:

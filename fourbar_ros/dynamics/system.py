@@ -20,6 +20,7 @@ from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import InvalidParameter, Locked
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.number_types import Function
 
@@ -70,6 +71,11 @@ class System:
         self._speed = 3 if shaft else 1
         self.of_source = slice(self._speed + 1, self._speed + 1 + len(source))
         self.derivative = self.coordinates.first.derivative
+
+    def __repr__(self) -> str:
+        position, rate = self.start[:2]
+        return short_repr('System', {'mechanism': self.mechanism.description, 'drive': self.drive,
+                                     'position': position, 'rate': rate})
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""

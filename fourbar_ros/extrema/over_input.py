@@ -28,6 +28,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, Quantity, Ranges
 from fourbar_ros.mechanisms.quadrature import AGREE, mean_over_input, nodes, smooth_ranges
 from fourbar_ros.mechanisms.quantities import is_position, Named, OfDrive
+from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arrays import Array, Values
 import numpy as np
 
@@ -54,6 +55,12 @@ class OverInput:
         self._quantity, = find.resolve(quantity, linkage)
         if extrema is not None:
             self.extrema = list(extrema)
+
+    def __repr__(self) -> str:
+        rate, acceleration = self._rates
+        return short_repr('OverInput', {
+            'linkage': self._linkage.description, 'quantity': self._quantity.name, 'rate': rate,
+            'acceleration': acceleration, 'within': self._within})
 
     @cached_property
     def extrema(self) -> list[Extremum]:

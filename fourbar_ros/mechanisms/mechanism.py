@@ -23,7 +23,7 @@ from fourbar_ros.mechanisms.evaluation import Constants, generated, Recorded, re
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
 from fourbar_ros.mechanisms.load_table import all_loads
 from fourbar_ros.mechanisms.parts import DRIVE, NamedFields, OPEN, Ranges
-from fourbar_ros.notebook import as_html, short_repr
+from fourbar_ros.notebook import as_html, in_lines, short_repr
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
 from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
@@ -54,9 +54,9 @@ class Mechanism(MechanismGeometry):
 
     def __repr__(self) -> str:
         """Return it with all that is not the default, in at most ten lines."""
-        text = short_repr(type(self).__name__, {
+        text = in_lines(short_repr(type(self).__name__, {
             field.name: value for field in fields_of(self)
-            if (value := getattr(self, field.name)) != field.default})
+            if (value := getattr(self, field.name)) != field.default}))
         return f'{text}  # {self.doubt}' if self.doubt else text
 
     @property

@@ -21,7 +21,7 @@ from fourbar_ros.errors import FourBarError, InvalidParameter, OutOfRange, Scene
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields, record_type
-from fourbar_ros.notebook import as_html, from_lab, short_repr
+from fourbar_ros.notebook import as_html, from_lab, in_lines, short_repr
 from fourbar_ros.scene import parameters, topics
 from fourbar_ros.scene.linkage import linkage_of, warnings_of
 from fourbar_ros.scene.message_fields import FieldMap, layout
@@ -73,9 +73,9 @@ class Scene:
     _repr_html_ = as_html
 
     def __repr__(self) -> str:
-        return short_repr('Scene', {
+        return in_lines(short_repr('Scene', {
             'name': self.name, 'kind': self.kind, 'speed': self.drive.speed,
-            'outputs': len(self.outputs), 'points': list(self.points), 'linkage': self.linkage})
+            'outputs': len(self.outputs), 'points': list(self.points), 'linkage': self.linkage}))
 
     def draw(self, at: float | str | None = None, **options: Any) -> Figure:
         """

@@ -139,3 +139,11 @@ def test_a_flywheel_for_a_fluctuation(capsys):
     for share in ('0', '-5%', 'little', '300%'):
         with pytest.raises(SystemExit):
             main([*asked, share])
+
+
+def test_a_bar_of_proof_is_there_only_if_one_is_asked_for(capsys, monkeypatch):
+    """A notebook keeps what a terminal wipes out."""
+    monkeypatch.setenv('FORCE_COLOR', '1')
+    for words, is_there in (([], False), (['--certify'], True)):
+        assert main(['show', 'motor', *words]) == 0
+        assert ('proof' in capsys.readouterr().err) is is_there

@@ -27,8 +27,9 @@ from fourbar_ros import (
 )
 from fourbar_ros.bag.overview import info
 from fourbar_ros.cli.main import main
-from fourbar_ros.dynamics import simulate, TorqueTable
+from fourbar_ros.dynamics import Flywheel, simulate, TorqueTable
 from fourbar_ros.errors import FourBarError
+from fourbar_ros.extrema import OverInput
 from fourbar_ros.machine import Machine
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.mechanisms.load_table import LOADS
@@ -60,6 +61,8 @@ def test_texts_are_short_and_tables_whole(run, tmp_path):
         inputs = np.linspace(low, high, 7)[1:-1]
         shown += [scene, scene.linkage, scene.linkage.motion(inputs),
                   scene.linkage.motion(float(inputs[1]))]
+        for text in (repr(scene), repr(scene.linkage)):
+            assert all(len(line) <= 100 or ' ' not in line.strip() for line in text.splitlines())
         if scene.linkage.has_loads:
             shown += [scene.linkage.loads(inputs, 1.0)]
     long, linkage = np.linspace(0.0, 0.1, 500), PAPER_SCENE.linkage
@@ -144,6 +147,17 @@ def test_a_linkage_says_what_is_in_doubt():
     engine = SliderCrank(0.05, 0.15, bodies=Bodies(*rods[:2], Body(0.3)))
     assert 'CG at (0, 0) m' in dict(cells_of(engine._repr_html_()))['output']    # a piston
     assert eval(repr(FourBar(60, 180, 140, 200))) == FourBar(60, 180, 140, 200)
+
+
+def test_what_is_computed_from_a_linkage_has_a_short_repr(run):
+    """They showed an address, and a flywheel all of its 8192 numbers."""
+    linkage = PAPER_SCENE.linkage
+    for shown, said in (
+            (OverInput(linkage, 'f41', 25.0), "quantity='f41', rate=25.0"),
+            (run.system, 'position=0.0, rate=0.0'),
+            (Flywheel(1.0, 2.0, 0.02, np.zeros(4096), np.ones(4096)), 'torque=2.0')):
+        text = repr(shown)
+        assert said in text and len(text) <= LONGEST and ' at 0x' not in text, text
 
 
 def test_a_picture_fits_its_cell_and_says_mode_and_pose():
