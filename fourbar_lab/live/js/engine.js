@@ -124,14 +124,15 @@ export class Engine {
   }
 
   // --- over the input ---
-  /** Results at an input; at a flat position, where loads are 0/0, the loads a billionth of the range beside it. */
+  /** Results at an input; at a flat position, where loads are 0/0 or rounding, the loads a billionth of the range beside it. */
   step(x, rate, acceleration, to) {
-    const { module, constants, beside } = this, status = module.step(constants, x, rate, acceleration, to);
-    if (status !== 2) return status;
+    const { module, constants, beside, index } = this, status = module.step(constants, x, rate, acceleration, to);
+    const isWithinRounding = status === 0 && Math.abs(Math.sin(to[index.transmission_angle])) < 1e-9;
+    if (status !== 2 && !isWithinRounding) return status;
     const [low, high] = this.ranges[0];
     module.step(constants, x + 1e-9 * (high - low), rate, acceleration, beside);
     to.set(beside.subarray(module.firstLoad), module.firstLoad);
-    return status;
+    return 2;
   }
   /** All results at evenly spread inputs over all ranges: {inputs, rows, isFlat: somewhere beside a flat position}; NaN where there is none. */
   get sweep() {
@@ -163,7 +164,7 @@ export class Engine {
     if (name === "inertia") return x => run(x, 0, 1, load) - run(x, 0, 0, load);
     return x => 1 / run(x, 1, 0, this.index[outputRate]);      // mechanical_advantage
   }
-  /** Values at the inputs of the sweep; angles without jumps, the least of each range in [-pi, pi). */
+  /** Values at the inputs of the sweep; angles without jumps, the middle of each range from -pi to pi, at pi for half a turn, as the search has them. */
   curve(name) {
     const { inputs, rows } = this.sweep, i = this.index[name], value = i === undefined && this.valueOf(name), values = rows.map((row, k) => (value ? value(inputs[k]) : row[i]));
     if (this.structure.quantities[name].unit !== "rad") return { inputs, values };
@@ -171,7 +172,7 @@ export class Engine {
     return { inputs, values: this.ranges.flatMap((_, i) => {
       const angles = values.slice(i * count, (i + 1) * count);
       angles.forEach((angle, k) => { angles[k] = sameTurn(angle, angles[k - 1] ?? angle); });
-      const turn = TURN * Math.floor(Math.min(...angles) / TURN + 0.5) || 0;
+      const turn = TURN * Math.ceil((Math.min(...angles) + Math.max(...angles)) / (2 * TURN) - 0.5 - 2 ** -30) || 0;
       return angles.map(angle => angle - turn);
     }) };
   }
