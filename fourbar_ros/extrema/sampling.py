@@ -31,9 +31,9 @@ from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.trace import flat
 import numpy as np
 
-# Pairs of distances from a flat position, in the unit of the input: a quantity that grows from one
-# to the other as one over them has a pole there. The first pair sees poles well above rounding,
-# the second weak ones. No size of a float is below SMALLEST.
+# Distances from a flat position, in the unit of the input, and 64 times nearer ones: a quantity that
+# grows from a distance to the nearer one as one over both has a pole there. The first distance
+# sees poles well above rounding, the second weak ones. No size of a float is below SMALLEST.
 FAR, NEAR, SMALLEST = (2.0**-20, 2.0**-30), (2.0**-26, 2.0**-36), 2.0**-1022
 # So near to a limit that is a change point errors of accelerations are eps over the third power of
 # the distance [in the unit of the input].
@@ -171,13 +171,15 @@ class Sampler:
     def poles(self) -> list[tuple[float, ...]]:
         """Return for each quantity the flat positions of a change point at which it has a pole."""
         flats = np.array(self.linkage.flat_inputs)
-        x = np.add.outer(flats / self.unit, np.concatenate((FAR, np.negative(FAR), NEAR,
-                                                            np.negative(NEAR)))).ravel()
-        _, noise, _ = type(self)(self.linkage, self.quantities, self.rates,
-                                 self.linkage.flat_inputs).errors(x, self.state(x))
-        size, noise = (part.reshape(-1, flats.size, 8)
-                       for part in (np.abs(self.values(x)), noise))
-        grows = (size[..., 4:] > 4.0 * size[..., :4]) & (size[..., 4:] > 16.0 * noise[..., 4:])
+        on_both_sides = np.concatenate((FAR, np.negative(FAR), NEAR, np.negative(NEAR)))
+        x = np.add.outer(flats / self.unit, on_both_sides).ravel()
+        # the noise is that of quantities that do have poles there, the larger one
+        with_poles = type(self)(self.linkage, self.quantities, self.rates,
+                                self.linkage.flat_inputs)
+        _, noise, _ = with_poles.errors(x, self.state(x))
+        far, near = np.split(np.abs(self.values(x)).reshape(-1, flats.size, 8), 2, axis=-1)
+        noise = noise.reshape(-1, flats.size, 8)[..., 4:]
+        grows = (near > 4.0 * far) & (near > 16.0 * noise)
         return [tuple(flats[is_pole].tolist()) for is_pole in np.any(grows, axis=-1)]
 
     def values(self, x: Array) -> Array:

@@ -750,9 +750,21 @@ def test_markup_in_names_is_inert(driver, tmp_path):
     assert tab.script("return document.getElementById('title').textContent").startswith('<img')
 
 
+def test_a_server_that_has_ended_is_told(driver):
+    with live('paper') as address:
+        tab = Tab(driver, address)
+    tab.write('linkage.a2', '1.1')      # the page computes it alone; the extrema are asked for
+    said = driver.find_element('id', 'said')
+    tab.until(lambda: 'fourbar live does not answer any more' in said.text, 'the words')
+    assert tab.state['scene']['linkage']['a2'] == 1.1
+    assert not [text for text in errors(driver) if 'Uncaught' in text]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('name', SCENES)
 def test_every_scene_opens_without_a_complaint(driver, file, name):
+    driver.get('about:blank')
+    errors(driver)          # of the page before, whose server may have ended
     tab = Tab(driver, file(name))
     assert not tab.alarm() and 'class="bar"' in tab.picture()
     assert not errors(driver)

@@ -127,8 +127,9 @@ export async function start(data, source) {
   let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null, problem = "";
   const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
   page.ask = async (question, body) => {
-    const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) });
-    return answer.json();
+    try {
+      return await (await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) })).json();
+    } catch { return { problem: "fourbar live does not answer any more: start it again" }; }
   };
   page.numberOf = (name, text, ...units) => {
     try {
@@ -188,6 +189,7 @@ export async function start(data, source) {
   const isAnswered = ({ scene, view }) => scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
     const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: wanted(store.state.view), acceleration });
+    if (answer.problem) return page.say(answer.problem);
     answered = { ...withNumbers(answer), scene, acceleration };
     if (isAnswered(store.state)) drawRest();
   });

@@ -245,7 +245,7 @@ class Poses:
         return curves
 
     def seen_from(self, ground: int, joints: Joints) -> list[LinkMotion]:
-        """Return all curves as the link ``ground`` sees them; it and the frame change indices."""
+        """Return all curves as the link ``ground`` sees them: it and the frame swap indices."""
         # From the ground outward, each link as one that it is joined to sees it: differences of
         # what the frame sees would lose digits of small loads, all of them next to a toggle.
         seen, reached = {ground: FIXED}, [ground]
@@ -254,7 +254,8 @@ class Poses:
                 if link not in seen:
                     seen[link] = composed(seen[carrier], curve)
                     reached.append(link)
-        return [seen[0 if link == ground else link] for link in range(len(self.curves))]
+        seen[0], seen[ground] = seen[ground], seen[0]
+        return [seen[link] for link in range(len(self.curves))]
 
     def _joined_to(self, link: int, joints: Joints) -> Iterator[tuple[int, LinkMotion]]:
         """Yield (index, curve as ``link`` sees it) of the links that are joined to it."""
