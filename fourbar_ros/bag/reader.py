@@ -243,8 +243,12 @@ class Bag:
     def arrays(self, topic: str, messages: list[bytes]) -> Iterator[tuple[Array, Array]]:
         """Yield (rows, records) of messages of a topic, see :func:`.layout.arrays`."""
         _, schema = self._topics[topic]
+        types = self.types_of(topic)
         known = self._layouts.setdefault((schema.name, schema.data), [])
-        return arrays(self.types_of(topic), schema.name, messages, known)
+        try:
+            yield from arrays(types, schema.name, messages, known)
+        except BagError as error:       # of the type alone
+            raise BagError(f'{self.path}: {topic}: {error}') from None
 
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""

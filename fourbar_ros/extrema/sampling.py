@@ -31,9 +31,9 @@ from fourbar_ros.numerics.roots import fold
 from fourbar_ros.numerics.trace import flat
 import numpy as np
 
-# Distances from a flat position, in the unit of the input, and 64 times nearer ones: a quantity that
-# grows from a distance to the nearer one as one over both has a pole there. The first distance
-# sees poles well above rounding, the second weak ones. No size of a float is below SMALLEST.
+# Distances from a flat position, in the unit of the input, and 64 times nearer ones: a quantity
+# that grows from one to the nearer one as one over both has a pole there. The first distance sees
+# poles well above rounding, the second weak ones. No size of a float is below SMALLEST.
 FAR, NEAR, SMALLEST = (2.0**-20, 2.0**-30), (2.0**-26, 2.0**-36), 2.0**-1022
 # So near to a limit that is a change point errors of accelerations are eps over the third power of
 # the distance [in the unit of the input].

@@ -393,7 +393,7 @@ def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_li
             writer.finish()
         assert main(['bag', 'export', str(file), '-o', str(tmp_path / 'out')]) == 1, definition
         said = capsys.readouterr().err
-        assert said.startswith('fourbar: ') and said.count('\n') == 1, said
+        assert said.startswith(f'fourbar: {file}: /a: ') and said.count('\n') == 1, said
         with pytest.raises(BagError):
             list(Bag(file).records())
         assert main(['bag', 'info', str(file), '--check']) == 0
