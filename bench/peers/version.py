@@ -96,7 +96,6 @@ def singular_inputs(linkage):
 def run_of_engine():
     from fourbar_ros.scene.simulated import simulate_scene
     loaded = scene('engine')
-    simulate_scene(loaded, 0.002, 1e-6)     # imports scipy; a step of the node comes first too
     return lambda: simulate_scene(loaded, 1.0, 1e-6), 1
 
 

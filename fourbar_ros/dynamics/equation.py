@@ -44,7 +44,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from math import remainder, tau
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter, MissingBodies
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
@@ -59,9 +59,6 @@ from fourbar_ros.numerics.tables import rounding_bound
 from fourbar_ros.numerics.trace import flat, Trace
 from fourbar_ros.numerics.write import straight_line
 import numpy as np
-
-if TYPE_CHECKING:
-    from fourbar_ros.dynamics.table_pieces import TablePieces
 
 MakeFormula = Callable[[DrivenLinks, NumberType], Function]      # of the coordinate
 COMPLEX_STEP = 1e-200
@@ -283,11 +280,6 @@ class Equation:
     def table_positions(self) -> Function:
         """Return q -> the positions s of all forces with a table."""
         return compiled(self.make_table_positions, self.coordinate)
-
-    @cached_property
-    def table_pieces(self) -> TablePieces:
-        from fourbar_ros.dynamics.table_pieces import TablePieces  # few mechanisms have tables
-        return TablePieces(self)
 
     def make_excess(self, position: float) -> Callable[[float], float]:
         """Return q -> how far a table is beyond its piece at ``position``; negative within all."""

@@ -4,10 +4,9 @@
 Motion over time by scipy's solve_ivp, with the result checked: no wrong answer is a success.
 
 A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
-and one stretch between jumps of the torque; it ends at a limit or where another coordinate takes
-over near a toggle. DOP853 integrates, or LSODA where a shaft or a drive makes the system stiff.
-Steps end at the points of a force table, by strides (:mod:`.strides`) or, where these cannot go
-on, as legs that end there.
+and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
+over near a toggle, or at a point of a force table. DOP853 integrates, or LSODA where a shaft or a
+drive makes the system stiff.
 
 A run is compared with one at a tenth of its tolerance, all along it, and the energy less the work
 of drive and dampers must stay constant at every step. While the difference or the drift of the
@@ -21,7 +20,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 from math import copysign, inf, isfinite, log2, nan, nextafter
 from threading import Lock
 import time as clock
@@ -35,7 +33,6 @@ from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.notebook import from_lab, html_table, short_repr
 from fourbar_ros.numerics.arguments import array, finite
 from fourbar_ros.numerics.arrays import Array, EPS
-from fourbar_ros.numerics.number_types import Function
 from fourbar_ros.optional import MissingPackage
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -67,7 +64,6 @@ LONGER = 1.01              # first step in a piece of a table over the time in t
 AHEAD = 1e-7               # way over the unit, and rate over the slip speed, to just after a start
 NONE_AHEAD = 1e-9          # what is not smooth at less is so at the start already
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
-SURE = 3.0                 # a stride of a finer run could be so many times as long
 COMPARED = 400             # steps of a run at which it is compared
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
 _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
@@ -445,7 +441,6 @@ def _run(work: Work, method: str, tolerance: float, is_finer: bool = False, shar
          ) -> Run:
     work.most, work.first, work.marks = share * work.evaluations, work.used, []
     legs = tuple(_integrate(work, method, tolerance, is_finer))
-    work.most = inf            # interpolants may be made later
     run = Run(work.system, legs, work.asked, legs[-1].end, error=inf, drift=nan, method=method,
               tolerance=tolerance, evaluations=work.used, reason=work.reason)
     return replace(run, drift=energy_drift(run))
@@ -505,8 +500,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     """Yield the legs of one integration from time 0, to the end or to where the run stops."""
     # A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
     # force table ends, or the run stops. is_finer: legs between jumps of the torque are cut in
-    # two, and strides are shorter, so that the run whose error is estimated and the finer one do
-    # not take the same steps.
+    # two, so that the run whose error is estimated and the finer one do not take the same steps.
     system, stop_when = work.system, work.stop_when
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)
@@ -523,6 +517,10 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         events = [*_limits(system, coordinate), _watch(work, first)]
         if coordinate.can_end:
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
+        if coordinate.equation.tables:
+            excess = coordinate.equation.make_excess(state[0])
+            events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
+                                AT_KINK, direction=1.0))
         used = method
         if coordinate.equation.has_resistance:
             beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
@@ -538,13 +536,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        span, leg = (first, last), None
-        if coordinate.equation.tables:
-            leg = _strides(coordinate, span, state, used, tolerance, work, events, is_finer)
-            excess = coordinate.equation.make_excess(state[0])
-            events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
-                                AT_KINK, direction=1.0))
-        leg = leg or _leg(coordinate, span, state, used, tolerance, work, events, step)
+        leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
         # a leg without length, as two coordinates handing over to each other: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
@@ -552,7 +544,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         yield leg
         # The first step into the next piece of a table, which takes about as long. Were it as long
         # as the piece, it would end exactly at its end, and scipy before 1.12 would stop there.
-        step = (LONGER * float(leg.time[-1] - leg.time[-2])
+        step = (LONGER * float(leg.time[-1] - first)
                 if leg.end == AT_KINK and coordinate.equation.tables else None)
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
         if end not in (REACHED, HANDED_OVER, AT_KINK):
@@ -589,46 +581,6 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
         if last is not None and last.status == 0:
             result.y[:, -1] = last.y[:, -1]
     return Leg(coordinate, result.t, result.y, result.sol, end)
-
-
-def _strides(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float],
-             method: str, tolerance: float, work: Work, events: list[Event], is_finer: bool
-             ) -> Leg | None:
-    """Return the leg over the pieces of tables that are ahead, without a search for their ends."""
-    # None where a piece may end otherwise: the input turns back in it, or an event is in it.
-    equation = coordinate.equation
-    if not equation.is_input or equation.has_resistance or method not in EXPLICIT:
-        return None
-    from fourbar_ros.dynamics.strides import Step, Strider
-
-    def rates_of(terms_of: Function) -> Function:
-        return work.counted(work.system.make_derivative(coordinate, terms_of), span[1])
-    strider = Strider(equation, rates_of, method, max(tolerance, 100.0 * EPS), tolerance,
-                      SURE if is_finer else 1.0)
-    steps = [Step(span[0], np.array(state))]
-    before = [event.function(*steps[0][:2]) if event.before is None else event.before
-              for event in events]
-    while steps[-1].time < span[1]:
-        stride = strider.stride(steps[-1], span[1])
-        rows = [before, *[[event.function(*step[:2]) for event in events] for step in stride]]
-        if not stride or any(_is_active(event, *values) for pair in pairwise(rows)
-                             for event, *values in zip(events, *pair)):
-            break
-        before = rows[-1]
-        steps += stride
-    if len(steps) == 1:
-        return None
-    from scipy.integrate import OdeSolution
-    times = np.array([step.time for step in steps])
-    return Leg(coordinate, times, np.array([step.state for step in steps]).T,
-               OdeSolution(times, [step.between for step in steps[1:]]),
-               REACHED if times[-1] >= span[1] else AT_KINK)
-
-
-def _is_active(event: Event, before: float, after: float) -> bool:
-    """Return whether the value of an event has passed zero, as solve_ivp has it."""
-    return (before <= 0.0 <= after and event.direction >= 0.0
-            or before >= 0.0 >= after and event.direction <= 0.0)
 
 
 def _why_no_step(work: Work, method: str, time: float) -> str:

@@ -130,11 +130,9 @@ class System:
                     + drive.shaft.damping * (speed - rate))
         return on_input, (speed, (torque - on_input) / drive.rotor, *change)
 
-    def make_derivative(self, coordinate: MotionCoordinate, terms_of: Function | None = None
-                        ) -> Function:
+    def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
-        # terms_of: p -> Terms, in place of those of the coordinate's equation
-        terms_of, is_input = terms_of or coordinate.equation.fields_of_terms, coordinate.is_input
+        terms_of, is_input = coordinate.equation.fields_of_terms, coordinate.is_input
         if self.equation.has_resistance:
             resisting = self.make_resisting(coordinate)
             return lambda time, state: resisting(time, state)[0]

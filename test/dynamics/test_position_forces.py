@@ -1,7 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Forces over a position against virtual work, springs of the same law and quadrature."""
-from itertools import pairwise
 from math import pi, sin
 import pickle
 
@@ -29,7 +28,7 @@ from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 from support.dynamics_problems import samples
 
@@ -237,7 +236,7 @@ def test_the_work_of_a_cycle_is_the_integral_of_p_dv():
 
 @pytest.mark.slow
 def test_the_shipped_engine_reaches_five_seconds():
-    """Past 16 000 places of its table, within the evaluations allowed."""
+    """16 000 legs, one for each place of its table, within the evaluations allowed."""
     scene = load('engine')
     run = simulate(scene.dynamics.system(scene.linkage), 5.0, 1e-8)
     assert run.status == REACHED and run.error <= 1e-8 and run.drift <= 1e-8
@@ -563,49 +562,3 @@ def test_a_strut_over_its_length_is_the_spring_of_the_same_law():
 def test_a_strut_has_two_links():
     with pytest.raises(InvalidParameter, match='another link'):
         PositionForce(Attachment('crank'), CYCLE, apart_from=Attachment('crank', 0.1))
-
-
-@pytest.mark.parametrize('linkage', ALL, ids=lambda linkage: linkage.description)
-def test_pieces_of_tables_are_the_equation_between_their_ends(linkage):
-    """With forces over the input, angles and ways, forward and backward, some turns away."""
-    equation = Equation(linkage.with_elements(*forces_on(linkage)))
-    pieces, rng = equation.table_pieces, np.random.default_rng(8)
-    for q, rate, _ in samples(linkage, 6, 13):
-        q += 0.0 if linkage.is_driven_by_slide else 3 * linkage.turns * TURN
-        back, ahead = pieces.end_ahead(q, -abs(rate)), pieces.end_ahead(q, abs(rate))
-        assert back < q < ahead
-        low, high = (max(min(end, q + 0.3), q - 0.3) for end in (back, ahead))
-        terms = pieces.terms_about(0.5 * (low + high) if low > back or high < ahead else q)
-        for x in [q, *rng.uniform(low, high, 5).tolist()]:
-            try:
-                exact = equation.terms(x)
-            except InvalidParameter:
-                continue
-            size = 1e3 * (1.0 + max(map(abs, exact)))
-            assert max(abs(a - b) for a, b in zip(exact, terms(x))) <= 64 * 2.0**-52 * size
-
-
-def test_a_run_over_a_table_takes_about_a_step_for_each_piece():
-    """Against the motion over the input, from point to point of the table; and its cost."""
-    engine = load('engine')
-    system, until = engine.dynamics.system(engine.linkage), 0.1
-    table = engine.linkage.elements[0].value.table
-    run = simulate(system, until, 1e-6)
-    q = float(run.position[-1])
-    ends = [0.0, *[place for place in table.places if 0.0 < place < q], q]
-    state = np.array([0.0, system.start[1]])       # time and rate over the input
-
-    def slopes(position, state):
-        rate = float(state[1])
-        change = system.derivative(0.0, (position, rate, 0.0))[1]
-        return [1.0 / rate, change / rate]
-    for low, high in pairwise(ends):
-        state = solve_ivp(slopes, (low, np.nextafter(high, low)), state, 'DOP853', rtol=1e-12,
-                          atol=1e-14).y[:, -1]
-    assert q < table.span and run.status == REACHED
-    # the error of q is that of the time times the rate
-    assert abs(state[0] - until) * state[1] <= 1e-6
-    assert run.rate[-1] == pytest.approx(state[1], abs=1e-5)
-    assert run.error <= 1e-6
-    # two runs, each 14 evaluations for a step; some pieces take more steps than one
-    assert run.evaluations <= 2 * 14 * 1.5 * len(ends)
