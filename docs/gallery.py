@@ -81,7 +81,7 @@ def page():
             'takes a name or a file (`fourbar show watt_line`). Brown curves are paths of points. '
             'To change one: `fourbar scene print watt_line -o my.yaml`.\n\n'
             'Each of them moves in the browser, without a server: in the site (`make docs`) a '
-            'click on a picture opens its page; they are 8 MB and not in the repository. '
+            'click on a picture opens its page; they are 10 MB and not in the repository. '
             '`fourbar live watt_line -o watt_line.html` writes one.\n\n'
             + '\n'.join(parts) + '<!-- end -->\n')
 

@@ -41,9 +41,9 @@ class PortTaken(FourBarError, OSError):
 def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scene | None = None
            ) -> Starlette:
     """Return the application that serves the page of a scene, None: an empty one."""
-    # a shipped scene is not written over
-    file = files.find(path) if path else Path()
-    can_save = bool(path) and file not in files.shipped().values()
+    # neither a shipped scene nor one of several nodes in a file is written over
+    file, node = files.located(path) if path else (Path(), None)
+    can_save = bool(path) and not node and file not in files.shipped().values()
 
     def html(request: Request) -> Response:
         name = request.query_params.get('scene', '')
@@ -60,7 +60,8 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
         if question != 'save':
             return answered(question, asked)
         if not can_save:
-            return {'problem': f'{_title(path)} comes with fourbar and is not written over'}
+            why = 'is one of several in its file' if node else 'comes with fourbar'
+            return {'problem': f'{_title(path)} {why} and is not written over'}
         try:
             file.write_text(scene_of(asked.get('scene', {})).as_text, encoding='utf-8')
         except (FourBarError, OSError) as error:
@@ -99,7 +100,7 @@ def app_of(path: str | Path | None, scene: Scene | None, port: int, second: Scen
 
 
 def _title(path: str | Path | None) -> str:
-    return Path(path or 'drawing').stem
+    return files.name_of(path) if path else 'drawing'
 
 
 def free_port(wanted: int | None) -> int:

@@ -246,7 +246,7 @@ def _without_unit(scene: Scene) -> Iterator[tuple[str, float, str]]:
 
 
 def links_without_mass(mechanism: Mechanism) -> list[Link]:
-    """Return the links that have neither mass nor inertia beside others that do."""
+    """Return the links that have neither mass nor inertia; [] without masses."""
     bodies: dict[str, Body] = mechanism.bodies._asdict() if mechanism.bodies else {}
     return [link for link in mechanism.LINKS if link.name in bodies
             and bodies[link.name].mass == bodies[link.name].inertia == 0.0]
@@ -283,7 +283,8 @@ def _warnings(scene: Scene) -> Iterator[str]:
 
     if linkage.bodies is not None and not isnan(density) and any(
             values[f'gravity.{axis}'] for axis in 'xy'):
-        massless = [link.name for link in links_without_mass(linkage) if not link.turns]
+        massless = [link.name for link in linkage.LINKS if not link.turns
+                    and not getattr(linkage.bodies, link.name).mass]
         if massless:
             yield (f'bodies: {", ".join(massless)} without mass, as bodies.rods is of rods alone: '
                    f'give bodies.{massless[-1]}.mass')

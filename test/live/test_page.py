@@ -641,6 +641,27 @@ def test_a_scene_is_saved_in_its_file_and_a_shipped_one_is_not(driver, tmp_path)
         assert 'not written over' in answer['problem']
 
 
+def test_one_of_several_nodes_in_a_file_has_its_name_and_is_not_written_over(tmp_path):
+    path = tmp_path / 'two.yaml'
+    path.write_text(''.join(
+        f'/{node}:\n  ros__parameters:\n    linkage: {{a1: {a1}, a2: 1.2, a3: 0.8, a4: 1.0}}\n'
+        for node, a1 in (('left', 0.4), ('right', 0.3))))
+    with live(f'{path}:left') as address:
+        html = asked(address).read().decode()
+        answer = json.loads(asked(f'{address}/save', body={}).read())
+    assert re.search(r'"name": ?"two_left"', html) and re.search(r'"canSave": ?false', html)
+    assert 'one of several in its file' in answer['problem']
+    assert [file.name for file in tmp_path.iterdir()] == ['two.yaml']
+
+
+def test_a_page_without_curves_and_forces_goes_on(driver):
+    with live('slides_7_6') as address:
+        tab = Tab(driver, address)
+        tab.script('page.store.dispatch({ view: { curves: [] } })')
+        tab.until(lambda: tab.address().get('curves') == '', 'the address')
+        assert not [text for text in errors(driver) if 'TypeError' in text]
+
+
 # --- looks ---
 
 @pytest.mark.slow

@@ -149,6 +149,9 @@ def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
     line, = warnings_of(from_values({**press, 'gravity.y': -9.81}))
     assert line == ('bodies: ram without mass, as bodies.rods is of rods alone: give '
                     'bodies.ram.mass')
+    # an inertia of what does not turn does nothing
+    press |= {'gravity.y': -9.81, 'bodies.ram.inertia': 0.01}
+    assert warnings_of(from_values(press)) == [line]
 
 
 def test_the_offset_of_a_slide_is_a_length():

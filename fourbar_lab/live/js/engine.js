@@ -176,15 +176,15 @@ export class Engine {
       return angles.map(angle => angle - turn);
     }) };
   }
-  /** What rounding makes of a quantity, by its unit, as the search of fourbar show has it: 64 eps of the terms that add up, over the sine of the transmission angle; of medians. */
+  /** What rounding makes of a quantity, by its unit, as the search of fourbar show has it: 64 eps of the terms that add up, of other units of its usual size, over the sine of the transmission angle; of medians. */
   get rounding() {
     if (this._rounding) return this._rounding;
     const { index, isAngle, sweep: { rows }, structure: { links, size, sketch } } = this, frames = links.map(link => index[`frame.${link}.x`]);
     const sum = indices => median(rows.map(row => indices.reduce((all, i) => all + Math.abs(row[i] || 0), 0)));
     const rate = Math.abs(this.rate), omega = sum(frames.map(i => i + 8)) + rate / (isAngle ? 1 : size), alpha = sum(frames.map(i => i + 9)) + omega * omega;
     const force = sum(Object.keys(sketch.forces).map(name => index[name])), sine = median(rows.map(row => Math.abs(Math.sin(row[index.transmission_angle])))) || 1;
-    const terms = { m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: rate * force * (isAngle ? size : 1) };
-    return (this._rounding = unit => (64 * Number.EPSILON * (terms[unit] ?? 1)) / sine);
+    const terms = { "": 1, rad: 1, m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: rate * force * (isAngle ? size : 1) };
+    return (this._rounding = (unit, usual) => (64 * Number.EPSILON * (terms[unit] ?? usual)) / sine);
   }
   /** Where samples turn, [{k, sign, inward: at an end of a range the way into it}], maxima and minima by turns; variations of less than `noise` are none. */
   turns(values, noise, winds) {
@@ -207,14 +207,17 @@ export class Engine {
   }
   /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges, or a constant; pairs nearer than a sample are lost. */
   extrema(name) {
-    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), noise = this.rounding(unit), valueAt = this.valueOf(name);
-    const [usual, usualSize] = [values, values.map(Math.abs)].map(all => median(all.filter(Number.isFinite)));
+    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), valueAt = this.valueOf(name);
+    const [usual, usualSize] = [values, values.map(Math.abs)].map(all => median(all.filter(Number.isFinite))), noise = this.rounding(unit, usualSize);
     if (values.every(value => !(Math.abs(value - usual) > noise))) return usual === undefined ? [] : [{ quantity: name, kind: "constant", input: inputs[0], value: usualSize <= noise ? 0 : usual, isGlobal: true, note: "" }];
     const winds = unit === "rad" && this.turnsFully && Math.abs(values.at(-1) - values[0]) > Math.PI, turns = this.turns(values, noise, winds);
     const found = turns.map(({ k, sign, inward }) => {
       const value = unit === "rad" ? x => sameTurn(valueAt(x), values[k]) : valueAt;
-      // towards a pole values grow, as one over the distance or over its root
-      const isPole = (x, beside) => Math.abs(value(x + beside)) > Math.max(1.5 * Math.abs(value(x + 3 * beside)), usualSize);
+      // towards a pole values grow, as one over the distance or over its root; beyond a jump they have grown once
+      const isPole = (x, beside) => {
+        const [near, far, farther] = [1, 3, 9].map(times => Math.abs(value(x + times * beside)));
+        return near > 1.5 * far && far > 1.5 * farther && near > usualSize;
+      };
       const h = inputs[inward < 0 ? k - 1 : k + 1] - inputs[k], kind = sign > 0 ? "maximum" : "minimum";
       if (inward) {
         // f = a + b sqrt(d) + c d beside a toggle, and with b = 0 at the end of a stroke: of 3 f(m) - 3 f(4 m) + f(9 m) stay
@@ -223,7 +226,7 @@ export class Engine {
         return { quantity: name, kind, input: x, value: runsAway ? sign * Infinity : 3 * values[k] - 3 * value(x + 4 * beside) + value(x + 9 * beside), note: "limit" };
       }
       const x = climbed(input => sign * value(input), inputs[k], h / 2, 1e-11 * h), runsAway = isPole(x, 1e-6 * h);
-      return { quantity: name, kind, input: x < 0 ? x + inputs.at(-1) : x, value: runsAway ? sign * Infinity : value(x), note: runsAway ? "limit" : "" };
+      return { quantity: name, kind, input: x < 0 && this.turnsFully ? x + inputs.at(-1) : x, value: runsAway ? sign * Infinity : value(x), note: runsAway ? "limit" : "" };
     });
     // of loads at change points, that stand for those beside flat positions, none is said to be the largest
     const isSure = !this.sweep.isFlat || this.index[name] < this.module.firstLoad, [least, most] = [Math.min, Math.max].map(end => end(...found.map(one => one.value)));

@@ -127,9 +127,9 @@ export async function start(data, source) {
   let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null, problem = "";
   const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
   page.ask = async (question, body) => {
-    try {
-      return await (await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) })).json();
-    } catch { return { problem: "fourbar live does not answer any more: start it again" }; }
+    const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }).catch(() => null);
+    if (!answer) return { problem: "fourbar live does not answer any more: start it again" };
+    return answer.ok ? answer.json() : { problem: await answer.text() };
   };
   page.numberOf = (name, text, ...units) => {
     try {
@@ -186,9 +186,10 @@ export async function start(data, source) {
   const withNumbers = answer => ({ ...answer, extrema: answer?.extrema?.map(one => ({ ...one, value: Number(one.value) })) });      // "Infinity" is no JSON
   let answered = { ...withNumbers(data.extrema), scene: data.scene, acceleration: 0 };        // the extrema that are known: {quantities, extrema, proof} of a scene at an acceleration
   const wanted = view => [...new Set([...chosenCurves(view), ...forcesOf(structure)])];
-  const isAnswered = ({ scene, view }) => scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
+  const isAnswered = ({ scene, view }) => answered.extrema && scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
     const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: wanted(store.state.view), acceleration });
+    if (isOtherNow(scene)) return;             // an answer that is late
     if (answer.problem) return page.say(answer.problem);
     answered = { ...withNumbers(answer), scene, acceleration };
     if (isAnswered(store.state)) drawRest();
@@ -570,8 +571,9 @@ export async function start(data, source) {
       send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
     },
     "page without a server (HTML)": async () => {
-      const extrema = data.canAsk ? await page.ask("extrema", { scene: store.state.scene, quantities: Object.keys(structure.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
-      const text = JSON.stringify({ ...data, extrema, name: nameNow(), canAsk: false, run: page.run, scene: store.state.scene, structure: { ...structure, index: undefined, module: structure.module ?? data.structure.module } });
+      const { scene } = store.state, known = structure, { run } = page, name = nameNow();       // another one may be drawn while it waits
+      const extrema = data.canAsk ? await page.ask("extrema", { scene, quantities: Object.keys(known.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
+      const text = JSON.stringify({ ...data, extrema, name, canAsk: false, run, scene, structure: { ...known, index: undefined, module: known.module ?? data.structure.module } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "moving picture (GIF)": async () => {

@@ -117,7 +117,7 @@ export class Panel {
     this.parameters.replaceChildren(...[...groups].map(group => {
       const box = html("details", { open: opened.includes(group), "data-group": group }, html("summary", { textContent: GROUP_NAMES[group] ?? group }));
       for (const { name, unit, text, value, choices } of structure.fields.filter(field => field.name.split(".")[0] === group)) {
-        const canBeNone = group === "bodies", whole = name.replace(/\.mass$/, "");        // a link without a mass has no centre or inertia
+        const canBeNone = /^bodies\.\w+\.mass$/.test(name), whole = name.replace(/\.mass$/, "");        // a link without a mass has no centre or inertia
         const change = (number, merge = null) => {
           page.store.dispatch({ set: page.alsoChanged({ [number === null ? whole : name]: number }), merge, typed: name });
           if (number === null) page.say(`${whole} is taken out of the scene; undo brings it back`);

@@ -115,8 +115,8 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
 
 
 def _names_of(text: Sequence[str], points: Mapping[str, Any]) -> list[str]:
-    """Return the names of points in 'O2A' or 'O2-A', or in a sequence of names."""
-    if not isinstance(text, str):
+    """Return the names of points in 'AB', 'O2A' or 'O2-A', or in a sequence of names."""
+    if not isinstance(text, str) or all(letter in points for letter in text):
         return [*text]
     names = '|'.join(map(re.escape, sorted(points, key=len, reverse=True)))
     return re.findall(f'{names}|[^-]', text) if points else [*text]

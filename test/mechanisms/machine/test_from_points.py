@@ -187,6 +187,12 @@ def test_names_of_two_letters_are_told_apart(links):
     assert [dyad.lengths for dyad in machine.dyads] == [dyad.lengths for dyad in same.dyads]
 
 
+def test_a_point_may_have_the_letters_of_two_as_its_name():
+    points = {'O': (0, 0), 'A': (1, 2), 'B': (4, 3), 'Q': (5, 0), 'AB': (2, 4)}
+    machine = Machine.from_points(points, ['OA', 'A-B-AB', 'BQ'], 'OQ')
+    assert machine == Machine.from_points(points, [('O', 'A'), ('A', 'B', 'AB'), 'BQ'], 'OQ')
+
+
 PAPER = {'A': (0, 0), 'B': (1, 2), 'C': (4, 3), 'D': (5, 0)}
 
 
