@@ -20,7 +20,7 @@ from fourbar_lab.studies.variation import METHODS, MOST_ROWS, TOLERANCES, Variat
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest, SceneWarning
 from fourbar_ros.numerics.arguments import finite
 from fourbar_ros.numerics.arrays import Array
-from fourbar_ros.scene.files import document_of, find, PlainYaml
+from fourbar_ros.scene.files import document_of, PlainYaml
 from fourbar_ros.scene.linkage import in_other_units
 from fourbar_ros.scene.parameters import as_number, with_unit
 from fourbar_ros.scene.scene import from_values, load, Scene
@@ -107,8 +107,10 @@ def from_document(document: Yaml, folder: Path = Path()) -> Study:
     if not isinstance(name, str):
         raise InvalidParameter('scene', name, 'must be a scene: a file or the name of one, as '
                                               'paper')
-    beside = folder / name          # a file beside the study goes before a shipped scene
-    scene = load(beside if beside.is_file() else find(name))
+    # a file beside the study goes before a shipped scene; it may be named FILE:NODE
+    beside = str(folder / name)
+    is_there = Path(beside).is_file() or Path(beside.rpartition(':')[0]).is_file()
+    scene = load(beside if is_there else name)
     vary = tuple([variation.variation(name, entry, scene.values)
                   for name, entry in mapping_of('vary', document.get('vary')).items()])
     if not vary:

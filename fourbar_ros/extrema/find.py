@@ -25,7 +25,7 @@ from fourbar_ros.mechanisms import quantities as table
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
-from fourbar_ros.mechanisms.quantities import Asked, Function, Named, OfDrive
+from fourbar_ros.mechanisms.quantities import Asked, Function, is_position, Named, OfDrive
 from fourbar_ros.notebook import html_table
 from fourbar_ros.numerics.arguments import finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array, EPS
@@ -97,13 +97,9 @@ class Extremum(NamedTuple):
 class ExtremaList(list[Extremum]):
     """A list of extrema that a prompt and a notebook show as a table, with rates and mode."""
 
-    def __init__(self, extrema: Iterable[Extremum], linkage: Mechanism, rate: float,
-                 acceleration: float) -> None:
+    def __init__(self, extrema: Iterable[Extremum], title: str) -> None:
         super().__init__(extrema)
-        unit = linkage.input_coordinate.unit
-        self.title = (f'at {rate:g} {unit}/s'
-                      + (f' and {acceleration:g} {unit}/s^2' if acceleration else '')
-                      + f', mode {linkage.mode}')
+        self.title = title
 
     def _rows(self) -> list[tuple[str, ...]]:
         return [(each.quantity, each.kind, f'{each.value:.10g}', each.unit, f'{each.input:.10g}',
@@ -161,7 +157,13 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                                                    'InvertedSlider, ScotchYoke or Machine')
     rate, acceleration = map(rate_of_input, ('rate', 'acceleration'), (rate, acceleration))
     seconds = inf if seconds == inf else finite('seconds', seconds)
-    named = resolve(quantities, linkage)
+    named, unit = resolve(quantities, linkage), linkage.input_coordinate.unit
+    title = f'mode {linkage.mode}'
+    if not all(quantity.rate is not None if isinstance(quantity, OfDrive) else
+               is_position(quantity)
+               for quantity in named):      # else what is asked has no rate, or one of its own
+        change = f' and {acceleration:g} {unit}/s^2' if acceleration else ''
+        title = f'at {rate:g} {unit}/s{change}, {title}'
     others = [quantity for quantity in named if not isinstance(quantity, OfDrive)]
     if len(others) < len(named):
         find = partial(find_extrema, certify=certify, conditions=conditions, check=check,
@@ -171,7 +173,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
                   for extremum in _of_drive(quantity, linkage, rate, find)]
         names = [quantity.name for quantity in named]
         return ExtremaList(sorted(every, key=lambda extremum: names.index(extremum.quantity)),
-                           linkage, rate, acceleration)
+                           title)
     check()
     part = None if within is None else _checked_part(linkage, within)
     search = Search(linkage, others, (rate, acceleration), part)
@@ -187,8 +189,7 @@ def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: flo
     return ExtremaList(
         (extremum for row, quantity in enumerate(others) if extrema[row]
          for extremum in _extrema(quantity, linkage, extrema[row], proofs[row], row in refuted,
-                                  search.unresolved, partial(search.exact, row))),
-        linkage, rate, acceleration)
+                                  search.unresolved, partial(search.exact, row))), title)
 
 
 class Search:

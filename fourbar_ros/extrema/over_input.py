@@ -335,6 +335,10 @@ def turning_points(linkage: Mechanism) -> list[Extremum]:
 
 
 def dead_points(linkage: Mechanism) -> Sequence[tuple[Any, ...]]:
-    """Return the same as records that begin with input and output, of kinds in closed form."""
+    """
+    Return them as records that begin with input and output.
+
+    Those of kinds are in closed form, at the very end of a stroke too, angles from -pi on.
+    """
     return (linkage.dead_points if isinstance(linkage, Kind) else
             sorted((extremum.input, extremum.value) for extremum in turning_points(linkage)))

@@ -89,6 +89,8 @@ def test_extrema_say_rates_mode_and_their_side_of_a_jump():
     assert html.startswith('<p>at 3 rad/s and 2 rad/s^2, mode 2</p>')
     assert [row[-2] for row in cells_of(html)[1:]] == sides
     assert repr(find_extrema(PAPER_SCENE.linkage, 'omega4')).startswith('at 1 rad/s, mode 2:')
+    # at rest, or at any rate
+    assert repr(find_extrema(linkage, ('holding_torque', 'slide'))).startswith('mode 2:')
 
 
 def cells_of(html):

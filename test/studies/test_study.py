@@ -170,3 +170,13 @@ def test_a_study_takes_units(tmp_path):
         file.write_text(UNITS.replace(old, new))
         with pytest.raises((StudyError, SceneError), match=why):
             read(file)
+
+
+def test_a_scene_beside_its_study_may_be_one_of_several_nodes(tmp_path, monkeypatch):
+    (tmp_path / 'two.yaml').write_text(''.join(
+        f'/{node}:\n  ros__parameters:\n    linkage: {{a1: {a1}, a2: 1.2, a3: 0.8, a4: 1.0}}\n'
+        for node, a1 in (('left', 0.4), ('right', 0.3))))
+    (tmp_path / 'elsewhere').mkdir()
+    monkeypatch.chdir(tmp_path / 'elsewhere')
+    study = from_document(GOOD | {'scene': 'two.yaml:right'}, tmp_path)
+    assert study.values['linkage.a1'] == 0.3
