@@ -174,7 +174,8 @@ def test_a_few_linkages_beside_change_points(seed):
 
 
 @pytest.mark.slow
-def test_10_000_quantities_beside_change_points():
-    rng, number = np.random.default_rng(20261128), 0
-    while number < 10_000:
+@pytest.mark.parametrize('thousand', range(10))
+def test_10_000_quantities_beside_change_points(thousand):
+    rng, number = np.random.default_rng((20261128, thousand)), 0
+    while number < 1_000:
         number += check(linkage_near_a_change_point(rng), 3, 30, number % 5 == 0)
