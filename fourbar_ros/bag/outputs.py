@@ -19,8 +19,9 @@ UNSETTLED = 200_000_000     # [ns] around a change, in which a bag of rosbag2 ha
 JOINT_STATES = 'joint_states'
 # fields of standard messages that a planar linkage leaves 0
 PLANAR = ('wrench.force.z', 'wrench.torque.x', 'wrench.torque.y')
-STOPPED, NEAR_A_CHANGE = ('say that the input had stopped',
-                          'near a change of the scene or of what acts')
+STOPPED, NEAR_A_CHANGE, AT_AN_END = (
+    'say that the input had stopped', 'near a change of the scene or of what acts',
+    'are missing at an end of the bag: a recorder may begin or stop within a step')
 NOWHERE, LATER = -1, -2     # instead of the index of a motion: not in the bag, in a later block
 
 
@@ -146,7 +147,11 @@ class OutputComparison:
         self.largest[name, field] = max(self.largest.get((name, field), 0.0), difference)
 
     def missing_and_doubled(self) -> tuple[int, int]:
-        """Return how many outputs their motions lack, and how many outputs are doubled."""
+        """
+        Return how many outputs their motions lack, and how many outputs are doubled.
+
+        Outputs that may be missing because the recorder began or stopped are ``skipped``.
+        """
         missing = doubled = 0
         for blocks in self._presence.values():
             counts, is_due = map(np.concatenate, zip(*blocks))
@@ -157,7 +162,10 @@ class OutputComparison:
                 begin = present[0]
             if not (self._origin.in_order and self._bag.is_finished):
                 end = present[-1] if len(present) else 0    # the end of a cut bag may lack outputs
-            missing += int(np.count_nonzero((is_due & (counts == 0))[begin:end]))
+            is_missing = is_due & (counts == 0)
+            missing += (inside := int(np.count_nonzero(is_missing[begin:end])))
+            if at_an_end := int(np.count_nonzero(is_missing)) - inside:
+                self.skipped[AT_AN_END] += at_an_end
         return missing, doubled
 
 

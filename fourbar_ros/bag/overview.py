@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Topics, times and state of a bag, and whether it is sound."""
-from collections import Counter
+from collections import Counter, defaultdict
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
@@ -12,12 +12,13 @@ from fourbar_ros.scene.files import as_text
 
 
 class TopicInfo(NamedTuple):
-    """A topic: messages in the bag; messages missing by sequence numbers, None if not counted."""
+    """A topic of a bag; counts of messages are None where nobody looked."""
 
     topic: str
     type: str
     messages: int
-    missing: int | None
+    missing: int | None         # by sequence numbers
+    misfits: int | None         # do not fit the definition of their type
 
 
 class Info(NamedTuple):
@@ -64,10 +65,14 @@ class Info(NamedTuple):
         return sum(topic.missing or 0 for topic in self.topics)
 
     @property
+    def misfits(self) -> int:
+        return sum(topic.misfits or 0 for topic in self.topics)
+
+    @property
     def is_sound(self) -> bool:
         """Return whether the bag is finished, undamaged and lacks no message that is known."""
         return self.is_finished and not (self.damage or self.missing or self.dropped
-                                         or self.lost)
+                                         or self.lost or self.misfits)
 
 
 def info(path: str | Path, check: bool = False, progress: reader.Progress | None = None) -> Info:
@@ -76,15 +81,18 @@ def info(path: str | Path, check: bool = False, progress: reader.Progress | None
 
     Of a finished bag only the statistics at the end of each file are read; with ``check``, or if
     these or metadata.yaml disagree or are missing, every message is read. ``check`` compares
-    checksums too. ``progress`` is called with the count of bytes read.
+    checksums, and messages with their definitions, too. ``progress`` is called with the count of
+    bytes read.
     """
     bag = reader.Bag(path, progress)
     counts: Counter[str] = Counter()
     missing: Counter[str] = Counter()
+    misfits: Counter[str] = Counter()
     start = end = None
     is_read = check or not bag.is_consistent
     if is_read:
         following: dict[str, int] = {}      # {topic: sequence number that is due}
+        waiting = defaultdict[str, list[bytes]](list)       # messages to be checked
         # our recorder counts from 0, other recorders begin anywhere
         is_from_zero = 'topics' in bag.about and metadata.number_of(bag.files[0]) == 0
         for raw in bag.raw():
@@ -96,6 +104,12 @@ def info(path: str | Path, check: bool = False, progress: reader.Progress | None
             following[raw.topic] = raw.sequence + 1
             start = raw.time if start is None else min(start, raw.time)
             end = raw.time if end is None else max(end, raw.time)
+            if check:
+                waiting[raw.topic].append(raw.data)
+                if len(waiting[raw.topic]) >= reader.BLOCK:
+                    misfits[raw.topic] += bag.misfits(raw.topic, waiting.pop(raw.topic))
+        for topic, messages in waiting.items():
+            misfits[topic] += bag.misfits(topic, messages)
     else:
         times: list[int] = []
         for summary in bag.summaries:
@@ -106,7 +120,8 @@ def info(path: str | Path, check: bool = False, progress: reader.Progress | None
                 if statistics.message_count:
                     times += statistics.message_start_time, statistics.message_end_time
         start, end = min(times, default=None), max(times, default=None)
-    topics = [TopicInfo(topic, type_name, counts[topic], missing[topic] if is_read else None)
+    topics = [TopicInfo(topic, type_name, counts[topic], missing[topic] if is_read else None,
+                        misfits[topic] if check else None)
               for topic, type_name in bag.types.items()]
     for index in range(len(bag.files)) if check else ():
         bag.check(index)

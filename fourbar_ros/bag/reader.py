@@ -250,6 +250,21 @@ class Bag:
         except BagError as error:       # of the type alone
             raise BagError(f'{self.path}: {topic}: {error}') from None
 
+    def misfits(self, topic: str, messages: list[bytes]) -> int:
+        """Return how many messages of a topic do not fit their definition, 0 if none is known."""
+        try:
+            self.types_of(topic)
+        except BagError:
+            return 0
+        try:
+            for _ in self.arrays(topic, messages):
+                pass
+            return 0
+        except BagError:        # by one of the messages
+            half = len(messages) // 2
+            return self.misfits(topic, messages[:half]) + self.misfits(
+                topic, messages[half:]) if half else 1
+
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""
         store = self.types_of(raw.topic)

@@ -30,6 +30,9 @@ BLOCK, MOST_VALUES = 5000, 2_000_000    # motions, and their values, that are co
 BEFORE_THE_FILE, UNTOLD = (
     'depend on what came before this file',
     'depend on a wrench or a base that is not in the bag (~/applied, ~/base)')
+NO_ORDER, NOT_TOLD = (
+    'are states of a drive, and rosbag2 has no sure order of them and what acts',
+    'are states of a drive that input and rate do not tell, as next to a toggle')
 
 
 class Difference(NamedTuple):
@@ -49,7 +52,7 @@ class Recomputed(NamedTuple):
     compared: int               # outputs that were computed again from them
     unmatched: int              # outputs whose motion is not in the bag
     missing: int                # outputs that a motion should have and has not
-    doubled: int                # outputs beyond the first of a motion
+    doubled: int                # outputs beyond one for a motion; motions and states sent again
     skipped: dict[str, int]     # {reason: outputs that could not be compared}
     # states of a drive that were computed again by a step from the state before; of states at a
     # start or by another version of the integrator, accelerations and torques are compared
@@ -69,7 +72,7 @@ class Recomputed(NamedTuple):
         Outputs that were skipped, a bag that is cut and motions of the other branch are no faults.
         """
         counts = ((self.unmatched, 'outputs without their motion'),
-                  (self.missing, 'outputs missing'), (self.doubled, 'outputs more than once'))
+                  (self.missing, 'outputs missing'), (self.doubled, 'messages more than once'))
         texts = [f'{count} {text}' for count, text in counts if count]
         if self.largest > tolerance:
             texts.insert(0, f'differences up to {self.largest:g}' + (
@@ -111,6 +114,8 @@ class Recomputation:
         self._motions: list[tuple[int, Any]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
         self._modes: dict[int, int] = {}            # {stamp: recorded mode}, of motion by torque
+        self._newest: dict[str, bytes] = {}         # the last motion and state of a drive
+        self._repeated = 0                          # those that are the one before once more
         self._other_branch = 0                      # motions that are not on the branch of today
         self._changes: list[int] = []           # log times [ns] of new scenes and acting inputs
         # a later file of a split bag may hold values of the one before, until a motion is valid
@@ -154,6 +159,11 @@ class Recomputation:
         Outputs and motions wait, until a block of motions is computed or the scene changes.
         """
         name = self._names[raw.topic]
+        if name in (topics.DRIVEN.name, topics.DRIVE_STATE.name):
+            if self._newest.get(name) == raw.data:
+                self._repeated += 1
+                return
+            self._newest[name] = raw.data
         if name in self._topics:
             if name == outputs.JOINT_STATES and self._joints and not self._joints_have_begun:
                 message = self._bag.decode(raw)
@@ -194,6 +204,8 @@ class Recomputation:
                 self._drive_states.take(_stamp_of(message), message,
                                         self._branch(message.mode, message.position)
                                         if self._are_sides else message.mode)
+            else:
+                self._comparison.skipped[NO_ORDER] += 1
 
     def _branch(self, mode: int, position: float) -> int:
         """Return the mode of a recorded one at an input, that of the scene for one that is not."""
@@ -221,7 +233,7 @@ class Recomputation:
                 stepper.act(name, acting)
                 self._untold.discard(name)
             stamp = _stamp_of(message)
-            mode = self._modes.pop(stamp, stepper.mode)
+            mode = self._modes.get(stamp, stepper.mode)
             branch = self._branch(mode, message.position)
             status, values = stepper.step(message.position, message.velocity,
                                           message.acceleration, self._wanted, branch)
@@ -237,10 +249,12 @@ class Recomputation:
                 why = why or sides.AT_FLAT * (status == TOGGLE)
             mode = mode if mode in self._modes_known else branch
             rows.append((stamp, mode, status, why, values))
-        later = set() if self._origin.in_order else {
-            _stamp_of(message) for _, message in self._motions}
+        later = {_stamp_of(message) for _, message in self._motions}
+        for stamp in {stamp for stamp, *_ in rows} - later:
+            self._modes.pop(stamp, None)
         arrays = map(np.array, zip(*rows) if rows else [()] * 5)
-        return outputs.Motions(first, later, self._changes, *arrays)
+        return outputs.Motions(first, set() if self._origin.in_order else later, self._changes,
+                               *arrays)
 
     def _compare(self, count: int) -> None:
         """Compute the first ``count`` motions that wait and compare their outputs."""
@@ -263,13 +277,16 @@ class Recomputation:
         counts[topics.DRIVEN.name] = self._motion_count
         if self._drive_states:
             counts[topics.DRIVE_STATE.name] = self._drive_states.compared
+            if self._drive_states.unknown:
+                comparison.skipped[NOT_TOLD] = self._drive_states.unknown
             for field, value in self._drive_states.largest.items():
                 comparison.note(topics.DRIVE_STATE.name, field, value)
+        missing, doubled = comparison.missing_and_doubled()
         return Recomputed(
             [Difference(self._origin.topics[name], field, counts[name], value)
              for (name, field), value in comparison.largest.items()],
-            self._motion_count, compared, comparison.unmatched, *comparison.missing_and_doubled(),
-            dict(comparison.skipped),
+            self._motion_count, compared, comparison.unmatched, missing,
+            doubled + self._repeated, dict(comparison.skipped),
             self._drive_states.stepped if self._drive_states else 0, self._other_branch,
             not self._bag.is_finished, reader.software_of(self._bag.about).get('fourbar_ros', ''))
 

@@ -27,7 +27,7 @@ examples:
 
 exit codes: 0 good; 1 an error, reported in one line; 2 bad arguments; 130, 143 interrupted by
 Ctrl-C or SIGTERM, with no partial output left; 3 done, but
-  info       the bag is unfinished or damaged, or messages are missing
+  info       the bag is unfinished or damaged, or messages are missing or misfits
   recover    something could not be read
   recompute  a value differs by more than the tolerance, an output is missing,
              duplicated or without its input, or nothing could be compared
@@ -43,8 +43,8 @@ def add(verbs: common.Verbs) -> None:
     info = _action(actions, 'info', _info, 'show what a bag contains and whether it is sound')
     common.add_json(info)
     info.add_argument('--check', action='store_true',
-                      help='read every message: verify checksums, and sequence numbers to find '
-                           'missing messages')
+                      help='read every message: verify checksums, sequence numbers to find '
+                           'missing messages, and that each fits its definition (misfits)')
 
     recover = _action(actions, 'recover', _recover, 'make a whole bag of a cut or damaged one',
                       '. Every readable message is copied, verified by its checksum; the old bag '
@@ -118,8 +118,9 @@ def _info(arguments: Namespace) -> int:
             'bag': str(arguments.bag), 'sound': bag.is_sound, 'finished': bag.is_finished,
             'size': bag.size, 'files': bag.files, 'start': bag.start, 'end': bag.end,
             'messages': sum(topic.messages for topic in bag.topics), 'missing': bag.missing,
-            'dropped': bag.dropped, 'ended': bag.ended, 'damage': bag.damage,
-            'about': bag.about, 'topics': [topic._asdict() for topic in bag.topics]}))
+            'misfits': bag.misfits, 'dropped': bag.dropped, 'ended': bag.ended,
+            'damage': bag.damage, 'about': bag.about,
+            'topics': [topic._asdict() for topic in bag.topics]}))
         return 0 if bag.is_sound else common.BAD
     seconds, begin = 0.0, ''
     if bag.start is not None and bag.end is not None:
@@ -139,10 +140,11 @@ def _info(arguments: Namespace) -> int:
     console = terminal.make_console()
     console.print(terminal.make_table('', ('', ''), [row for row in rows if row[1]]))
     console.print(terminal.make_table(
-        '', ('topic', 'type', 'messages>', 'Hz>', 'missing>'),
+        '', ('topic', 'type', 'messages>', 'Hz>', 'missing>', 'misfits>'),
         [(topic.topic, topic.type, str(topic.messages),
           f'{(topic.messages - 1) / seconds:.2f}' if seconds and topic.messages > 1 else '',
-          '' if topic.missing is None else str(topic.missing)) for topic in bag.topics]))
+          *('' if count is None else str(count) for count in (topic.missing, topic.misfits)))
+         for topic in bag.topics]))
     if not bag.is_finished or bag.damage:
         print('fourbar bag recover makes a whole bag of what can be read')
     return 0 if bag.is_sound else common.BAD

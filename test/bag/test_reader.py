@@ -378,7 +378,9 @@ def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_li
         tmp_path, capsys):
     for number, (encoding, definition, data) in enumerate((
             ('ros2msg', 'no/Such[ x\n', text('a')), ('ros2idl', 'struct', text('a')),
-            ('ros2msg', 'string data\n', text('a')[:9]), ('ros2msg', 'float64 x\n', text('a')[:7]),
+            ('ros2msg', 'string data\n', text('a')[:9]),
+            ('ros2msg', 'string data\n', text('a') + bytes(8)),
+            ('ros2msg', 'float64 x\n', text('a')[:7]),
             ('ros2msg', 'string data\n', b'\0\1\0\0' + pack('<I', 2**31) + b'abc\0'),
             ('ros2msg', 'float64[] x\n', b'\0\1\0\0' + pack('<I', 2**31) + bytes(8)),
             ('ros2msg', 'string[] x\n', b'\0\1\0\0' + pack('<I', 2**31) + bytes(8)),
@@ -396,7 +398,9 @@ def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_li
         assert said.startswith(f'fourbar: {file}: /a: ') and said.count('\n') == 1, said
         with pytest.raises(BagError):
             list(Bag(file).records())
-        assert main(['bag', 'info', str(file), '--check']) == 0
+        has_definition = 2 <= number
+        assert main(['bag', 'info', str(file), '--check']) == (3 if has_definition else 0)
+        assert info(file, True).misfits == has_definition and not info(file).misfits
         assert recover(file, tmp_path / f'new{number}').messages == 1
     capsys.readouterr()
 

@@ -9,9 +9,9 @@ import json
 import math
 
 from fourbar_ros.bag import recomputation
-from fourbar_ros.bag.outputs import STOPPED
+from fourbar_ros.bag.outputs import AT_AN_END, STOPPED
 from fourbar_ros.bag.reader import Bag
-from fourbar_ros.bag.recomputation import recompute, UNTOLD
+from fourbar_ros.bag.recomputation import NO_ORDER, NOT_TOLD, recompute, UNTOLD
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
@@ -19,7 +19,7 @@ from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene import scene as scenes
 import numpy as np
 import pytest
-from support import bags
+from support import bags, ROOT
 from support.samples import more
 from support.scenes import OUTPUTS, PAPER, RODS, TIP
 
@@ -38,8 +38,10 @@ def rewritten(bag, directory, raws, name='new', about=None):
     old, used = Bag(bag), {topic for topic, *_ in raws}
     topics = {topic: type_name for topic, type_name in old.types.items()
               if about is None or topic in used}
-    writer = BagWriter(directory, name, [bags.channel(*topic) for topic in topics.items()],
-                       old.about if about is None else about)
+    next(old.raw([]), None)         # which notes the definitions
+    channels = [bags.channel(*topic)._replace(schema=old.definition_of(topic[0]))
+                for topic in topics.items()]
+    writer = BagWriter(directory, name, channels, old.about if about is None else about)
     numbers = {topic: i for i, topic in enumerate(topics)}
     for topic, data, time in raws:
         writer.clock = lambda time=time: time
@@ -138,7 +140,28 @@ def test_a_removed_or_doubled_message_is_found(bag, tmp_path, topic, which):
     assert problems(rewritten(bag, tmp_path, raws[:at] + raws[at + 1:],
                               'less')) == '1 outputs missing'
     assert problems(rewritten(bag, tmp_path, raws[:at + 1] + raws[at:],
-                              'more')) == '1 outputs more than once'
+                              'more')) == '1 messages more than once'
+
+
+@pytest.mark.parametrize('is_of_rosbag2', [False, True])
+@pytest.mark.parametrize('order', [
+    lambda raws: [raw for raw in raws for _ in range(2)],       # as two recorders merged by time
+    lambda raws: raws + raws])                                  # as one played twice
+def test_a_run_that_is_twice_in_a_bag_gives_what_it_gave_once(tmp_path, order, is_of_rosbag2):
+    run = ROOT / 'test/support/data/recorded/stepped_rocker'
+    about, raws = {} if is_of_rosbag2 else Bag(run).about, content(run)
+    one, two = (recompute(rewritten(run, tmp_path, raws, name, about))
+                for name, raws in (('once', raws), ('twice', order(raws))))
+    assert one.largest == two.largest == 0.0
+    repeats = 4 * one.inputs            # a motion, its state, loads, state of the drive
+    assert (two.doubled, two.stepped) in {(repeats, one.stepped), (0, 2 * one.stepped)}
+    assert two.problems() == ([f'{repeats} messages more than once'] if two.doubled else [])
+    assert two.skipped == ({NO_ORDER: two.inputs} if is_of_rosbag2 else {})
+
+
+def test_states_of_a_drive_that_are_not_compared_are_counted():
+    found = recompute(ROOT / 'test/support/data/recorded/pushed')
+    assert found.skipped == {NOT_TOLD: 321} and found.inputs == 322
 
 
 def test_a_removed_motion_leaves_its_outputs_alone(bag, tmp_path):
@@ -179,7 +202,7 @@ def test_the_last_step_of_a_cut_bag_need_not_be_whole(bag, tmp_path):
     # without its end
     (tmp_path / 'cut_0.mcap').write_bytes(data[:data.rindex(b'\x0f' + (4).to_bytes(8, 'little'))])
     found = recompute(tmp_path / 'cut_0.mcap')
-    assert found.is_cut and not found.problems()
+    assert found.is_cut and not found.problems() and found.skipped == {AT_AN_END: 3}
 
 
 def test_joints_of_bags_from_before_they_were_continuous_and_a_jump_of_those_that_are(tmp_path):
@@ -231,10 +254,12 @@ def test_what_rosbag2_missed_in_the_middle_is_missing_at_the_ends_it_is_not(bag,
     raws = content(as_recorded_by_rosbag2(bag, tmp_path))
     at = [i for i, raw in enumerate(raws) if raw[0] == '/fourbar/state']
     for name, gone, said in (('begin', at[:3], ''), ('end', at[-3:], ''),
-                             ('middle', at[5:8], '3 outputs missing')):
+                             ('middle', at[5:8], '3 outputs missing'), ('topic', at, '')):
         path = rewritten(bag, tmp_path, [raw for i, raw in enumerate(raws) if i not in gone], name,
                          about={})
-        assert problems(path) == said, name
+        found = recompute(path)
+        assert ' '.join(found.problems()) == said, name
+        assert found.skipped == ({AT_AN_END: len(gone)} if name in ('begin', 'end') else {})
 
 
 def test_a_scene_changed_during_a_bag_of_rosbag2_leaves_a_moment_out(tmp_path):
