@@ -331,7 +331,7 @@ def _interior(sampler: Sampler, samples: Samples, rows: Array, with_conditions: 
 def _is_kink(sampler: Sampler, roots: TurningPoints, which: Array) -> Array:
     """Return which magnitudes |F| are least because F changes its sign: they are kinks."""
     # |F| is zero there: the rounding of the input explains its value, or the parabola through
-    # three values of F^2 from many digits comes down to zero; of functions, which have none, the
+    # three values of F^2 from many digits comes down to zero; of functions that have none, the
     # rounding of the terms of F explains it.
     x, turn, row = roots.x[which], KINK * roots.spacing[which], roots.quantity[which]
     before, after = _beside(sampler, x, turn, row)
@@ -463,15 +463,15 @@ def _at_end(sampler: Sampler, samples: Samples, side: int, end: End,
         limits = np.copysign(inf, samples.values[:, samples.path.inward(side)[0]])
     else:
         limits = _limits_at_toggle(sampler, samples, side, end, rows)
-    nearest = samples.path.inward(side)[0]
-    limits = sampler.same_turn(samples.values[:, nearest], limits, np.arange(limits.size))
-    falls = samples.slopes[:, nearest] * side > 0.0        # seen from inside
-    if samples.path.cuts.size:              # some quantities are constant on the last piece
-        away = samples.values[:, samples.path.inward(side)] - limits[:, None]
-        differs = np.abs(away) > FLAT * np.abs(limits)[:, None]
-        first = np.where(differs.any(axis=1), differs.argmax(axis=1), 0)
-        away = away[np.arange(first.size), first]
-        falls = np.where(first > 0, away > 0.0, falls)
+    inward = samples.path.inward(side)
+    limits = sampler.same_turn(samples.values[:, inward[0]], limits, np.arange(limits.size))
+    # seen from inside it falls by its slope, or by the first sample that rounding errors, or a
+    # constant last piece, do not make
+    away = samples.values[:, inward] - limits[:, None]
+    differs = np.abs(away) > np.maximum(FLAT * np.abs(limits)[:, None], samples.noise[:, inward])
+    first = differs.argmax(axis=1)
+    falls = np.where(first > 0, away[np.arange(first.size), first],
+                     samples.slopes[:, inward[0]] * side) > 0.0
     sense = np.where(np.isinf(limits), np.sign(limits), np.where(falls, -1, 1)).astype(int)
     x = sampler.fold(end.x)
     return [PathExtremum(row, x, float(limits[row]), int(sense[row]), side)
@@ -483,20 +483,32 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
     """Return the limits of all quantities at a toggle; right for ``rows``."""
     # Quantities are meromorphic in the path's parameter: one whose differences grow about twofold
     # each time the distance falls to a quarter has a pole. The others go on smoothly into the
-    # other assembly mode.
-    values, path = samples.values, samples.path
-    inward = path.inward(side)
-    nearest = values[:, inward[:4]]
+    # other assembly mode. Many digits tell where rounding errors may look like a pole, or hide it.
+    path, inward = samples.path, samples.path.inward(side)[:4]
+    nearest = samples.values[:, inward]
+    is_doubtful = ~sampler.is_angle & (samples.noise[:, inward[0]] > np.maximum(
+        np.abs(nearest[:, 0] - nearest[:, 1]), SHARE * np.abs(nearest).max(axis=1)))
+    doubtful = rows[is_doubtful[rows]]
+
+    def with_digits(of: Sampler, x: Array, values: Array) -> Array:
+        """Return values at x, the doubtful ones from many digits."""
+        if doubtful.size:
+            values[doubtful] = of.exact(np.tile(x, doubtful.size), np.repeat(doubtful, x.size)
+                                        ).reshape(doubtful.size, x.size)
+        return values
+
+    nearest = with_digits(sampler, path.x[inward], nearest)
     fall = np.abs(np.diff(nearest))
     has_pole = ((fall[:, 0] > GROWTH * fall[:, 1]) & (fall[:, 1] > GROWTH * fall[:, 2])
                 & (fall[:, 0] > SHARE * np.abs(nearest).max(axis=1)))
     limits = np.where(nearest[:, 0] > nearest[:, 1], inf, -inf)
     if has_pole[rows].all():
         return limits
+    doubtful = doubtful[~has_pole[doubtful]]
     near = (path.first if side > 0 else path.last) + side * np.arange(NEIGHBOURS)
     mode = sampler.linkage.mode_beyond(sampler.unit * end.x)
     other_mode = type(sampler)(sampler.linkage.in_mode(mode), sampler.quantities, sampler.rates)
-    here, x = values[:, near], path.x[near]
+    x = path.x[near]
     if path.cuts.size:              # all in the last piece, in the other mode too
         ends = np.array([*path.cuts, *np.array(
             other_mode.linkage.pieces.ends if other_mode.linkage.pieces else ()) / sampler.unit])
@@ -505,11 +517,12 @@ def _limits_at_toggle(sampler: Sampler, samples: Samples, side: int, end: End,
         width = min(farthest, 0.5 * away[away > 0.0].min()) if away.any() else farthest
         # quantities are smooth in the root of the distance, of which these are equal steps
         x = end.x + side * width * ((np.arange(NEIGHBOURS) + 0.5) / NEIGHBOURS)**2
-        here = sampler.values(x)
-    bounded, is_coarse = _continued(sampler, here, other_mode.values(x))
+    here, beyond = (with_digits(of, x, of.values(x)) for of in (sampler, other_mode))
+    bounded, is_coarse = _continued(sampler, here, beyond)
     if is_coarse[rows].any():       # what turns between samples and toggle shows nearer to it
         x = end.x + NEARER * (x - end.x)
-        nearer, _ = _continued(sampler, sampler.values(x), other_mode.values(x))
+        nearer, _ = _continued(sampler, *(with_digits(of, x, of.values(x))
+                                          for of in (sampler, other_mode)))
         bounded = np.where(is_coarse, sampler.same_turn(bounded, nearer, np.arange(nearer.size)),
                            bounded)
     bounded[np.abs(bounded) <= 64.0 * EPS * np.abs(here).max(axis=1)] = 0.0

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
 from decimal import Decimal, localcontext
+from functools import cache
 from itertools import repeat
 from math import pi, sqrt
 from numbers import Real
@@ -28,7 +29,7 @@ from fourbar_ros.numerics.arrays import Array, EPS, Value, Values
 from fourbar_ros.numerics.digits import in_decimals, MANY_DIGITS
 from fourbar_ros.numerics.number_types import Function, numbers_of
 from fourbar_ros.numerics.roots import fold
-from fourbar_ros.numerics.trace import flat
+from fourbar_ros.numerics.trace import flat, Trace
 import numpy as np
 
 # Distances from a flat position, in the unit of the input, and 64 times nearer ones: a quantity
@@ -163,7 +164,9 @@ class Sampler:
         if reaches is not None:
             position = np.where(reaches(position), position, np.nan)
         with np.errstate(all='ignore'):
-            fields = (step or self._step)(position, *self.rates)
+            return self._records((step or self._step)(position, *self.rates))
+
+    def _records(self, fields: Sequence[Any]) -> State:
         count = len(self.linkage.MOTION._fields)
         return (self.linkage.MOTION(*fields[:count]),
                 self.linkage.LOADS(*fields[count:]) if self._has_loads else NoLoads())
@@ -226,22 +229,37 @@ class Sampler:
             return here, here * turn / (there - here)
 
     def exact(self, x: Array, row: Array) -> Array:
-        """Return quantity ``row[i]`` at x[i] in many digits, ms each; NaN of functions and 0/0."""
+        """Return quantity ``row[i]`` at x[i] in many digits, ms for each x; NaN of 0/0."""
+        # and of functions that do more than a trace records
         recorded = (self.linkage.record_with_loads if self._has_loads
                     else self.linkage.record_of_motion)
-        names = self.linkage.MOTION._fields + self.linkage.LOADS._fields
         data = numbers_of(formula_of(self.linkage, self._has_loads).data)
-        values, results = np.full(x.size, np.nan), flat(recorded.trace.results)
+        results, traces = flat(recorded.trace.results), dict[int, Trace]()
+        for i in set(row.tolist()):
+            with suppress(TypeError, AttributeError):
+                traces[i] = Trace(lambda *_, of=self.quantities[i].of: (
+                    lambda *fields: (of(*self._records(fields)),)), len(results))
+
+        @cache
+        def make_values(rows: tuple[int, ...]) -> Function:
+            of_rows = [traces[i] for i in rows]
+            needed = sorted({k for trace in of_rows for k in trace.needed(trace.results)
+                             if k < len(results)})
+            fields_of = in_decimals(recorded.trace, data, [results[k] for k in needed])
+            values_of = [in_decimals(trace, (), trace.results) for trace in of_rows]
+
+            def values(*inputs: Decimal) -> list[Decimal]:
+                fields = dict(zip(needed, fields_of(*inputs)))
+                return [of(*map(fields.get, range(len(results))))[0] for of in values_of]
+            return values
+
+        values = np.full(x.size, np.nan)
         with localcontext(MANY_DIGITS):
-            for i in set(row.tolist()):
-                if not is_published(self.quantities[i]):
-                    continue
-                values_of = in_decimals(recorded.trace, data,
-                                        [results[names.index(self.quantities[i].name)]])
-                for k in np.flatnonzero(row == i).tolist():
-                    with suppress(ArithmeticError, ValueError):
-                        values[k], = values_of(*map(Decimal, (float(self.unit * x[k]),
-                                                              *self.rates)))
+            for position in np.unique(x).tolist():
+                which = [k for k in np.flatnonzero(x == position).tolist() if row[k] in traces]
+                with suppress(ArithmeticError, ValueError):
+                    values[which] = make_values(tuple(row[which].tolist()))(
+                        *map(Decimal, (float(self.unit * position), *self.rates)))
         return values
 
     def errors(self, x: Array, state: State) -> tuple[Array, Array, Array]:

@@ -10,6 +10,7 @@ from fourbar_ros import (
     find_extrema,
     FourBar,
     InvertedSlider,
+    load_scene,
     round_rod,
     SliderCrank,
 )
@@ -306,6 +307,38 @@ def test_a_quantity_with_a_kink_at_a_toggle_is_not_continued_beyond_it():
                     lambda motion, _: np.abs(np.sin(motion.transmission_angle)))
     limits = [one.value for one in find_extrema(ROCKER, [kink]) if one.side]
     assert len(limits) == 4 and np.abs(limits).max() < 1e-10
+
+
+def test_rounding_where_three_dyads_come_into_line_together_is_no_pole():
+    """Peaucellier's point Q, on a line: y = k / 2r tan(theta1 / 2), k = L^2 - l^2."""
+    scene, rate = load_scene('peaucellier'), 2.0
+    machine, arm, side, r = scene.linkage, 0.4, 0.15, 0.15
+    found = find_extrema(machine, [*scene.point_quantities, 'shaking_force', 'shaking_moment',
+                                   'omega_left_tip'], rate)
+    assert not any(one.proof for one in found)
+    limits = [one for one in found if one.place == 'limit']
+    assert all(one.value == -one.side * inf for one in limits if one.quantity == 'omega_left_tip')
+    limits = [one for one in limits if one.quantity != 'omega_left_tip']
+    assert len(limits) == 8
+    cosine = (arm - side) / (2.0 * r)       # of half the angle, where the arms are in line
+    speed = (arm**2 - side**2) / (4.0 * r * cosine**2) * rate
+    exactly = {'q.speed': speed,
+               'q.acceleration': speed * rate * np.sqrt(1.0 / cosine**2 - 1.0)}
+    for one in limits:
+        if one.quantity in exactly:     # from 12 samples, whose inputs are rounded
+            assert one.value == pytest.approx(exactly[one.quantity], rel=2**10 * EPS)
+        else:                           # smooth in the root of the distance
+            far, near = exact_values(machine, one.quantity, one.input + one.side * np.array(
+                (4e-8, 1e-8)), (rate, 0.0))
+            assert one.value == pytest.approx(float(2 * near - far), rel=1e-7), one
+
+
+def test_a_limit_that_rounding_hides_and_many_digits_cannot_tell_is_left_out_and_said_so():
+    scene = load_scene('peaucellier')
+    speed = scene.point_quantities[0]
+    rough = Function('rough', 'm/s', 'not recorded', lambda *state: np.abs(speed.of(*state)))
+    found = find_extrema(scene.linkage, rough)
+    assert all(isfinite(one.value) and one.proof.startswith('not certain') for one in found)
 
 
 @pytest.mark.parametrize('error', [{'noise': 1e-6}, {'value_condition': 1e5}])
