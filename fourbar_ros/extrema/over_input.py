@@ -336,9 +336,11 @@ def turning_points(linkage: Mechanism) -> list[Extremum]:
 
 def dead_points(linkage: Mechanism) -> Sequence[tuple[Any, ...]]:
     """
-    Return them as records that begin with input and output.
+    Return where the first output turns back, inside the stroke, by input.
 
-    Those of kinds are in closed form, at the very end of a stroke too, angles from -pi on.
+    Tuples that begin with input, angles from -pi on, and output; of kinds records in closed form.
     """
-    return (linkage.dead_points if isinstance(linkage, Kind) else
-            sorted((extremum.input, extremum.value) for extremum in turning_points(linkage)))
+    if isinstance(linkage, Kind):
+        return linkage.dead_points
+    return sorted((x - linkage.period if x >= linkage.period - pi else x, extremum.value)
+                  for extremum in turning_points(linkage) for x in [extremum.input])

@@ -39,6 +39,9 @@ from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 
 # Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
 NEAR_DEAD_POINT = 1e-6
+# Nearer to an end of the stroke than this, in units of the input, the output turns back by no more
+# than its rounding, which is some square of it.
+AT_END_OF_STROKE = 2.0**-22
 
 LINKS = ('crank', 'coupler', 'output')
 # {coordinate: (a link, that from which its angle counts)}
@@ -129,13 +132,18 @@ class Kind(Mechanism):
 
     @cached_by_lengths
     def dead_points(self) -> tuple[Any, ...]:
-        """Return where the output turns back in this mode, at any rate of the input."""
+        """Return where the output turns back in this mode, inside the stroke, at any rate."""
         # Records of the input, of angles from -pi on, and the output there; for a change point
         # whose branch changes its side, those of either side through which its motion goes in a
         # period. Those of a machine have no closed form, see dead_points() in extrema.over_input.
+        near = AT_END_OF_STROKE * self.input_unit
+
+        def is_inside(x: float) -> bool:
+            return self.is_in_stroke(x) and all(abs(self.distance(x, end)) > near
+                                                for end in self.cut or ())
+
         if not self.flat_inputs:
-            return tuple(sorted(point for point in self.stalls(self.sign)
-                                if self.is_in_stroke(point[0])))
+            return tuple(sorted(point for point in self.stalls(self.sign) if is_inside(point[0])))
 
         def is_passed(point: Any) -> bool:
             """Return whether the motion has the output of a point there: on its own branch."""
@@ -149,7 +157,7 @@ class Kind(Mechanism):
         points = [type(point)(point[0] + 2.0 * pi * turn, *point[1:])
                   for side in (1.0, -1.0) for point in self.stalls(side) for turn in range(turns)]
         return tuple(sorted(point for point in points
-                            if self.is_in_stroke(point[0]) and is_passed(point)))
+                            if is_inside(point[0]) and is_passed(point)))
 
     @classmethod
     def motion_fields(cls) -> tuple[str, ...]:

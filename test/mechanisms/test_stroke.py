@@ -6,7 +6,7 @@ import math
 
 from fourbar_ros import FourBar, InvalidParameter, MovingJointFourBar, OutOfRange, Toggle
 from fourbar_ros.extrema.find import find_extrema, LIMIT
-from fourbar_ros.extrema.over_input import output_ranges, OverInput
+from fourbar_ros.extrema.over_input import dead_points, output_ranges, OverInput
 from fourbar_ros.machine import Dyad, Machine, Point
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.pipeline.stepper import evaluate, OK, OUT_OF_RANGE, RATES_UNKNOWN, Stepper, Wanted
@@ -193,6 +193,22 @@ def test_dead_points_beyond_the_stroke_are_left_out():
     assert replace(free, stroke=(0.0, 0.85)).dead_points == (second,)
     assert replace(free, stroke=(0.5, 0.85)).dead_points == ()
     assert replace(free, stroke=(-3.0, 3.0)).dead_points == (first, second)
+
+
+@pytest.mark.parametrize('beside', [-1e-5, -1e-12, 0.0, 1e-12, 1e-5])
+def test_at_an_end_of_the_stroke_no_output_turns_back_of_kinds_and_machines_alike(beside):
+    """It turns back inside alone: that of a kind at the very end was one, of a machine none."""
+    free = CRANKS['turns fully']
+    a1, a2, a3, a4 = free.lengths
+    machine = Machine([Dyad('d', 'RRR', Point('crank', a1), Point('ground', a4),
+                            ('coupler', 'output'), length_1=a2, length_2=a3, mode=free.mode)])
+    for x, inward in zip((point.theta1 for point in free.dead_points), (1.0, -1.0)):
+        end = x - inward * beside
+        stroke = tuple(sorted((end, end + inward * 0.3)))
+        both = [dead_points(replace(each, stroke=stroke)) for each in (free, machine)]
+        assert [len(points) for points in both] == [int(beside > 1e-9)] * 2
+        for one, other in zip(*both):
+            assert other == pytest.approx(one[:2], abs=1e-7)
 
 
 def test_clamped_inputs_stay_at_the_end_of_the_stroke():
