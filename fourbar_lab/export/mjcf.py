@@ -48,15 +48,15 @@ def mjcf(model: RobotModel) -> str:
         geom.set('mass', '0')           # the ground has no mass, on a moving body either
     bodies = {model.root: base}
     for index, link in enumerate(model.links):
-        x, y, angle = link.joint.at_zero
-        body = bodies[link.frame] = add(bodies[link.parent], 'body', name=link.frame,
+        hung, (x, y, angle) = link.joint, link.joint.at_zero
+        body = bodies[hung.child] = add(bodies[hung.parent], 'body', name=hung.child,
                                         pos=(x, y, 0.0), euler=(0.0, 0.0, angle))
-        joint = add(body, 'joint', name=link.joint.name, type='slide' if link.joint.slides else
-                    'hinge', axis=link.joint.axis)
-        if any(link.joint.connection.on_child):
-            joint.set('pos', digits_of(*link.joint.connection.on_child, 0.0))
-        if link.joint.limits and link.joint.is_driven:      # the loops limit the others
-            joint.set('range', ' '.join(map(repr, link.joint.limits)))
+        joint = add(body, 'joint', name=hung.name, type='slide' if hung.slides else 'hinge',
+                    axis=hung.axis)
+        if any(hung.connection.on_child):
+            joint.set('pos', digits_of(*hung.connection.on_child, 0.0))
+        if hung.limits and hung.is_driven:      # the loops limit the others
+            joint.set('range', ' '.join(map(repr, hung.limits)))
         if link.body:
             mass, centre, moments = inertia_of(link.body, model.size)
             add(body, 'inertial', pos=centre, mass=mass, diaginertia=moments)
@@ -66,7 +66,7 @@ def mjcf(model: RobotModel) -> str:
     # each cut joint: two sites that coincide where the loop is closed
     equality = add(root, 'equality')
     for closure in model.closures:
-        first, second = closure.frames
+        first, second = closure.closing_frames
         for name, frame, (x, y) in ((first, closure.parent, closure.connection.on_parent),
                                     (second, closure.child, closure.connection.on_child)):
             add(bodies[frame], 'site', name=name, pos=(x, y, 0.0), size=0.005 * model.size)
@@ -95,5 +95,5 @@ def _geoms(body: Element, shapes: Sequence[Shape], index: int) -> list[Element]:
 
 def _starts(model: RobotModel, frame: str) -> list[float]:
     """Return the joints' positions in MuJoCo's order: of a body on the frame, of its children."""
-    return [start for link in model.links if link.parent == frame
-            for start in (link.joint.start, *_starts(model, link.frame))]
+    return [start for joint in model.joints if joint.parent == frame
+            for start in (joint.start, *_starts(model, joint.child))]

@@ -34,9 +34,11 @@ LEAST = 1e-9           # [kg], or times mass and size squared: for a body withou
 
 
 class ModelJoint(NamedTuple):
-    """A joint of the tree; joint position = ratio * coordinate + offset."""
+    """A joint, of the tree or one that closes a loop; position = ratio * coordinate + offset."""
 
     name: str                                   # in ``joint_states``
+    parent: str                                 # frames of the links that it connects
+    child: str
     connection: Connection                      # of the mechanism's links
     coordinate: Coordinate
     ratio: float
@@ -48,6 +50,11 @@ class ModelJoint(NamedTuple):
     @property
     def slides(self) -> bool:
         return self.connection.axis is not None
+
+    @property
+    def closing_frames(self) -> tuple[str, str]:
+        """Return two frames, on parent and child, that coincide where a loop is cut here."""
+        return f'closing_{self.name}_1', f'closing_{self.name}_2'
 
     @property
     def travel(self) -> tuple[float, float] | None:
@@ -75,28 +82,11 @@ class ModelJoint(NamedTuple):
 
 
 class ModelLink(NamedTuple):
-    """A moving link: its frame, the frame of its carrier, the joint between, body and shapes."""
+    """A moving link: the joint at which it is the child, body and shapes."""
 
-    name: str
-    frame: str
-    parent: str
     joint: ModelJoint
     body: Body | None
     shapes: Sequence[Shape]
-
-
-class Closure(NamedTuple):
-    """A joint at which a loop is cut; its name is that in ``joint_states``."""
-
-    name: str
-    connection: Connection
-    parent: str
-    child: str
-
-    @property
-    def frames(self) -> tuple[str, str]:
-        """Return two frames, on parent and child, that coincide where the loop is closed."""
-        return f'closing_{self.name}_1', f'closing_{self.name}_2'
 
 
 class RobotModel(NamedTuple):
@@ -112,7 +102,7 @@ class RobotModel(NamedTuple):
     root: str
     frame: NamedFields          # where the root lies, if it has a parent
     links: tuple[ModelLink, ...]
-    closures: tuple[Closure, ...]
+    closures: tuple[ModelJoint, ...]            # joints at which a loop is cut
     points: dict[str, tuple[str, float, float]]
     ground: Sequence[Shape]
     gravity: tuple[float, float]
@@ -127,14 +117,14 @@ class RobotModel(NamedTuple):
     def open_at_zero(self) -> float:
         """Return by how much the loops are open [m, rad] where all joints of the tree are zero."""
         poses, far = {self.root: (0j, 0.0)}, 0.0
-        for link in self.links:
-            (origin, turn), (x, y, angle) = poses[link.parent], link.joint.at_zero
-            poses[link.frame] = origin + complex(x, y) * rect(1.0, turn), turn + angle
-        for _, connection, *frames in self.closures:
-            here, there = (origin + complex(*point) * rect(1.0, turn)
-                           for (origin, turn), point in zip(map(poses.__getitem__, frames), (
-                               connection.on_parent, connection.on_child)))
-            turns = [poses[frame][1] for frame in frames]
+        for joint in self.joints:
+            (origin, turn), (x, y, angle) = poses[joint.parent], joint.at_zero
+            poses[joint.child] = origin + complex(x, y) * rect(1.0, turn), turn + angle
+        for closure in self.closures:
+            connection, ends = closure.connection, (poses[closure.parent], poses[closure.child])
+            here, there = (origin + complex(*point) * rect(1.0, turn) for (origin, turn), point
+                           in zip(ends, (connection.on_parent, connection.on_child)))
+            turns = [turn for _, turn in ends]
             if connection.axis is None:
                 far = max(far, abs(here - there))
             else:       # along its axis a slide may be anywhere
@@ -174,7 +164,9 @@ def model_of(scene: Scene) -> RobotModel:
     mechanism = scene.linkage
     (holding, cut), position = tree_of(mechanism), start_of(scene)
     motion = mechanism.motion(position, 0.0, 0.0)
-    joints = [_joint(scene, index, motion) for index in range(len(mechanism.JOINTS))]
+    frames = {GROUND: scene.frame_id, **{  # of links: prefix of the joints, name, ``_link``
+        link.name: f'{scene.joint_states.prefix}{link.name}_link' for link in mechanism.LINKS}}
+    joints = [_joint(scene, index, frames, motion) for index in range(len(mechanism.JOINTS))]
     size = max(map(abs, mechanism.lengths))
     # of the rods: the scene's, or half the width of a bar
     radii = (scene.values.get('bodies.rods.radius', nan),
@@ -182,23 +174,17 @@ def model_of(scene: Scene) -> RobotModel:
     radius = next((radius for radius in radii if not isnan(radius)), 0.02 * size)
     shapes = shapes_of(mechanism, [(joint.connection, joint.travel) for joint in joints],
                        scene.points.values(), float(radius))
-    frames = {link.name: frame_of(scene, link.name) for link in mechanism.LINKS}
-    frames[GROUND] = scene.frame_id
-    masses = scene.linkage.bodies
-    bodies = masses._asdict() if masses else {}
-    links = tuple(ModelLink(name, frames[name], frames[joints[index].connection.parent],
-                            joints[index], bodies.get(name), shapes[name])
+    bodies = mechanism.bodies._asdict() if mechanism.bodies else {}
+    links = tuple(ModelLink(joints[index], bodies.get(name), shapes[name])
                   for name, index in holding.items())
-    closures = tuple(Closure(joint.name, joint.connection, frames[joint.connection.parent],
-                             frames[joint.connection.child])
-                     for joint in map(joints.__getitem__, cut))
-    points = {point_frame(scene, name): (frames[point.link], point.along, point.across)
+    closures = tuple(joints[index] for index in cut)
+    points = {f'{scene.joint_states.prefix}{name}': (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
     model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
                        scene.frame_id, scene.frame, links, closures, points, shapes[GROUND],
-                       field_of(mechanism.gravity), max(map(abs, mechanism.lengths)), position)
-    names = [scene.frame.parent, model.root, *(link.frame for link in links), *points,
-             *(frame for closure in closures for frame in closure.frames)]
+                       field_of(mechanism.gravity), size, position)
+    names = [scene.frame.parent, model.root, *(joint.child for joint in model.joints), *points,
+             *(frame for closure in closures for frame in closure.closing_frames)]
     for name in names:
         if names.count(name) > 1:
             raise NoDescription(f'two frames would be named {name!r}: change frame_id, '
@@ -206,16 +192,8 @@ def model_of(scene: Scene) -> RobotModel:
     return model
 
 
-def frame_of(scene: Scene, link: str) -> str:
-    """Return the name of the frame of a link: prefix of the joints, name, ``_link``."""
-    return f'{scene.joint_states.prefix}{link}_link'
-
-
-def point_frame(scene: Scene, point: str) -> str:
-    return f'{scene.joint_states.prefix}{point}'
-
-
-def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
+def _joint(scene: Scene, index: int, frames: dict[str, str], motion: NamedFields) -> ModelJoint:
+    """Return a joint; ``frames``: {link: its frame}, ``motion``: that at the scene's start."""
     mechanism, shown = scene.linkage, scene.joint_states
     coordinate, name = mechanism.JOINTS[index].coordinate, scene.joint_names[index]
     connection = connections_of(mechanism)[index]
@@ -235,7 +213,8 @@ def _joint(scene: Scene, index: int, motion: NamedFields) -> ModelJoint:
             low, high = low - margin, high + margin
         low, high = sorted((ratio * low + offset, ratio * high + offset))
         limits = low, high
-    return ModelJoint(name, connection, coordinate, ratio, offset, limits,
+    return ModelJoint(name, frames[connection.parent], frames[connection.child], connection,
+                      coordinate, ratio, offset, limits,
                       ratio * getattr(motion, coordinate.position) + offset, is_driven)
 
 

@@ -33,7 +33,8 @@ def urdf(model: RobotModel) -> str:
     if model.frame.parent:
         _fix(robot, model.root, model.frame.parent, tuple(model.frame.xyz), tuple(model.frame.rpy))
     for index, link in enumerate(model.links):
-        element = add(robot, 'link', name=link.frame)
+        joint, frame = link.joint, link.joint.child
+        element = add(robot, 'link', name=frame)
         if link.body:
             mass, centre, (about_x, about_y, about_z) = inertia_of(link.body, model.size)
             inertial = add(element, 'inertial')
@@ -42,15 +43,15 @@ def urdf(model: RobotModel) -> str:
             add(inertial, 'inertia', ixx=about_x, iyy=about_y, izz=about_z, ixy=0.0, ixz=0.0,
                 iyz=0.0)
         _visuals(element, link.shapes, index)
-        joint, (x, y, angle), child = link.joint, link.joint.at_zero, link.frame
+        (x, y, angle), child = joint.at_zero, frame
         on_child = joint.connection.on_child
         if not joint.slides and any(on_child):      # URDF has a link's frame in its joint
-            (x, y), child = joint.connection.on_parent, f'{link.frame}_hinge'
+            (x, y), child = joint.connection.on_parent, f'{frame}_hinge'
             add(robot, 'link', name=child)
-            _fix(robot, link.frame, child, (-on_child[0], -on_child[1], 0.0))
+            _fix(robot, frame, child, (-on_child[0], -on_child[1], 0.0))
         kind = 'prismatic' if joint.slides else 'revolute' if joint.limits else 'continuous'
         element = add(robot, 'joint', name=joint.name, type=kind)
-        add(element, 'parent', link=link.parent)
+        add(element, 'parent', link=joint.parent)
         add(element, 'child', link=child)
         add(element, 'origin', xyz=(x, y, 0.0), rpy=(0.0, 0.0, angle))
         add(element, 'axis', xyz=joint.axis)
@@ -61,7 +62,7 @@ def urdf(model: RobotModel) -> str:
         connection = closure.connection
         comment(robot, f'joint {closure.name} closes the loop here, which URDF cannot say: these '
                        'two frames coincide' + (' along its axis' if connection.axis else ''))
-        ends = [*zip(closure.frames, ('parent', 'child'), (closure.parent, closure.child),
+        ends = [*zip(closure.closing_frames, ('parent', 'child'), (closure.parent, closure.child),
                      (connection.on_parent, connection.on_child))]
         for frame, _, carrier, point in ends:
             add(robot, 'link', name=frame)

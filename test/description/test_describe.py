@@ -80,12 +80,12 @@ def test_forward_kinematics_of_the_urdf_close_the_cut_joints(case, turned):
     size = max(1.0, *map(abs, scene.linkage.lengths))
     for motion, robot in posed(scene, inputs(scene.linkage)):
         for closure in model.closures:
-            first, second = (robot.get_transform(frame) for frame in closure.frames)
+            first, second = (robot.get_transform(frame) for frame in closure.closing_frames)
             gap = np.linalg.norm(first[:3, 3] - second[:3, 3])
             assert gap <= max(1e-12, 16.0 * EPS * motion.condition * size)
             worst = max(worst, gap)
         for link in model.links:
-            pose = robot.get_transform(link.frame, model.root)
+            pose = robot.get_transform(link.joint.child, model.root)
             moved = scene.linkage.link_motion(motion, link.joint.connection.child)
             assert np.hypot(pose[0, 3] - moved.x, pose[1, 3] - moved.y) <= 1e-12 * size
             assert abs(pose[0, 0] - moved.cosine) <= 1e-12
@@ -127,8 +127,9 @@ def simulated_in_mujoco(scene):
         mujoco.mj_kinematics(model, data)        # of where the step has ended
         q = float(joints[driven.name].qpos[0])
         motion = scene.linkage.motion(q)
-        gap = max(np.linalg.norm(np.subtract(*(data.site(frame).xpos for frame in c.frames)))
-                  for c in ours.closures)
+        gap = max(np.linalg.norm(np.subtract(*(
+            data.site(frame).xpos for frame in closure.closing_frames)))
+            for closure in ours.closures)
         positions = joint_positions(scene, motion)
         for name, joint in joints.items():
             error = joint.qpos[0] - positions[name]
@@ -276,14 +277,14 @@ def test_a_machine_that_is_solved_from_a_moving_link_hangs_beside_its_first_join
     (beside,) = [link for link in model.links if any(link.joint.connection.on_child)]
     for motion, robot in posed(scene, inputs(scene.linkage, 9)):
         for link in model.links:
-            pose = robot.get_transform(link.frame, model.root)
+            pose = robot.get_transform(link.joint.child, model.root)
             moved = scene.linkage.link_motion(motion, link.joint.connection.child)
             assert [pose[0, 3], pose[1, 3], pose[0, 0], pose[1, 0]] == pytest.approx(
                 [moved.x, moved.y, moved.cosine, moved.sine], abs=1e-13)
         for closure in model.closures:
-            first, second = (robot.get_transform(frame) for frame in closure.frames)
+            first, second = (robot.get_transform(frame) for frame in closure.closing_frames)
             assert np.linalg.norm(first[:3, 3] - second[:3, 3]) < 1e-13
-        assert robot.get_transform(f'{beside.frame}_hinge', model.root) is not None
+        assert robot.get_transform(f'{beside.joint.child}_hinge', model.root) is not None
 
 
 @pytest.mark.parametrize('name', ['paper', 'bucket', 'jansen', 'scotch_yoke'])
@@ -298,7 +299,7 @@ def test_the_note_makes_a_description_that_is_closed_where_all_joints_are_zero(n
     robot = loaded(describe(scene))
     robot.update_cfg({joint.name: 0.0 for joint in model_of(scene).joints})
     for closure in model.closures:
-        first, second = (robot.get_transform(frame) for frame in closure.frames)
+        first, second = (robot.get_transform(frame) for frame in closure.closing_frames)
         assert np.linalg.norm(first[:3, 3] - second[:3, 3]) < 1e-9 * model.size
 
 
@@ -362,7 +363,7 @@ def test_random_machines_close():
         scene, size = scene_with(machine), max(1.0, *map(abs, machine.lengths))
         (motion, robot), = posed(scene, given[:1])
         for closure in model_of(scene).closures:
-            first, second = (robot.get_transform(frame) for frame in closure.frames)
+            first, second = (robot.get_transform(frame) for frame in closure.closing_frames)
             way = second[:3, 3] - first[:3, 3]
             if closure.connection.axis is not None:  # along the slide they may be apart
                 along = first[:3, :3] @ np.array([*closure.connection.axis, 0.0])

@@ -63,10 +63,9 @@ def frames_maker(scene: Scene) -> Make:
     model, index_of = model_of(scene), scene.layout.index_of
     message = TFMessage()
     moving = []              # (transform of a link, its Connection, index of its coordinate)
-    for link in model.links:
-        frame = _add_frame(message, link.parent, link.frame)
-        moving.append((frame.transform, link.joint.connection,
-                       index_of[link.joint.coordinate.position]))
+    for joint in model.joints:
+        frame = _add_frame(message, joint.parent, joint.child)
+        moving.append((frame.transform, joint.connection, index_of[joint.coordinate.position]))
     for name, (link_frame, x, y) in model.points.items():
         translation = _add_frame(message, link_frame, name).transform.translation
         translation.x, translation.y = x, y
@@ -88,7 +87,7 @@ def frames_of(scene: Scene) -> set[str]:
     frames = {scene.frame_id} if topics.FRAME.name in scene.pictures else set[str]()
     if 'tf' in scene.pictures:
         model = model_of(scene)
-        frames |= {*(link.frame for link in model.links), *model.points}
+        frames |= {*(joint.child for joint in model.joints), *model.points}
     return frames
 
 
