@@ -55,7 +55,6 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
     # model: an MjModel in which equality constraints close the loops; qpos: the file's pose; cut:
     # equalities that are left out.
     import mujoco
-    # Joints of the file are ratio times coordinates of the scene, plus an offset.
     scene, drive, data = loop.scene, loop.drive, mujoco.MjData(model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     model.opt.disableflags |= (mujoco.mjtDisableBit.mjDSBL_CONTACT
@@ -63,19 +62,18 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
     data.eq_active[:] = [
         int(model.eq_type[index]) in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)
         and mjcf.equality_name(model, index) not in cut for index in range(model.neq)]
-    mechanism, is_slide = scene.linkage, drive.joint.kind == robots.SLIDE
-    # (scale, name of its coordinate) of the passive joints that the file has; scales stand in the
+    mechanism, is_slide = scene.linkage, drive.kind == robots.SLIDE
+    # (joint, name of its coordinate) of the passive joints that the file has; they stand in the
     # order of the mechanism's joints
-    joints = [(scale, joint.coordinate.position) for scale, joint in zip(
-        loop.scales.values(), mechanism.JOINTS)
-        if not scale.joint.closes and scale.joint is not drive.joint]
-    turns = np.array([scale.joint.kind != robots.SLIDE for scale, _ in joints])
+    joints = [(joint, shown.coordinate.position) for joint, shown in zip(
+        loop.joints.values(), mechanism.JOINTS) if not joint.closes and joint is not drive]
+    turns = np.array([joint.kind != robots.SLIDE for joint, _ in joints])
     beside_answer = BESIDE * np.where(turns, 1.0, loop.loop.size())
     # where joints stand in qpos and among the degrees of freedom
-    in_mujoco = [model.joint(scale.joint.name) for scale, _ in joints]
+    in_mujoco = [model.joint(joint.name) for joint, _ in joints]
     positions = [int(joint.qposadr[0]) for joint in in_mujoco]
     passive = [int(joint.dofadr[0]) for joint in in_mujoco]
-    driven = model.joint(drive.joint.name)
+    driven = model.joint(drive.name)
 
     def constraints() -> tuple[Array, Array]:
         """Return (Jacobian, residuals) of the constraints on the loop's joints, in qpos."""
@@ -88,8 +86,8 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
     def expected(position: float) -> Array:
         """Return the passive joints as the scene has them."""
         motion = mechanism.motion(position, 0.0, 0.0)
-        return np.array([scale.ratio * getattr(motion, name) + scale.offset
-                         for scale, name in joints])
+        return np.array([joint.ratio * getattr(motion, name) + joint.offset
+                         for joint, name in joints])
 
     def solved(position: float) -> tuple[Array, Array]:
         """Return (passive joints, rates of all degrees of freedom per that of the drive)."""
@@ -121,7 +119,7 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
         away[turns] = (away[turns] + pi) % tau - pi
         index = int(np.argmax(np.abs(away)))
         if abs(away[index]) >= worst:
-            worst, which = float(abs(away[index])), joints[index][0].joint.name
+            worst, which = float(abs(away[index])), joints[index][0].name
         if mechanism.bodies is None:
             continue
         # d rates / d (driven joint of the file), by a difference of fourth order
@@ -142,7 +140,7 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
             peak, peak_at = abs(theirs), drive.ratio * position + drive.offset
     low, high = sorted(drive.ratio * end + drive.offset for end in (low, high))
     drive_off = None if mechanism.bodies is None else far / peak if peak else 0.0
-    return Checked(low, high, worst, which, drive_off, peak, drive.joint.name, peak_at, is_slide)
+    return Checked(low, high, worst, which, drive_off, peak, drive.name, peak_at, is_slide)
 
 
 def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:

@@ -34,7 +34,7 @@ class Result(NamedTuple):
         for loop in self.loops:
             text = as_text(loop.values)
             if len(self.loops) > 1:
-                text = text.replace('/**:', f'{word(loop.drive.joint.name, "loop")}:', 1)
+                text = text.replace('/**:', f'{word(loop.drive.name, "loop")}:', 1)
             texts.append(''.join(f'# {line}\n' for line in loop.report) + text)
         return '\n'.join(texts)
 

@@ -8,7 +8,7 @@ from math import atan2, hypot, tau
 from typing import NamedTuple
 
 from fourbar_ros.importing.loops import base_of, check_freedom, CLOSED, Loop, normal_of
-from fourbar_ros.importing.plane import CYLINDER, Plane, RobotScale
+from fourbar_ros.importing.plane import CYLINDER, Plane
 from fourbar_ros.importing.robots import Coupling, Refused, RobotJoint, SLIDE, Wishes, word
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values, Scene
@@ -22,8 +22,8 @@ class Imported(NamedTuple):
     loop: Loop
     values: ParameterValues
     scene: Scene
-    scales: Mapping[str, RobotScale]
-    drive: RobotScale
+    joints: Mapping[str, RobotJoint]
+    drive: RobotJoint
     report: list[str]
 
 
@@ -172,26 +172,24 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
 
     # the robot's joints, each in the turn in which the file's pose has it
     scene = from_values(plane.values)
-    motion = scene.linkage.motion(plane.input_of(drive), 0.0, 0.0)
-    scales = {}
+    motion = scene.linkage.motion(drive.coordinate, 0.0, 0.0)
+    joints = {}
     for shown in scene.linkage.JOINTS:
         name = shown.name or shown.place
-        robot_joint, ratio, offset = plane.scales[name]
-        if robot_joint.closes:              # the tree has no such joint, which has a zero nowhere
-            ratio, offset = 1.0, 0.0
-        elif robot_joint.kind != SLIDE:
-            position = ratio * getattr(motion, shown.coordinate.position) + offset
-            offset += tau * round((robot_joint.position - position) / tau)
-        scales[name] = RobotScale(robot_joint, ratio, offset)
+        joint = joints[name] = plane.joints[name]
+        if joint.closes:                    # the tree has no such joint, which has a zero nowhere
+            joint.ratio, joint.offset = 1.0, 0.0
+        elif joint.kind != SLIDE:
+            position = joint.ratio * getattr(motion, shown.coordinate.position) + joint.offset
+            joint.offset += tau * round((joint.position - position) / tau)
     for name in plane.modes:
         report.append(f'loads of {name}: ' + ', '.join(
-            f'{key} is at {scale.joint.name}' for key, scale in scales.items()
+            f'{key} is at {joint.name}' for key, joint in joints.items()
             if key.startswith(f'{name}_')))
-    driving = next(scale for scale in scales.values() if scale.joint is drive)
-    start = (drive.position - driving.offset) / driving.ratio
+    start = drive.coordinate
     if drive.limits:
         low, high = plane.values['linkage.range'] = sorted(
-            (limit - driving.offset) / driving.ratio for limit in drive.limits)
+            (limit - drive.offset) / drive.ratio for limit in drive.limits)
         if not low <= start <= high:
             closed, start = scene.linkage.range_around(start), 0.5 * (low + high)
             report.append(f"note: the file's pose has {drive.name} outside its limits: "
@@ -226,16 +224,15 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
                       atan2(axes[1, 0], axes[0, 0])],
         **plane.values,
         'drive.source': 'joint_state', 'drive.joint': motor.motor,
-        'drive.joint_ratio': driving.ratio / motor.ratio,
-        'drive.joint_offset': (driving.offset - motor.offset) / motor.ratio, 'drive.start': start,
-        'joint_names': [scale.joint.name for scale in scales.values()],
-        'joint_states.ratios': [scale.ratio for scale in scales.values()],
-        'joint_states.offsets': [scale.offset for scale in scales.values()],
+        'drive.joint_ratio': drive.ratio / motor.ratio,
+        'drive.joint_offset': (drive.offset - motor.offset) / motor.ratio, 'drive.start': start,
+        'joint_names': [joint.name for joint in joints.values()],
+        'joint_states.ratios': [joint.ratio for joint in joints.values()],
+        'joint_states.offsets': [joint.offset for joint in joints.values()],
         'joint_states.only_passive': gear is None,
-        'joint_states.leave_out': [each.joint.name for each in scales.values()
-                                   if each.joint.closes],
+        'joint_states.leave_out': [joint.name for joint in joints.values() if joint.closes],
         'outputs': ['joint_states', 'state', *['loads'] * has_masses, *['points'] * has_points]}
-    return Imported(loop, values, from_values(values), scales, driving, report)
+    return Imported(loop, values, from_values(values), joints, drive, report)
 
 
 def _direction(axis: Array) -> str:

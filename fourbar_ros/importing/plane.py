@@ -44,14 +44,6 @@ class PlaneLink(NamedTuple):
         return local.real, local.imag
 
 
-class RobotScale(NamedTuple):
-    """A joint of the robot as a coordinate of the scene: position = ratio * it + offset."""
-
-    joint: RobotJoint
-    ratio: float
-    offset: float
-
-
 class Plane:
     """Links, dyads and joints of a loop, each link by its body in the file; the scene's values."""
 
@@ -59,7 +51,7 @@ class Plane:
         self.loop, self.base, self.axes = loop, base, axes
         self.links = {carrier: PlaneLink(GROUND, self.flat(origin), 1.0)}
         self.height = float(axes[2] @ origin)           # of the plane along its normal [m]
-        self.scales: dict[str, RobotScale] = {}
+        self.joints: dict[str, RobotJoint] = {}         # by their names in the scene
         self.modes: dict[str, str] = {}                 # {dyad: its parameter}
         self.report: list[str] = []
         self.values: dict[str, Any] = {'linkage.kind': 'machine', 'linkage.dyads': []}
@@ -95,16 +87,17 @@ class Plane:
                   along: complex = 1.0, travel: float = 0.0) -> None:
         """Add a joint of the link ``body``: its slide ``along``, or its angle from a carrier's."""
         # name: in the scene; travel: how far it has slid in the file's pose [m]
+        self.joints[name] = joint
         if joint.kind == SLIDE:
-            ratio = 1.0 if (self.slide(joint, body) * along.conjugate()).real > 0.0 else -1.0
-            self.scales[name] = RobotScale(joint, ratio, joint.position - ratio * travel)
+            joint.ratio = 1.0 if (self.slide(joint, body) * along.conjugate()).real > 0.0 else -1.0
+            joint.offset = joint.position - joint.ratio * travel
             return
         ratio = self.sense(joint, body) * (
             1.0 if joint.axis is None or joint.axis @ self.axes[2] > 0.0 else -1.0)
         angle = phase(self.links[body].direction / self.links[carrier].direction)
         # from the ground counts what hangs on it, whichever of both is the dyad's link
-        self.scales[name] = RobotScale(joint, -ratio if body == self.base else ratio,
-                                       joint.position - ratio * angle)
+        joint.ratio = -ratio if body == self.base else ratio
+        joint.offset = joint.position - ratio * angle
 
     def set_point(self, name: str, body: str, point: complex) -> None:
         link = self.links[body]
@@ -192,22 +185,18 @@ class Plane:
         self.values['cylinder.base.link' if 'cylinder.mode' in self.values
                     else 'linkage.carrier'] = names[GROUND]
 
-    def input_of(self, drive: RobotJoint) -> float:
-        scale = next(each for each in self.scales.values() if each.joint is drive)
-        return (drive.position - scale.offset) / scale.ratio
-
     def set_mode(self, name: str, drive: RobotJoint, bodies: Sequence[str], wishes: Wishes
                  ) -> float:
         """Set the mode of the newest dyad, in which its loop closes nearest to the file's pose."""
         # Returns by how much its links turn to that [deg]; raises Refused if it leaves a doubt.
-        key, links, start = self.modes[name], [self.links[body] for body in bodies], self.input_of(
-            drive)
+        key, links = self.modes[name], [self.links[body] for body in bodies]
         before = np.array([phase(link.direction) for link in links])
         away: dict[int, Array] = {}     # {mode: how far each link turns [rad]}
         why = ''
         for mode in (1, 2):
             try:
-                motion = from_values({**self.values, key: mode}).linkage.motion(start, 0.0, 0.0)
+                motion = from_values({**self.values, key: mode}).linkage.motion(
+                    drive.coordinate, 0.0, 0.0)
             except FourBarError as error:
                 why = str(error)
                 continue

@@ -94,10 +94,17 @@ class RobotJoint:
     limits: tuple[float, float] | None = None
     closes: bool = False                # a loop; else it is one of the tree
     turned: float = 0.0                 # [rad], how far a fixed joint that closes is open
+    ratio: float = 1.0                  # position = ratio * (coordinate in the scene) + offset
+    offset: float = 0.0
 
     @property
     def gap(self) -> float:
         return float(np.linalg.norm(self.on_parent - self.on_child))
+
+    @property
+    def coordinate(self) -> float:
+        """Return the coordinate in the scene where the joint stands [rad or m]."""
+        return (self.position - self.offset) / self.ratio
 
 
 class Coupling(NamedTuple):

@@ -119,7 +119,7 @@ def test_the_drive_may_stand_in_ros2_control_and_the_pose_in_a_group_state(tmp_p
     pose = ('<group_state name="up"><joint name="shoulder" value="0.1"/>'
             '<joint name="elbow" value="-0.1"/></group_state>')
     loop, _ = good(tmp_path, robot(motor=motor, more=pose), key='up')
-    assert loop.drive.joint.position == 0.1
+    assert loop.drive.position == 0.1
 
 
 def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
