@@ -3,7 +3,7 @@
 """The node of one linkage, driven by the clock or by messages; publishes, answers, records."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Future, wait
 from math import copysign, inf, isnan
 from pathlib import Path
@@ -74,7 +74,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
         if scene.values['trajectories']:
             from fourbar_ros.ros.node.trajectories import Trajectories  # and its messages
             self.trajectories = Trajectories(self, self.stream, self.troubles)
-        watch(self, lambda: self.stream.scene, self.apply)
+        self.add_on_set_parameters_callback(self._changed)
         if scene.values['services']:
             from fourbar_ros.ros.node import services  # and their messages
             services.create(self, self.stream, self.workers)
@@ -99,6 +99,34 @@ class FourBarNode(rclpy_guard.GuardedNode):
                 'take its own answers for inputs' + (
                     f', which have {scene.drive.joint}; joint_states.only_passive leaves the '
                     'driven joint to its publisher' if is_joints else ''))
+
+    def _changed(self, parameters: Sequence[RosParameter]) -> msg.SetParametersResult:
+        """
+        Take over a change of parameters, checked as a whole scene, or say why not.
+
+        A refused change changes nothing, even if only :meth:`apply` finds out, or if an error is
+        ours.
+        """
+        # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
+        # parameters cannot refuse any more. No other callback can refuse these parameters.
+        before, changes = self.stream.scene, {}
+        try:
+            for parameter in parameters:
+                name, value = parameter.name, parameter.value
+                if find_parameter(name):
+                    changes[name] = value
+                elif value != self.get_parameter(name).value:    # of rclpy, as use_sim_time
+                    raise InvalidParameter(name, value, 'only at start')
+            if changes:
+                with naming_nan(changes):
+                    self.apply(before.with_values(changes, let_inputs_pass))
+        except Exception as error:
+            if self.stream.scene is not before:      # it failed after the scene was swapped
+                self.apply(before)
+            if not isinstance(error, FourBarError):
+                raise                        # a fault of ours: the service says so
+            return msg.SetParametersResult(successful=False, reason=str(error))
+        return msg.SetParametersResult(successful=True)
 
     def apply(self, scene: Scene) -> None:
         """
@@ -153,7 +181,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
             self.destroy_node()
 
 
-# --- parameters: declared as the table says, read as a scene, checked on a change ----------------
+# --- parameters: declared as the table says, read as a scene -------------------------------------
 
 # Parameters of rclpy.
 SWITCHES = ('use_sim_time', 'start_type_description_service')
@@ -195,38 +223,6 @@ def scene_of(node: Node, arguments: Sequence[str] = ()) -> Scene:
     for name, value in scene.values.items():
         node.declare_parameter(name, value, descriptor(of_name(name)), ignore_override=True)
     return scene
-
-
-def watch(node: Node, current: Callable[[], Scene], apply: Callable[[Scene], None]) -> None:
-    """
-    Check every change of parameters as a whole scene; call ``apply(scene)`` with a good one.
-
-    A refused change says why and changes nothing, even if only ``apply`` finds out, or if an error
-    is ours. ``current()`` returns the scene in force.
-    """
-    # The scene changes while rclpy asks whether it may: the callback after rclpy has set the
-    # parameters cannot refuse any more. No other callback can refuse these parameters.
-    def answer(parameters: Sequence[RosParameter]) -> msg.SetParametersResult:
-        before, changes = current(), {}
-        try:
-            for parameter in parameters:
-                name, value = parameter.name, parameter.value
-                if find_parameter(name):
-                    changes[name] = value
-                elif value != node.get_parameter(name).value:    # of rclpy, as use_sim_time
-                    raise InvalidParameter(name, value, 'only at start')
-            if changes:
-                with naming_nan(changes):
-                    apply(before.with_values(changes, let_inputs_pass))
-        except Exception as error:
-            if current() is not before:      # it failed after the scene was swapped
-                apply(before)
-            if not isinstance(error, FourBarError):
-                raise                        # a fault of ours: the service says so
-            return msg.SetParametersResult(successful=False, reason=str(error))
-        return msg.SetParametersResult(successful=True)
-
-    node.add_on_set_parameters_callback(answer)
 
 
 def let_inputs_pass() -> None:

@@ -76,6 +76,7 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
     from fourbar_ros.errors import FourBarError
     from fourbar_ros.ros.node.node import FourBarNode
     from fourbar_ros.ros.node.rclpy_guard import spin
+    from fourbar_ros.scene.files import sections
     import rclpy
     from rclpy.exceptions import NameValidationException, ParameterException
     from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -87,6 +88,9 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
                   ParameterException)
     nodes: list[FourBarNode] = []
     try:
+        for option, file in zip(arguments, arguments[1:]):
+            if option == '--params-file':
+                sections(file)               # what is wrong with it, in better words than rcl's
         names, namespace = asked(arguments)
         try:
             rclpy.init(args=['fourbar_node', *arguments],
@@ -98,9 +102,8 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
         for name in names:
             nodes.append(FourBarNode(name, namespace, arguments))
     except (FourBarError, *ros_errors) as error:
-        why = (wrong_in_file(arguments)
-               or (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
-                   else ' '.join(str(error).split())))
+        why = (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
+               else ' '.join(str(error).split()))
         print(f'fourbar_node: {why}', file=sys.stderr)
         close(nodes)
         rclpy.try_shutdown()
@@ -136,18 +139,6 @@ def asked(arguments: Sequence[str]) -> tuple[list[str], str]:
         raise FourBarError(f'{", ".join(names)}: two nodes of one name')
     namespaces = [word.partition(':=')[2] for word in arguments if word.startswith('__ns:=')]
     return names or ['fourbar'], namespaces[-1] if namespaces else ''
-
-
-def wrong_in_file(arguments: Sequence[str]) -> str:
-    """Return what is wrong with a parameter file of a command line, in better words than rcl's."""
-    from fourbar_ros.scene.files import SceneError, sections
-    try:
-        for option, file in zip(arguments, arguments[1:]):
-            if option == '--params-file':
-                sections(file)
-    except SceneError as error:
-        return str(error)
-    return ''
 
 
 def warn_of_shared_frames(nodes: Sequence[FourBarNode]) -> None:
