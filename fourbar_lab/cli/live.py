@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """``fourbar live``: a page in the browser that shows a mechanism moving."""
 from argparse import Namespace
-from pathlib import Path
 
-from fourbar_ros.cli.common import add_scene, add_verb, refuse_overwriting, Verbs
+from fourbar_ros.cli.common import add_output, add_scene, add_verb, Verbs
 
 EPILOG = """\
 examples:
@@ -29,9 +28,8 @@ def add(verbs: Verbs) -> None:
     add_scene(live, nargs='?')
     live.add_argument('second', metavar='SECOND', nargs='?',
                       help='a scene that is drawn in pale behind the first, with its curves')
-    live.add_argument('-o', '--out', metavar='FILE.html', type=Path,
-                      help='write the page as one file, and serve nothing')
-    live.add_argument('--force', action='store_true', help='overwrite a file that exists')
+    add_output(live, '-o', '--out', metavar='FILE.html', suffix='.html',
+               help='write the page as one file, and serve nothing')
     live.add_argument('--port', type=int, metavar='PORT',
                       help='port of 127.0.0.1 (default 8420, or any free one if that is in use)')
     live.add_argument('--no-browser', action='store_true', help='print the address, open nothing')
@@ -47,7 +45,6 @@ def _live(arguments: Namespace) -> None:
               second)
         return
     from fourbar_lab.live.page import page
-    refuse_overwriting([arguments.out], arguments.force)
     arguments.out.write_text(page(scene.name if scene else None, scene, second=second),
                              encoding='utf-8')
     print(arguments.out)
