@@ -112,35 +112,33 @@ class JsModule:
         return formula
 
     @cached_property
+    def _results(self) -> list[tuple[str, str | None]]:
+        """Return name and unit of each result of the trace; without a unit it is not written."""
+        mechanism, known = self.mechanism, fields_of(self.mechanism)
+        loads = mechanism.LOADS._fields if mechanism.bodies else ()
+        return [*((name, known[name].unit if name in known else None)
+                  for name in mechanism.MOTION._fields),
+                *((f'frame.{link.name}.{field}', unit) for link in mechanism.LINKS
+                  for field, unit in zip(curves.LinkMotion._fields, UNITS_OF_FRAME)),
+                *((f'{name}.{field}', UNITS_OF_POINTS[field]) for name in self.scene.points
+                  for field in curves.PointMotion._fields),
+                *((name, quantity.unit) for name, quantity in self._of_points.items()),
+                *((name, known[name].unit) for name in loads)]
+
+    @cached_property
     def units(self) -> dict[str, str]:
         """Return {name of a result: unit} in the order of the results, the loads last."""
-        mechanism, known = self.mechanism, fields_of(self.mechanism)
-        motion = {name: known[name].unit for name in mechanism.MOTION._fields if name in known}
-        frames = {f'frame.{link.name}.{field}': unit for link in mechanism.LINKS
-                  for field, unit in zip(curves.LinkMotion._fields, UNITS_OF_FRAME)}
-        points = {f'{name}.{field}': UNITS_OF_POINTS[field] for name in self.scene.points
-                  for field in curves.PointMotion._fields} | {
-            name: quantity.unit for name, quantity in self._of_points.items()}
-        loads = {name: known[name].unit for name in mechanism.LOADS._fields if mechanism.bodies}
-        return {**motion, **frames, **points, **loads}
+        return {name: unit for name, unit in self._results if unit is not None}
 
     @property
     def first_load(self) -> int:
         """Return the index of the first load among the results."""
-        loads = self.mechanism.LOADS._fields if self.mechanism.bodies else ()
-        return len(self.units) - len(loads)
+        return len(self.units) - len(self.mechanism.LOADS._fields) * bool(self.mechanism.bodies)
 
     @cached_property
     def _indices(self) -> dict[str, int]:
         """Return {name of a result: index of its step in the trace}."""
-        mechanism = self.mechanism
-        names = [*mechanism.MOTION._fields,
-                 *(f'frame.{link.name}.{field}' for link in mechanism.LINKS
-                   for field in curves.LinkMotion._fields),
-                 *(f'{name}.{field}' for name in self.scene.points
-                   for field in curves.PointMotion._fields),
-                 *self._of_points, *(mechanism.LOADS._fields if mechanism.bodies else ())]
-        return dict(zip(names, flat(self.trace.results)))
+        return dict(zip([name for name, _ in self._results], flat(self.trace.results)))
 
     # --- text -----------------------------------------------------------------------------------
 

@@ -17,14 +17,13 @@ from fourbar_ros.mechanisms.points import make_point, point_motion, with_any_len
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
-from fourbar_ros.scene.elements import element_names
+from fourbar_ros.scene.elements import element_names, group_in
 from fourbar_ros.scene.parameters import of_name
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
 UNITS_OF_BODIES = {'mass': 'kg', 'inertia': 'kg m^2', 'force_x': 'N', 'force_y': 'N',
                    'couple': 'N m'}
-POINTS_OF_FORCE = {'point': '', 'apart_from': 'from'}       # as scenes name them
 UNITS_OF_POINTS = dict(zip(PointMotion._fields, ('m', 'm', 'm/s', 'm/s', 'm/s^2', 'm/s^2', 'm/s',
                                                  'm/s^2', 'm/s^2', '1/m')))
 _WORDS = """
@@ -224,10 +223,9 @@ class GeneratedModel:
     def _names_in(self, name: str, record: Any) -> Iterable[tuple[str, str]]:
         """Yield (name in the scene or empty, unit) of each number of an element or friction."""
         for field in fields(record):
-            value, renamed = getattr(record, field.name), POINTS_OF_FORCE.get(field.name)
+            value = getattr(record, field.name)
             if is_dataclass(value) and not callable(value):
-                yield from self._names_in(name if renamed == '' else
-                                          f'{name}.{renamed or field.name}', value)
+                yield from self._names_in(group_in(name, field.name), value)
             else:
                 parameter = f'{name}.{field.name}'
                 named = ((parameter, of_name(parameter).unit) if parameter in self.scene.values

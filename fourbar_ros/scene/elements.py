@@ -48,6 +48,12 @@ def element_names(values: ParameterValues) -> list[str]:
             for name in names_in(family, values)]
 
 
+def group_in(name: str, field: str) -> str:
+    """Return the parameters of a point, a field of a spring, force or friction of this name."""
+    # forces.ram.along is where it acts
+    return name if field == 'point' else f'{name}.{"from" if field == "apart_from" else field}'
+
+
 def elements_of(values: ParameterValues, mechanism: Mechanism) -> tuple[acting.Element, ...]:
     """Return springs and forces over a position of a scene; InvalidParameter names the wrong."""
     names = element_names(values)

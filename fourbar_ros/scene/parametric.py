@@ -7,7 +7,7 @@ The formulas of motion and loads are those of every scene, made for such values.
 """
 from collections.abc import Iterable
 from copy import copy
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from math import inf
 from typing import Any, TypeVar
@@ -19,7 +19,7 @@ from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, direction_in, NumberType, Scalar
-from fourbar_ros.scene.elements import ACTS, element_names
+from fourbar_ros.scene.elements import ACTS, element_names, group_in
 from fourbar_ros.scene.linkage import bodies_of_links, external_of, SECTIONS
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.settings import MACHINE, ParameterValues
@@ -67,10 +67,6 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
                 slides: Iterable[tuple[str, curves.Point, tuple[Scalar, Scalar]]] = ()
                 ) -> tuple[acting.Element, ...]:
     """Return springs and forces in any arithmetic; ``slides`` as :func:`.slides_in`."""
-    def made(record: _Record, name: str, *fields: str, **derived: Any) -> _Record:
-        """Return a record with the parameters NAME.FIELD and with derived values."""
-        return _with(record, **{field: values[f'{name}.{field}'] for field in fields}, **derived)
-
     def varies(name: str, *fields: str) -> bool:
         """Return whether one of some parameters is, or may be, another number than 0."""
         return not all(isinstance(value, float) and value == 0.0
@@ -80,40 +76,42 @@ def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
             for link, origin, along in slides}
     elements = list[acting.Element]()
     for name, element in zip(element_names(scene.values), scene.linkage.elements):
-        if isinstance(element, acting.Spring):
-            elements.append(made(
-                element, name, 'stiffness', 'free_length', 'damping', 'preload',
-                **{end: made(getattr(element, end), f'{name}.{end}', 'along', 'across')
-                   for end in ('first', 'second')},
-                has_length=varies(name, 'free_length', 'preload'),
-                has_damping=varies(name, 'damping')))
-            continue
-        if isinstance(element, acting.TorsionSpring):
-            elements.append(made(
-                element, name, 'stiffness', 'free_angle', 'damping',
-                free_direction=direction_in(n, values[f'{name}.free_angle']),
-                has_damping=varies(name, 'damping')))
-            continue
-        over, coordinate = element.over, values[f'{name}.over']
-        point, origin = (record and made(record, prefix, 'along', 'across') for record, prefix in (
-            (element.point, name), (element.apart_from, f'{name}.from')))
-        if isinstance(over, acting.Distance):
-            over = _with(over, point=point, origin=made(over.origin, f'{name}.from', 'along',
-                                                        'across'))
-        elif coordinate in ways:
-            over = _with(over, **dict(zip(('origin', 'unit_vector'), ways[coordinate])))
-        elif isinstance(over, acting.Way) and '.' in coordinate:
-            over = _with(over, point=made(over.point, f'points.{coordinate[:-2]}',
-                                          'along', 'across'))
-        turned = None
-        if element.direction is not None:
-            turned = ACTS.get(values[f'{name}.acts'], (False, 0.0))[1] + values[
-                f'{name}.direction']
-        elements.append(made(
-            element, name, 'factor', over=over, direction=turned,
-            unit_vector=None if turned is None else direction_in(n, turned),
-            point=point, apart_from=origin))
+        derived: dict[str, Any] = {}
+        if isinstance(element, acting.PositionForce):
+            over, coordinate = element.over, values[f'{name}.over']
+            if isinstance(over, acting.Distance):
+                over = _with(over, point=_of_values(over.point, name, values),
+                             origin=_of_values(over.origin, f'{name}.from', values))
+            elif coordinate in ways:
+                over = _with(over, **dict(zip(('origin', 'unit_vector'), ways[coordinate])))
+            elif isinstance(over, acting.Way) and '.' in coordinate:
+                over = _with(over, point=_of_values(over.point, f'points.{coordinate[:-2]}',
+                                                    values))
+            derived['over'] = over
+            if element.direction is not None:
+                turned = ACTS.get(values[f'{name}.acts'], (False, 0.0))[1] + values[
+                    f'{name}.direction']
+                derived |= {'direction': turned, 'unit_vector': direction_in(n, turned)}
+        else:
+            derived['has_damping'] = varies(name, 'damping')
+            if isinstance(element, acting.Spring):
+                derived['has_length'] = varies(name, 'free_length', 'preload')
+            else:
+                derived['free_direction'] = direction_in(n, values[f'{name}.free_angle'])
+        elements.append(_with(_of_values(element, name, values), **derived))
     return tuple(elements)
+
+
+def _of_values(record: _Record, name: str, values: ParameterValues) -> _Record:
+    """Return a record with the numbers of the parameters NAME.FIELD, also of its points."""
+    changed: dict[str, Any] = {}
+    for field in fields(record):        # type: ignore[arg-type]  # a dataclass
+        value = getattr(record, field.name)
+        if isinstance(value, acting.Attachment):
+            changed[field.name] = _of_values(value, group_in(name, field.name), values)
+        elif isinstance(value, float):
+            changed[field.name] = values[f'{name}.{field.name}']
+    return _with(record, **changed)
 
 
 def alike(scene: Scene, constants: Constants) -> Scene:
