@@ -7,25 +7,25 @@ At the flat position of a change point a prescribed motion kept its mode and so 
 branch; motion by torque went on smoothly, and its mode changed.
 """
 from contextlib import suppress
+from typing import Any
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.kind import Kind
-from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, OF_ONE_MODE
-from fourbar_ros.mechanisms.mechanism import Mechanism
 
 KEY, BRANCHES = 'modes', 'branches'     # in a bag whose modes are
 AT_FLAT = 'are at a flat position, where loads are no longer given'
 
 
-def modes_of(mechanism: Mechanism) -> range | None:
+def modes_of(mechanism: Any) -> range | None:
     """Return all modes if a branch can be on the other side than its mode says, else None."""
-    may_differ = (any(stage.pair or stage.name == CYLINDER for stage in mechanism.layout.stages)
-                  if isinstance(mechanism, Machine) else mechanism.change_point_margin == 0.0)
-    return range(1, 1 + 2**_count_of(mechanism)) if may_differ else None
+    stages = mechanism.layout.stages
+    may_differ = (mechanism.change_point_margin == 0.0 if isinstance(mechanism, Kind) else
+                  any(stage.pair or stage.name == CYLINDER for stage in stages))
+    return range(1, 1 + 2**len(stages)) if may_differ else None
 
 
-def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
+def branch_at(mechanism: Any, mode: int, position: float) -> int:
     """
     Return the mode, as of today, of the pose that an old bag names by a ``mode`` of sides.
 
@@ -34,7 +34,7 @@ def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
     """
     branch = mode
     with suppress(FourBarError):
-        for dyad in range(_count_of(mechanism)):
+        for dyad in range(len(mechanism.layout.stages)):
             wanted_side = 1.0 if mode - 1 >> dyad & 1 else -1.0
             if wanted_side * _side(mechanism.in_mode(branch), dyad, position) < 0.0:
                 branch = 1 + (branch - 1 ^ 1 << dyad)       # the dyad in its other mode
@@ -42,27 +42,18 @@ def branch_at(mechanism: Mechanism, mode: int, position: float) -> int:
     return mode
 
 
-def _count_of(mechanism: Mechanism) -> int:
-    return len(mechanism.layout.stages) if isinstance(mechanism, Machine) else 1
-
-
-def _side(mechanism: Mechanism, dyad: int, position: float) -> float:
+def _side(mechanism: Any, dyad: int, position: float) -> float:
     """
     Return a number that is positive where a dyad is on the side of mode 2, negative on the other.
 
     It is the slide of a block, the sine of the angle between the links of another dyad, and 0.0
     for a dyad of one mode. ``position``: the input [rad or m].
     """
-    motion = mechanism.motion(position, 0.0, 0.0)
-    if isinstance(mechanism, Machine):
-        stage = mechanism.layout.stages[dyad]
-        if stage.kind in OF_ONE_MODE:
-            return 0.0
-        is_block = stage.kind == 'RPR' and stage.name != CYLINDER
-        return float(getattr(motion, f'slide_{stage.slides()[0]}' if is_block
-                             else f'sine_{stage.name}'))
-    assert isinstance(mechanism, Kind)
-    if len(mechanism.modes) == 1:
+    stage = mechanism.layout.stages[dyad]
+    if stage.kind in OF_ONE_MODE:
         return 0.0
-    is_block = mechanism.drive.layout.stages[0].kind == 'RPR'
-    return mechanism.drive.sign * float(motion.slide if is_block else motion.sine)
+    is_block, sign = stage.kind == 'RPR' and stage.name != CYLINDER, 1.0
+    field = f'slide_{stage.slides()[0]}' if is_block else f'sine_{stage.name}'
+    if isinstance(mechanism, Kind):         # of one dyad, which may have the sign of the other
+        field, sign = field.partition('_')[0], mechanism.drive.sign
+    return sign * float(getattr(mechanism.motion(position, 0.0, 0.0), field))

@@ -3,15 +3,19 @@
 """Which links each joint of a mechanism connects, and where: URDF and MJCF are made of it."""
 from __future__ import annotations
 
-from functools import singledispatch
+from cmath import phase
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
-from fourbar_ros.mechanisms import four_bars, sliders
-from fourbar_ros.mechanisms.parts import GROUND, SLIDE
+from fourbar_ros.mechanisms.curves import Point
+from fourbar_ros.mechanisms.four_bars import FourBar
+from fourbar_ros.mechanisms.kind import Kind
+from fourbar_ros.mechanisms.machine.description import ANGLES, Dyad
+from fourbar_ros.mechanisms.machine.structure import DIMENSIONS
+from fourbar_ros.mechanisms.parts import CRANK, GROUND, SLIDE
 from fourbar_ros.numerics.number_types import direction
 
-X, Y = (1.0, 0.0), (0.0, 1.0)       # directions of slides
+X = 1.0, 0.0        # direction of a slide
 
 
 class Connection(NamedTuple):
@@ -51,23 +55,37 @@ class Connection(NamedTuple):
         return Connection(self.child, self.parent, self.on_child, self.on_parent, axis, -self.turn)
 
 
-@singledispatch
 def connections_of(mechanism: Any) -> tuple[Connection, ...]:
-    """
-    Return the connections in the order of a mechanism's joints; the ground is never a child.
-
-    Each kind has a function below. This one is of machines.
-    """
-    frame, driven, *_ = mechanism.layout.links
-    connections = [Connection(frame, driven, axis=X if mechanism.input == SLIDE else None)]
-    for dyad in mechanism.stages:       # dimensions that its kind has are known: checked
+    """Return the connections in the order of a mechanism's joints; the ground is never a child."""
+    if isinstance(mechanism, Kind):
+        connections, dyads = [Connection(GROUND, CRANK)], (_dyad_of(mechanism),)
+    else:
+        frame, driven, *_ = mechanism.layout.links
+        connections = [Connection(frame, driven, axis=X if mechanism.input == SLIDE else None)]
+        dyads = mechanism.stages
+    dyad: Any                   # dimensions that its kind has are known: checked
+    for dyad in dyads:
         connections += [
             joint.reversed() if joint.child == GROUND else joint
             for joint in (_end(dyad.first, dyad.links[0], dyad.direction_1, dyad.kind == 'PRP'),
                           _inner(dyad),
                           _end(dyad.second, dyad.links[1], dyad.direction_2,
                                dyad.kind in ('RRP', 'RPP', 'PRP')))]
+    if isinstance(mechanism, Kind) and mechanism.FROM_HALF_A_TURN:      # that of the inner joint
+        connections[2] = connections[2]._replace(turn=pi)
     return tuple(connections)
+
+
+def _dyad_of(kind: Kind) -> Dyad:
+    """Return the dyad of the machine that a kind is, driven at its crank as any other input."""
+    drive = (kind if CRANK in kind.DRIVES else FourBar).DRIVES[CRANK]
+    (stage,), lengths = drive.layout.stages, drive.lengths(*kind.lengths)
+    sizes = iter(lengths.sizes)         # of a direction cosine and sine
+    dimensions: dict[str, Any] = {
+        name: phase(complex(next(sizes), next(sizes))) if name in ANGLES else next(sizes)
+        for name in DIMENSIONS[stage.kind]}
+    return Dyad('dyad', stage.kind, Point(CRANK, *lengths.p), Point(GROUND, *lengths.q),
+                stage.links, **dimensions)
 
 
 def _end(point: Any, link: str, angle: float, slides: bool) -> Connection:
@@ -87,34 +105,3 @@ def _inner(dyad: Any) -> Connection:
     if dyad.kind == 'RPP':                         # the block in the slot of its yoke
         return Connection(second, first, axis=direction(dyad.slot), turn=dyad.slot)
     return Connection(first, second)               # PRP: the pin of both sliders
-
-
-O1 = Connection(GROUND, 'crank')        # of every kind
-
-
-@connections_of.register(four_bars.FourBarLinks)
-def _four_bar(mechanism: four_bars.FourBarLinks) -> tuple[Connection, ...]:
-    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
-            Connection('coupler', 'output', (mechanism.a2, 0.0), (mechanism.a3, 0.0), turn=pi),
-            Connection(GROUND, 'output', (mechanism.a4, 0.0)))
-
-
-@connections_of.register(sliders.SliderCrank)
-def _slider_crank(mechanism: sliders.SliderCrank) -> tuple[Connection, ...]:
-    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
-            Connection('coupler', 'output', (mechanism.a2, 0.0)),
-            Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))
-
-
-@connections_of.register(sliders.InvertedSlider)
-def _inverted_slider(mechanism: sliders.InvertedSlider) -> tuple[Connection, ...]:
-    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
-            Connection('output', 'coupler', (0.0, mechanism.offset), axis=X),
-            Connection(GROUND, 'output', (mechanism.a4, 0.0)))
-
-
-@connections_of.register(sliders.ScotchYoke)
-def _scotch_yoke(mechanism: sliders.ScotchYoke) -> tuple[Connection, ...]:
-    return (O1, Connection('crank', 'coupler', (mechanism.a1, 0.0)),
-            Connection('output', 'coupler', axis=Y, turn=0.5 * pi),      # the slot, along y
-            Connection(GROUND, 'output', (0.0, mechanism.offset), axis=X))
