@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from hashlib import sha256
 from math import isfinite, remainder, tau
 from pathlib import Path
@@ -19,7 +20,7 @@ from fourbar_lab.drawing.tables import facts
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, SIDES
+from fourbar_ros.extrema.find import CONSTANT, Extremum, SIDES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
 from fourbar_ros.scene.files import flatten, YamlTree
@@ -56,7 +57,9 @@ INTEGERS = sorted({name.rpartition('.')[2] for table in (PARAMETERS, *FAMILIES.v
 def answered(question: str, asked: Answer) -> Answer:
     """Return the answer to a question of a page; {problem, name}: why there is none."""
     try:
-        return ANSWERS[question](scene_of(asked.get('scene', {})), asked)
+        scene = scene_of(asked.get('scene', {}))
+        with_unit = frozenset(map(str, asked.get('withUnit', ())))      # as 7 rad: no doubt of it
+        return ANSWERS[question](replace(scene, with_unit=with_unit), asked)
     except (FourBarError, KeyError, TypeError, ValueError) as error:
         return {'problem': str(error), 'name': getattr(error, 'name', '')}
 
@@ -189,12 +192,21 @@ def gif_answer(scene: Scene) -> Answer:
 
 def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> Answer:
     """Return the extrema of quantities by name, as ``fourbar show`` finds them, and the names."""
-    linkage = scene.linkage
+    linkage, quantities = scene.linkage, quantities_of(scene)
     extrema = extrema_of(scene, linkage, list(names), float(scene.drive.speed), acceleration)
+
+    def inputs_of(extremum: Extremum) -> list[float]:
+        """Return where it is in all turns that a page shows: motion repeats before forces do."""
+        quantity, first = quantities[extremum.quantity], counted(linkage, extremum.input)
+        links = quantity.links(linkage) if isinstance(quantity, OfDrive) else linkage
+        period = links.cycle if quantity.is_load else links.period
+        return ([first + turn * period for turn in range(round(linkage.cycle / period))]
+                if linkage.turns_fully else [first])
+
     rows = [{'quantity': extremum.quantity, 'kind': extremum.kind,
              'value': extremum.value if isfinite(extremum.value) else
              str(extremum.value).replace('inf', 'Infinity'),
-             'input': counted(linkage, extremum.input), 'isGlobal': extremum.is_global,
+             'inputs': inputs_of(extremum), 'isGlobal': extremum.is_global,
              'proof': extremum.proof, 'note': ' '.join(filter(None, (
                  'global' if extremum.is_global and extremum.kind != CONSTANT else '',
                  extremum.place if extremum.place != 'interior' else '', SIDES[extremum.side],

@@ -40,7 +40,8 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     name, values = name or 'drawing', scene.values if scene else {}
     structure, alone = structure_of(scene or load('paper')), None if can_ask else scene
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
-            'units': UNITS, 'second': second and structure_of(second),
+            'units': UNITS, 'withUnit': {name: values[name] for name in scene.with_unit}
+            if scene else {}, 'second': second and structure_of(second),
             'run': _tried(run_answer, alone, RUN) if alone and alone.dynamics else None,
             'extrema': _tried(extrema_answer, alone, [*structure['quantities']], 0.0)
             if alone else None,

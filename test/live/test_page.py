@@ -4,13 +4,14 @@
 import csv
 import io
 import json
-from math import cos, degrees, inf, pi, radians, sin
+from math import cos, degrees, pi, radians, sin
 from pathlib import Path
 import re
 import urllib.error
 import urllib.request
 
 from fourbar_lab.drawing.collineation import collineation_axis
+from fourbar_lab.drawing.curves import curves_of
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.scene import from_values
@@ -125,6 +126,18 @@ def test_what_is_no_number_is_refused_in_words_and_changes_nothing(tab, typed, w
     assert tab.state['scene']['linkage']['a3'] == 0.82 and not tab.wrong()
 
 
+def test_a_late_answer_keeps_what_was_refused(tab):
+    tab.write('linkage.a2', '1.1')
+    tab.write('linkage.a3', '30 kg')
+    tab.script("page.refuse('what was clicked')")
+    tab.select('linkage.a4')
+    tab.until(lambda: tab.is_answered('linkage.a2', 1.1), 'the answer')
+    assert tab.alarm() == 'what was clicked' and tab.text('linkage.a3') == '30 kg'
+    assert "linkage.a3 = '30 kg': must be a number in m" in tab.wrong()
+    tab.write('linkage.a4', '1.1')
+    assert not tab.alarm()
+
+
 def test_the_input_is_typed_with_a_unit_too(tab):
     tab.write('input value', '1 rad')
     assert tab.state['view']['at'] == 1.0
@@ -144,13 +157,11 @@ def test_what_is_allowed_but_hardly_meant_is_warned_of(tab):
     for name in ('a3', 'a1', 'a2', 'a4'):
         tab.write(f'linkage.{name}', '50')
     tab.until(lambda: 'did you mean 0.05?' in tab.text_of('warnings'), 'the warning')
-
-
-def digits(tab, quantity):
-    """Return the values of the extrema of a quantity with all digits, as shown from above."""
-    return tab.script("""
-return [...document.querySelectorAll('#view-Extrema tbody tr')].filter(row =>
-  row.children[0].title === arguments[0]).map(row => Number(row.children[2].title))""", quantity)
+    for name in ('a3', 'a1', 'a2', 'a4'):           # 50 m is meant, also as something else changes
+        tab.write(f'linkage.{name}', '50 m')
+    tab.write('drive.speed', '2')
+    tab.until(lambda: tab.is_answered('drive.speed', 2.0) and not tab.text_of('warnings'),
+              'no warning')
 
 
 def test_extrema_are_those_of_show_and_a_click_goes_there(tab):
@@ -163,7 +174,7 @@ def test_extrema_are_those_of_show_and_a_click_goes_there(tab):
                                       f'{force.value:.5g} N', f'{degrees(force.input):.6g}°']
     wanted = find_extrema(linkage, ['omega4'], 25.0)
     wanted.sort(key=lambda one: -abs(one.value))
-    assert digits(tab, 'omega4') == [pytest.approx(one.value, rel=1e-9) for one in wanted]
+    assert tab.digits('omega4') == [pytest.approx(one.value, rel=1e-9) for one in wanted]
     assert [row[1:] for row in tab.rows('Extrema') if row[0] == 'omega4'] == [
         [f'{one.kind[:3]}\nglobal', f'{one.value:.5g} rad/s', f'{degrees(one.input):.6g}°']
         for one in wanted]
@@ -220,34 +231,29 @@ CHANGE_POINT = {'linkage.a1': 0.4, 'linkage.a2': 1.0, 'linkage.a3': 0.4, 'linkag
 
 
 def test_the_largest_force_of_a_change_point_is_that_of_show(driver, address):
-    """At the flat position, where one sample has no loads, 3004 N; beside it 538 N were named."""
+    """At the flat position, where no sample has loads, 3004 N; beside it 538 N were named."""
     scene = from_values({**load_scene('paper').values, **CHANGE_POINT})
     tab = Tab(driver, f'{address}/#' + '&'.join(f'{k}={v}' for k, v in CHANGE_POINT.items()))
-    tab.until(lambda: 'can be missed' in tab.proof(), 'the samples')
-    assert tab.largest() == largest_of(scene) and 'global' not in str(tab.rows('Extrema')[0])
     tab.until(lambda: 'fourbar show' in tab.proof(), 'the answer')
     assert tab.largest() == largest_of(scene)
 
 
 @pytest.mark.parametrize('name', ['parallelogram', 'antiparallelogram'])
-def test_samples_of_a_static_parallelogram_have_its_poles(driver, file, name):
-    """Where all links lie in line reactions run away, and the torque is at an extremum."""
-    linkage = from_values({**load_scene(name).values, 'drive.speed': 0.0}).linkage
-    torque = min(one.value for one in find_extrema(linkage, 'driving_torque', 0.0))
+def test_samples_of_a_static_parallelogram_name_no_largest_force(driver, file, name):
+    """Where all links lie in line reactions run away: no sample says how far."""
     tab = Tab(driver, f'{file(name)}#drive.speed=0')
-    assert tab.largest()[1] == inf and 'can be missed' in tab.proof()
-    assert min(digits(tab, 'driving_torque')) == pytest.approx(torque, rel=1e-9)
+    assert 'can be missed' in tab.proof()
+    tab.open('Extrema')
+    assert not [row for row in tab.rows('Extrema') if 'largest' in row[1] or 'global' in row[1]]
     # at 60 degrees, far from poles, arrows are of a size to be seen
     longest, size = tab.script("""
 page.store.dispatch({ view: { at: Math.PI / 3 } });
 return [Math.max(...[...document.querySelectorAll('#picture line.force')].map(
           line => line.getTotalLength())), page.engine.size * page.picture.scale]""")
     assert longest > 0.02 * size
-    tab.open('Extrema')
-    assert not [row for row in tab.rows('Extrema') if 'global' in row[1]]
 
 
-@pytest.mark.parametrize('name', ['paper', 'parallelogram', 'door_closer'])
+@pytest.mark.parametrize('name', ['paper', 'parallelogram', 'door_closer', 'cylinder', 'bucket'])
 def test_a_file_has_the_extrema_of_its_scene_as_it_is_written(driver, file, name):
     """The door closer has a peak of 15 kN between two samples of 0.3 kN."""
     scene, tab = load_scene(name), Tab(driver, file(name))
@@ -256,6 +262,14 @@ def test_a_file_has_the_extrema_of_its_scene_as_it_is_written(driver, file, name
     tab.until(lambda: 'can be missed' in tab.proof(), 'samples')
     tab.click('undo')
     tab.until(lambda: 'fourbar show' in tab.proof(), 'the scene as it was written')
+
+
+def test_dots_of_motion_are_in_both_turns_of_a_four_stroke(driver, file):
+    tab = Tab(driver, f'{file("engine")}#curves=slide_velocity')
+    assert len(tab.script("return [...document.querySelectorAll('.curve .mark')]")) == 4
+    for x in (1.300264039408852, 1.300264039408852 + 2.0 * pi):
+        tab.script('page.store.dispatch({ view: { at: arguments[0] } })', x)
+        assert 'minimum of slide velocity' in tab.text_of('pose')
 
 
 def test_rounding_is_no_extremum(driver, file):
@@ -480,33 +494,18 @@ def test_a_file_needs_no_server_and_no_network(driver, file):
     assert tab.state['scene']['linkage']['a1'] == 0.35 and not tab.alarm()
     other = from_values({**load_scene('paper').values, 'linkage.a1': 0.35}).linkage
     tab.open('Extrema')
-    largest = max(one.value for one in find_extrema(other, ['driving_torque'], 25.0))
-    tab.until(lambda: pytest.approx(largest, rel=1e-9) in digits(tab, 'driving_torque'),
-              'the extrema of the new length')
-    assert 'can be missed' in tab.proof()
+    torques = other.loads(np.radians(np.arange(361.0)), 25.0).driving_torque
+    tab.until(lambda: tab.digits('driving_torque') == pytest.approx(
+        sorted([torques.min(), torques.max()], key=lambda one: -abs(one)), rel=1e-9),
+        'the samples of the new length')
+    assert 'can be missed' in tab.proof() and 'of 361 samples' in str(tab.rows('Extrema'))
+    assert not tab.script("return document.querySelector('.curve .mark')")
     sent = [json.loads(entry['message'])['message'] for entry in driver.get_log('performance')]
     urls = {message['params']['request']['url'] for message in sent
             if message['method'] == 'Network.requestWillBeSent'
             and message['params']['documentURL'].startswith('file:')}
     assert all(re.match('(file:|data:|blob:|about:|chrome)', url) for url in urls), urls
     assert not errors(driver)
-
-
-@pytest.mark.parametrize(('name', 'quantity'), [
-    ('bucket', 'driving_force'), ('lift_table', 'omega_outer'), ('cylinder', 'f21'),
-    ('released', 'omega4')])
-def test_extrema_at_ends_of_a_range_are_those_of_python_in_a_file_too(driver, file, name,
-                                                                      quantity):
-    scene = load_scene(name)
-    rows = Tab(driver, file(name)).script(
-        'return page.engine.extrema(arguments[0]).map(e => [e.kind, Number.isFinite(e.value) '
-        '? e.value : String(e.value).replace("Infinity", "inf"), e.input, e.isGlobal])', quantity)
-    wanted = find_extrema(scene.linkage, [quantity], float(scene.drive.speed))
-    assert len(rows) == len(wanted)
-    for (kind, value, x, is_global), one in zip(rows, sorted(wanted, key=lambda one: one.input)):
-        assert (kind, is_global) == (one.kind, one.is_global)
-        assert float(value) == pytest.approx(one.value, rel=1e-7)
-        assert x == pytest.approx(one.input, abs=1e-6)
 
 
 def test_the_axis_of_collineation_goes_through_its_poles(tab):
@@ -601,6 +600,23 @@ URL.createObjectURL = blob => { seen.push(blob); return 'data:,'; };
 page.files['scene (YAML)'](); URL.createObjectURL = made;
 return seen[0].text()"""))
     assert load_scene(tmp_path / 'again.yaml').values == load_scene(name).values
+
+
+def test_the_curves_as_csv_are_those_of_table(driver, file):
+    """Angles too, which come round at half a turn in both."""
+    scene, tab = load_scene('jansen'), Tab(driver, file('jansen'))
+    header, *rows = csv.reader(io.StringIO(tab.script("""
+const seen = [], made = URL.createObjectURL;
+URL.createObjectURL = blob => { seen.push(blob); return 'data:,'; };
+page.files['curves (CSV, mm and degrees)'](); URL.createObjectURL = made;
+return seen[0].text()""")))
+    table = curves_of(scene, scene.linkage, [name.split()[0] for name in header],
+                      float(scene.drive.speed))
+    for name, unit, here, column in zip(*table[1:3], zip(*rows), table.values):
+        assert f'{name} [{unit.replace("^2", "²")}]' in header
+        assert np.array(here, float) == pytest.approx(column, abs=1e-10 * np.abs(column).max())
+    turning = table.values[[unit == 'deg' for unit in table.units]]
+    assert np.abs(np.diff(turning)).max() > 300.0
 
 
 @pytest.mark.slow

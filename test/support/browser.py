@@ -212,6 +212,13 @@ const row = [...document.querySelectorAll('#view-Extrema tbody tr')].findLast(ro
 return [row.children[0].title, row.children[2].title, row.children[2].textContent]""")
         return [load, inf if shown == 'unbounded' else float(force)]
 
+    def digits(self, quantity):
+        """Return the finite extrema of a quantity with all digits, as shown from above."""
+        return self.script("""
+return [...document.querySelectorAll('#view-Extrema tbody tr')].filter(row =>
+  row.children[0].title === arguments[0] && row.children[2].title).map(row =>
+  Number(row.children[2].title))""", quantity)
+
     def now(self):
         """Return {name: value as text} of the present pose; the view is open."""
         return {row[0]: row[1] for row in self.rows('Values')}

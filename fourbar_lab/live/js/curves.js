@@ -24,7 +24,7 @@ export class Curves {
   constructor(holder, go) {
     Object.assign(this, { holder, go, charts: [], extrema: [] });
   }
-  /** Draw the curves of an engine with extrema of theirs, dotted those of a second one. */
+  /** Draw the curves of an engine with extrema that were found of them, in pale those of a second one. */
   draw(engine, names, everyExtremum, second) {
     const { input, quantities } = engine.structure, width = Math.max(this.holder.clientWidth, 240);
     const [, factor] = shownUnit(input.unit), right = width - RIGHT, bottom = HEIGHT - BOTTOM;
@@ -34,9 +34,8 @@ export class Curves {
     const low = engine.ranges[0][0] * factor, high = engine.ranges.at(-1)[1] * factor;
     const across = x => LEFT + ((x * factor - low) / (high - low)) * (right - LEFT);
     names.forEach((name, index) => {
-      const [unit, scale] = shownUnit(quantities[name].unit), { inputs, values } = engine.curve(name), extrema = everyExtremum.filter(one => one.quantity === name);
-      const other = second?.structure.quantities[name] ? second.curve(name) : { inputs: [], values: [] };
-      const shown = values.map(value => value * scale), shownToo = other.values.map(value => value * scale);
+      const [unit, scale] = shownUnit(quantities[name].unit), values = engine.curve(name), extrema = everyExtremum.filter(one => one.quantity === name);
+      const shown = values.map(value => value * scale), shownToo = second?.structure.quantities[name] ? second.curve(name).map(value => value * scale) : [];
       const finite = [...shown, ...shownToo].filter(Number.isFinite).sort((a, b) => a - b);
       const svg = draw(this.holder, "svg", { class: "curve", viewBox: `0 0 ${width} ${HEIGHT}`, height: HEIGHT, role: "img", "aria-label": `${shownName(engine.structure, name)} over ${input.name}, ${extrema.map(one => `${one.kind} ${significant(one.value * scale)}`).join(", ")} ${unit}` });
       draw(draw(svg, "text", { class: "name", x: 8, y: 16 }, `${shownName(engine.structure, name)} [${unit || "-"}]`), "title", {}, name);
@@ -45,7 +44,7 @@ export class Curves {
       let [least, most] = [finite[0], finite.at(-1)];
       const [a, b] = [0.02, 0.98].map(part => finite[Math.round(part * (finite.length - 1))]);
       if (most - least > 20 * (b - a) && b > a) [least, most] = [a - 0.5 * (b - a), b + 0.5 * (b - a)];
-      const isConstant = extrema[0]?.kind === "constant", room = (!isConstant && 0.06 * (most - least)) || 0.1 * Math.abs(isConstant ? extrema[0].value * scale : most) || 1;
+      const noise = engine.noise(name, values) * scale, largest = Math.max(Math.abs(least), Math.abs(most)), room = most - least > noise ? 0.06 * (most - least) : largest > noise ? 0.1 * largest : 1;
       [least, most] = [least - room, most + room];
       const up = value => bottom - ((value - least) / (most - least)) * (bottom - TOP);
       if (name.startsWith("transmission_angle") && unit === "deg") {
@@ -69,10 +68,10 @@ export class Curves {
         const place = isShown(value) ? [across(inputs[i]), Math.min(Math.max(up(value), 0), HEIGHT)] : [NaN, NaN];
         return isJump(i, inputs) ? [[NaN, NaN], place] : [place];
       }));
-      if (shownToo.length) draw(svg, "path", { class: "line pale", d: pathOf(other.inputs, shownToo) });
-      draw(svg, "path", { class: `line c${index % 6}`, d: pathOf(inputs, shown), "stroke-dasharray": DASHES[index % 6] });
+      if (shownToo.length) draw(svg, "path", { class: "line pale", d: pathOf(second.sweep.inputs, shownToo) });
+      draw(svg, "path", { class: `line c${index % 6}`, d: pathOf(engine.sweep.inputs, shown), "stroke-dasharray": DASHES[index % 6] });
       const taken = [];
-      for (const { input: x, value, kind, isGlobal } of extrema) {
+      for (const { x, value, kind, isGlobal } of extrema.flatMap(one => one.inputs.map(x => ({ ...one, x })))) {
         const [u, v] = [across(x), up(value * scale)];
         if (v < TOP - 4 || v > bottom + 4) continue;
         draw(svg, "circle", { class: `mark c${index % 6}`, cx: u, cy: v, r: isGlobal ? 4 : 2.5 });
@@ -91,7 +90,7 @@ export class Curves {
   }
   /** Move the cursors to an input. */
   follow(engine, x) {
-    const span = engine.turnsFully ? engine.ranges[0][1] : 0, here = span ? ((x % span) + span) % span : x;
+    const here = engine.counted(x);
     for (const { cursor, across } of this.charts) {
       cursor.setAttribute("x1", across(here));
       cursor.setAttribute("x2", across(here));

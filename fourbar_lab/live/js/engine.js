@@ -1,30 +1,21 @@
 // Copyright 2026 fourbar_ros developers
 // SPDX-License-Identifier: Apache-2.0
-// A structure's module with the numbers of a scene: poses, ranges, curves, extrema. No document here.
+// A structure's module with the numbers of a scene: poses, ranges, samples. No document here.
 export const TURN = 2 * Math.PI;
 const SAMPLES = 361;      // of a range
+const STEEP = 0.2;        // of what the top is away from the median sample: where a neighbour differs by more, no sample tells how high it is
 const sameTurn = (angle, reference) => angle + TURN * Math.round((reference - angle) / TURN || 0);
-/** The input of a maximum that is nearer to x than twice a step, by steps that are halved down to the least. */
-function climbed(height, x, step, least) {
-  let top = height(x);
-  for (let h = step; h > least; h /= 2) {
-    for (const next of [x - h, x + h]) {
-      const there = height(next);
-      if (there > top) [x, top] = [next, there];
-    }
-  }
-  return x;
-}
-const median = values => [...values].sort((a, b) => a - b)[values.length >> 1];
+const median = values => values.filter(Number.isFinite).sort((a, b) => a - b)[values.length >> 1];
 
 /** The reactions that a structure has extrema of. */
 export const forcesOf = ({ lacks, quantities, sketch }) => (lacks ? [] : Object.keys(sketch.forces).filter(name => name in quantities));
-/** Of extrema of all reactions, sampled or answered, the largest, and where it is a guide's that of all pins. */
-export function largestForces({ guides, quantities }, extrema) {
-  const maxima = extrema.filter(one => one.kind !== "minimum").sort((one, two) => two.value - one.value || 0);      // two that are infinite differ by NaN
+/** Of extrema of all reactions the largest, and where it is a guide's that of all pins; none unless each has a maximum. */
+export function largestForces(structure, extrema) {
+  const { guides, quantities } = structure, maxima = extrema.filter(one => one.kind !== "minimum").sort((one, two) => two.value - one.value || 0);      // two that are infinite differ by NaN
   const [largest] = maxima, pin = maxima.find(one => !guides.includes(one.quantity)), isPin = largest === pin;
+  if (!largest || !forcesOf(structure).every(name => maxima.some(one => one.quantity === name))) return [];
   const guide = isPin ? "" : `: guide ${quantities[largest.quantity].symbol.replace(/^F_|[{}]/g, "")}`;
-  return [...(largest ? [{ ...largest, note: `largest force of all joints${guide}` }] : []), ...(pin && !isPin ? [{ ...pin, note: "largest force of all pins" }] : [])];
+  return [{ ...largest, note: `largest force of all joints${guide}` }, ...(pin && !isPin ? [{ ...pin, note: "largest force of all pins" }] : [])];
 }
 
 export class Engine {
@@ -38,7 +29,7 @@ export class Engine {
       if (values[name] !== module.parameters[name] && name in values) changed[name] = values[name];
     }
     this.constants = module.prepare(changed);
-    [this.to, this.beside] = [0, 1].map(() => new Float64Array(module.names.length));
+    this.to = new Float64Array(module.names.length);
     this.status = 1;
   }
   get turnsFully() { return this.ranges.length === 1 && this.ranges[0].turns; }
@@ -48,8 +39,15 @@ export class Engine {
   /** Compute the pose at an input, and loads at its rate and acceleration; false if there is none. */
   at(x, rate = this.rate, acceleration = this.acceleration) {
     this.x = x;
-    this.status = this.module.step(this.constants, x, rate, acceleration, this.to);
+    this.status = this.step(x, rate, acceleration, this.to);
     return this.status !== 1;
+  }
+  /** Results at an input; none of loads at a flat position, where they are 0/0 or rounding: status 2. */
+  step(x, rate, acceleration, to) {
+    const { module, index } = this, status = module.step(this.constants, x, rate, acceleration, to);
+    if (status !== 0 || !(Math.abs(Math.sin(to[index.transmission_angle])) < 1e-9)) return status;
+    to.fill(NaN, module.firstLoad);
+    return 2;
   }
   get(name) { return this.to[this.index[name]]; }
   number(value) { return typeof value === "number" ? value : value in this.values ? this.values[value] : this.get(value); }
@@ -102,6 +100,10 @@ export class Engine {
     }
     return [ends.map((end, i) => (Number.isFinite(end) ? end : start + (i ? 1 : -1) * most * h))];
   }
+  /** How much of the input there is in all ranges. */
+  get span() { return this.ranges.reduce((sum, [low, high]) => sum + high - low, 0); }
+  /** An input in the turns that are shown. */
+  counted(x) { return this.turnsFully ? ((x % this.span) + this.span) % this.span : x; }
   /** The input in the ranges that is nearest to one; ends are left out, which may be toggles. */
   inside(x) {
     if (!this.ranges.length) return x;
@@ -111,30 +113,21 @@ export class Engine {
     const margin = 1e-6 * (high - low);
     return Math.min(Math.max(x, low + margin), high - margin);
   }
-  /** The input at which a joint is nearest to a place, of the samples, refined; a path crosses itself: far inputs count as farther. */
+  /** The input at which a joint is nearest to a place; a path crosses itself: far inputs count as farther. */
   nearest(joint, [x, y], from) {
-    const span = this.ranges.reduce((sum, [low, high]) => sum + high - low, 0), ref = this.structure.sketch.joints[joint][0];
-    const far = input => {
-      const [u, v] = this.point(ref);
+    const span = this.span, far = input => {
+      if (!this.at(this.inside(input))) return Infinity;
+      const [u, v] = this.joint(joint);
       return Math.hypot(u - x, v - y) + (0.05 * this.size * Math.abs(input - from)) / span;
     };
-    const inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0)), distances = this.ofSamples(i => far(inputs[i]));
-    const best = distances.reduce((least, distance, i) => (distance < distances[least] || Number.isNaN(distances[least]) ? i : least), 0);
-    return this.inside(climbed(input => (this.at(this.inside(input)) ? -far(input) : -Infinity), inputs[best], span / inputs.length, 1e-7 * span));
+    const inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0)), distances = inputs.map(far);
+    let best = inputs[distances.indexOf(Math.min(...distances))];
+    for (let step = span / inputs.length; step > 1e-7 * span; step /= 2) [best] = [best, best - step, best + step].sort((one, two) => far(one) - far(two));
+    return this.inside(best);
   }
 
   // --- over the input ---
-  /** Results at an input; at a flat position, where loads are 0/0 or rounding, the loads a billionth of the range beside it. */
-  step(x, rate, acceleration, to) {
-    const { module, constants, beside, index } = this, status = module.step(constants, x, rate, acceleration, to);
-    const isWithinRounding = status === 0 && Math.abs(Math.sin(to[index.transmission_angle])) < 1e-9;
-    if (status !== 2 && !isWithinRounding) return status;
-    const [low, high] = this.ranges[0];
-    module.step(constants, x + 1e-9 * (high - low), rate, acceleration, beside);
-    to.set(beside.subarray(module.firstLoad), module.firstLoad);
-    return 2;
-  }
-  /** All results at evenly spread inputs over all ranges: {inputs, rows, isFlat: somewhere beside a flat position}; NaN where there is none. */
+  /** All results at evenly spread inputs over all ranges: {inputs, rows}; NaN where there is none. */
   get sweep() {
     if (this._sweep) return this._sweep;
     const inputs = [], width = this.to.length;
@@ -144,8 +137,8 @@ export class Engine {
       for (let i = 0; i < count; i++) inputs.push(low + margin + ((high - low - 2 * margin) * i) / (count - 1));
     }
     const all = new Float64Array(inputs.length * width), rows = inputs.map((_, i) => all.subarray(i * width, (i + 1) * width));
-    const isFlat = inputs.map((x, i) => this.step(x, this.rate, this.acceleration, rows[i])).some(Boolean);
-    return (this._sweep = { inputs, rows, isFlat });
+    inputs.forEach((x, i) => this.step(x, this.rate, this.acceleration, rows[i]));
+    return (this._sweep = { inputs, rows });
   }
   /** What a function gives in the pose of each sample, of its index. */
   ofSamples(of) {
@@ -153,87 +146,51 @@ export class Engine {
     this.to = to;
     return all;
   }
-  /** A function x -> value of a quantity; those of the drive have rates of their own. */
-  valueOf(name) {
-    const { drive, outputRate } = this.structure, to = new Float64Array(this.to.length);
-    const run = (x, rate, acceleration, i) => (this.step(x, rate, acceleration, to), to[i]);
-    const i = this.index[name], load = this.index[drive];
-    if (i !== undefined) return x => run(x, this.rate, this.acceleration, i);
-    if (name === "bias") return x => run(x, this.rate, 0, load);
-    if (name.startsWith("holding_")) return x => run(x, 0, 0, load);
-    if (name === "inertia") return x => run(x, 0, 1, load) - run(x, 0, 0, load);
-    return x => 1 / run(x, 1, 0, this.index[outputRate]);      // mechanical_advantage
+  /** Values of a quantity at the inputs of the sweep, as the formulas have them; those of the drive have rates of their own. */
+  samples(name) {
+    const { sweep: { inputs, rows }, index, structure: { drive, outputRate } } = this, to = new Float64Array(this.to.length);
+    if (name in index) return rows.map(row => row[index[name]]);
+    const at = (field, rate, acceleration) => inputs.map(x => (this.step(x, rate, acceleration, to), to[index[field]]));
+    if (name === "bias") return at(drive, this.rate, 0);
+    if (name.startsWith("holding_")) return at(drive, 0, 0);
+    if (name === "mechanical_advantage") return at(outputRate, 1, 0).map(rate => 1 / rate);
+    const held = at(drive, 0, 0);
+    return at(drive, 0, 1).map((load, i) => load - held[i]);      // inertia
   }
-  /** Values at the inputs of the sweep; angles without jumps, the middle of each range from -pi to pi, at pi for half a turn, as the search has them. */
+  /** Samples as a curve: angles without jumps, the middle of each range from -pi to pi, at pi for half a turn, as the search has them. */
   curve(name) {
-    const { inputs, rows } = this.sweep, i = this.index[name], value = i === undefined && this.valueOf(name), values = rows.map((row, k) => (value ? value(inputs[k]) : row[i]));
-    if (this.structure.quantities[name].unit !== "rad") return { inputs, values };
+    const values = this.samples(name);
+    if (this.structure.quantities[name].unit !== "rad") return values;
     const count = values.length / this.ranges.length;
-    return { inputs, values: this.ranges.flatMap((_, i) => {
+    return this.ranges.flatMap((_, i) => {
       const angles = values.slice(i * count, (i + 1) * count);
       angles.forEach((angle, k) => { angles[k] = sameTurn(angle, angles[k - 1] ?? angle); });
       const turn = TURN * Math.ceil((Math.min(...angles) + Math.max(...angles)) / (2 * TURN) - 0.5 - 2 ** -30) || 0;
       return angles.map(angle => angle - turn);
-    }) };
+    });
   }
-  /** What rounding makes of a quantity, by its unit, as the search of fourbar show has it: 64 eps of the terms that add up, of other units of its usual size, over the sine of the transmission angle; of medians. */
-  get rounding() {
-    if (this._rounding) return this._rounding;
-    const { index, isAngle, sweep: { rows }, structure: { links, size, sketch } } = this, frames = links.map(link => index[`frame.${link}.x`]);
+  /** What adds up to a value of each unit, over the sine of the transmission angle; of medians. */
+  get terms() {
+    if (this._terms) return this._terms;
+    const { index, isAngle, sweep: { rows }, structure: { links, size, sketch } } = this, frames = links.map(link => index[`frame.${link}.x`]), rate = Math.abs(this.rate);
     const sum = indices => median(rows.map(row => indices.reduce((all, i) => all + Math.abs(row[i] || 0), 0)));
-    const rate = Math.abs(this.rate), omega = sum(frames.map(i => i + 8)) + rate / (isAngle ? 1 : size), alpha = sum(frames.map(i => i + 9)) + omega * omega;
-    const force = sum(Object.keys(sketch.forces).map(name => index[name])), sine = median(rows.map(row => Math.abs(Math.sin(row[index.transmission_angle])))) || 1;
+    const omega = sum(frames.map(i => i + 8)) + rate / (isAngle ? 1 : size), alpha = sum(frames.map(i => i + 9)) + omega * omega, force = sum(Object.keys(sketch.forces).map(name => index[name]));
+    const sine = median(rows.map(row => Math.abs(Math.sin(row[index.transmission_angle])))) || 1;
     const terms = { "": 1, rad: 1, m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: rate * force * (isAngle ? size : 1) };
-    return (this._rounding = (unit, usual) => (64 * Number.EPSILON * (terms[unit] ?? usual)) / sine);
+    return (this._terms = Object.fromEntries(Object.entries(terms).map(([unit, size]) => [unit, size / sine])));
   }
-  /** Where samples turn, [{k, sign, inward: at an end of a range the way into it}], maxima and minima by turns; variations of less than `noise` are none. */
-  turns(values, noise, winds) {
-    const n = values.length, joins = this.turnsFully && !winds;           // the last sample is the first one again
-    const top = joins ? values.indexOf(Math.max(...values.filter(value => !Number.isNaN(value)))) : 0, count = this.turnsFully ? n : SAMPLES;
-    return this.ranges.flatMap((_, i) => {
-      const all = Array.from({ length: count }, (_, k) => (joins ? (k + top) % (n - 1) : k + i * SAMPLES)), turns = [];
-      let [low, high, sign] = [all[0], all[0], 0];
-      for (const k of all) {
-        if (values[k] > values[high] || Number.isNaN(values[high])) high = k;
-        if (values[k] < values[low] || Number.isNaN(values[low])) low = k;
-        if (sign <= 0 && values[k] > values[low] + noise) [high, sign] = (turns.push({ k: low, sign: -1 }), [k, 1]);
-        else if (sign >= 0 && values[k] < values[high] - noise) [low, sign] = (turns.push({ k: high, sign: 1 }), [k, -1]);
-      }
-      if (joins) return turns;
-      if (winds) return turns.slice(1);
-      if (sign) turns.push({ sign });
-      return turns.map((turn, j) => (j && j < turns.length - 1 ? turn : { ...turn, k: all.at(j ? -1 : 0), inward: j ? -1 : 1 }));
-    }).filter(({ k, inward }) => [inward ? k : (k || n - 1) - 1, k, inward ? k : k + 1].every(i => !Number.isNaN(values[i])));
-  }
-  /** Extrema of a quantity: those of the samples, refined on the formula, and ends of ranges, or a constant; pairs nearer than a sample are lost. */
-  extrema(name) {
-    const { unit } = this.structure.quantities[name], { inputs, values } = this.curve(name), valueAt = this.valueOf(name);
-    const [usual, usualSize] = [values, values.map(Math.abs)].map(all => median(all.filter(Number.isFinite))), noise = this.rounding(unit, usualSize);
-    if (values.every(value => !(Math.abs(value - usual) > noise))) return usual === undefined ? [] : [{ quantity: name, kind: "constant", input: inputs[0], value: usualSize <= noise ? 0 : usual, isGlobal: true, note: "" }];
-    const winds = unit === "rad" && this.turnsFully && Math.abs(values.at(-1) - values[0]) > Math.PI, turns = this.turns(values, noise, winds);
-    const found = turns.map(({ k, sign, inward }) => {
-      const value = unit === "rad" ? x => sameTurn(valueAt(x), values[k]) : valueAt;
-      // towards a pole values grow, as one over the distance or over its root; beyond a jump they have grown once
-      const isPole = (x, beside) => {
-        const [near, far, farther] = [1, 3, 9].map(times => Math.abs(value(x + times * beside)));
-        return near > 1.5 * far && far > 1.5 * farther && near > usualSize;
-      };
-      const h = inputs[inward < 0 ? k - 1 : k + 1] - inputs[k], kind = sign > 0 ? "maximum" : "minimum";
-      if (inward) {
-        // f = a + b sqrt(d) + c d beside a toggle, and with b = 0 at the end of a stroke: of 3 f(m) - 3 f(4 m) + f(9 m) stay
-        // (3 - 3 + 1) a + (3 - 6 + 3) b sqrt(m) + (3 - 12 + 9) c m = a
-        const beside = (inward * 1e-9 * Math.abs(h) * (SAMPLES - 1)) / (1 - 2e-9), x = inputs[k] - beside, runsAway = isPole(x, beside);
-        return { quantity: name, kind, input: x, value: runsAway ? sign * Infinity : 3 * values[k] - 3 * value(x + 4 * beside) + value(x + 9 * beside), note: "limit" };
-      }
-      const x = climbed(input => sign * value(input), inputs[k], h / 2, 1e-11 * h), runsAway = isPole(x, 1e-6 * h);
-      return { quantity: name, kind, input: x < 0 && this.turnsFully ? x + inputs.at(-1) : x, value: runsAway ? sign * Infinity : value(x), note: runsAway ? "limit" : "" };
-    });
-    // of loads at change points, that stand for those beside flat positions, none is said to be the largest
-    const isSure = !this.sweep.isFlat || this.index[name] < this.module.firstLoad, [least, most] = [Math.min, Math.max].map(end => end(...found.map(one => one.value)));
-    return found.map(one => {
-      const end = one.kind === "maximum" ? most : least, isGlobal = one.value === end || Math.abs(one.value - end) <= noise;
-      return { ...one, isGlobal, note: [isGlobal && isSure && "global", one.note].filter(Boolean).join(" ") };
-    });
+  /** Samples that differ by less are those of a constant: rounding, 64 eps of the terms, of other units of the samples. */
+  noise(name, values) { return 128 * Number.EPSILON * (this.terms[this.structure.quantities[name].unit] ?? median(values.map(Math.abs))); }
+  /** The largest and the least sample of a quantity, or its constant value; none where it is steep, at a pole or a jump. */
+  extremes(name) {
+    const { inputs } = this.sweep, values = this.curve(name), known = [...values.keys()].filter(k => Number.isFinite(values[k]));
+    if (!known.length) return [];
+    const usual = median(values), [high, low] = [1, -1].map(sign => known.reduce((best, k) => (sign * values[k] > sign * values[best] ? k : best)));
+    const row = (kind, k) => ({ quantity: name, kind, inputs: [inputs[k]], value: values[k], note: `of ${values.length} samples` }), noise = this.noise(name, values);
+    if (values[high] - values[low] <= noise) return [{ ...row("constant", low), ...(Math.abs(values[low]) <= noise && { value: 0 }) }];
+    const count = values.length / this.ranges.length, beside = (k, way) => (this.turnsFully ? (k + way + count - 1) % (count - 1) : Math.floor((k + way) / count) === Math.floor(k / count) ? k + way : k);
+    const isSteep = k => [-1, 1].some(way => !(Math.abs(values[beside(k, way)] - values[k]) < STEEP * Math.abs(values[k] - usual)));
+    return [row("maximum", high), row("minimum", low)].filter((_, i) => !isSteep([high, low][i]));
   }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
   get box() {

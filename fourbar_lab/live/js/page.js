@@ -8,7 +8,7 @@ import { html, numberField, numberOf, Panel, tickBox } from "./panel.js";
 import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
 const WAYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const SAMPLED = "Samples of the curves, refined on the same formula; pairs nearer to each other than a sample can be missed.";
+const SAMPLED = "The largest and the least of the samples of each curve: a peak between two can be missed. Where samples beside each other differ much none is given.";
 const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z_]\w*$/i;
 
 // --- scenes: nested parameters ---
@@ -124,25 +124,37 @@ function later(wait, act) {
 export async function start(data, source) {
   const find = name => document.getElementById(name), page = { units: data.units, canAsk: data.canAsk, tools: {} };
   const svg = find("picture");
-  let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null, problem = "";
+  let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null;
+  let problem = "", notice = "", refusal = "";      // what is wrong with the scene, with the address, with what was typed or clicked last
   const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
-  page.ask = async (question, body) => {
+  const withUnit = data.withUnit;         // {parameter: value that was given with its unit}: the server doubts no meaning of it
+  /** Ask the server about the scene that is shown. */
+  page.ask = async (question, asked) => {
+    const { scene } = store.state, body = { scene, withUnit: Object.keys(withUnit).filter(name => JSON.stringify(leafOf(scene, name)) === JSON.stringify(withUnit[name])), ...asked };
     const answer = await fetch(`/${question}`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) }).catch(() => null);
     if (!answer) return { problem: "fourbar live does not answer any more: start it again" };
     return answer.ok ? answer.json() : { problem: await answer.text() };
   };
   page.numberOf = (name, text, ...units) => {
     try {
-      return numberOf(text, units[0], data.units, units[1]);
+      const { value, hasUnit } = numberOf(text, units[0], data.units, units[1]);
+      if (hasUnit) withUnit[name] = value;
+      else delete withUnit[name];
+      return value;
     } catch (error) { throw new RangeError(`${name} = '${text}': ${error.message}`); }
   };
   page.say = words => tell(find("said"), words);
-  page.refuse = words => {
+  const alarm = () => {
+    const words = refusal || problem || notice;
     tell(find("alarm"), words);
     if (words) page.say("");
   };
+  page.refuse = words => {
+    refusal = words;
+    alarm();
+  };
 
-  let first = { scene: data.scene, view: {} }, notice = "";       // what is wrong with the address
+  let first = { scene: data.scene, view: {} };
   try { first = readAddress(location.hash, data.scene); } catch (error) { notice = error.message; }
   const view = { curves: null, layers: {}, tool: "pose", pace: 6, acceleration: 0, moment: null, ...first.view };
   view.at = "at" in first.view ? first.view.at / factorOf() : structure.start;
@@ -172,11 +184,12 @@ export async function start(data, source) {
     const name = store.past.at(-1)?.typed, unit = structure.fields.find(field => field.name === name)?.unit ?? "";
     problem = why && name && !why.includes(name) ? `${name} = ${leafOf(store.state.scene, name) ?? "none"} ${unit}: ${why}` : why;
     for (const shown of [svg, find("curves"), panel.extrema, panel.values]) shown.classList.toggle("stale", Boolean(problem));
+    alarm();
     return problem;
   };
   const askStructure = async () => {
-    const { scene } = store.state, answer = await page.ask("structure", { scene, known: structure.key });
-    if (fail(answer.problem ?? "")) return page.refuse(problem);
+    const { scene } = store.state, answer = await page.ask("structure", { known: structure.key });
+    if (isOtherNow(scene) || fail(answer.problem ?? "")) return;
     const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
     if (isOtherNow(scene)) return;             // an answer that is late
     [structure, module, made] = [answer, known, scene];
@@ -188,7 +201,7 @@ export async function start(data, source) {
   const wanted = view => [...new Set([...chosenCurves(view), ...forcesOf(structure)])];
   const isAnswered = ({ scene, view }) => answered.extrema && scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
-    const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { scene, quantities: wanted(store.state.view), acceleration });
+    const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { quantities: wanted(store.state.view), acceleration });
     if (isOtherNow(scene)) return;             // an answer that is late
     if (answer.problem) return page.say(answer.problem);
     answered = { ...withNumbers(answer), scene, acceleration };
@@ -224,8 +237,7 @@ export async function start(data, source) {
     } catch (error) {
       fail(error.message);
     }
-    if (!page.engine) return page.refuse(problem);
-    page.refuse(problem || notice);
+    if (!page.engine) return;
     if (isFitted) page.fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
     tell(find("about"), structure.description);
@@ -250,19 +262,19 @@ export async function start(data, source) {
     let until;
     try { until = page.numberOf("seconds of the run", find("until").value, "s"); } catch (error) { return tell(find("runWords"), error.message); }
     tell(find("runWords"), "integrating ...");
-    const run = await page.ask("run", { scene, until });
+    const run = await page.ask("run", { until });
     if (isOtherNow(scene)) return;
     showRun(run);
     if (page.run) page.play(true);
   };
   /** Nothing is drawn of an empty scene. */
   const blank = () => {
-    [page.engine, made, problem, hasTurned] = [null, null, "", false];
+    [page.engine, made, hasTurned] = [null, null, false];
     picture.clear();
     panel.clear();
     for (const name of ["curves", "about", "warnings", "pose", "chooser"]) find(name).replaceChildren();
     delete find("chooser").dataset.names;
-    page.refuse("");
+    fail("");
   };
   let isWaiting = false;
   /** Draw the picture; what is read afterwards comes when the browser has time, at most ten times a second. */
@@ -278,20 +290,18 @@ export async function start(data, source) {
     if (!engine) return;
     picture.drawTraces(engine, state.view.layers);
     panel.drawFacts(structure);
-    const { extrema, proof } = isAnswered(state) ? answered : { extrema: wanted(state.view).flatMap(name => engine.extrema(name)), proof: SAMPLED };
+    const { extrema, proof } = isAnswered(state) ? answered : { extrema: wanted(state.view).flatMap(name => engine.extremes(name)), proof: SAMPLED };
     const ofCurves = chosenCurves(state.view).flatMap(name => extrema.filter(one => one.quantity === name).sort((one, two) => Math.abs(two.value) - Math.abs(one.value) || 0)), forces = forcesOf(structure);
-    curves.draw(engine, chosenCurves(state.view), ofCurves, secondOf(state.view));
+    curves.draw(engine, chosenCurves(state.view), isAnswered(state) ? ofCurves : [], secondOf(state.view));
     panel.drawExtrema(structure, [...largestForces(structure, extrema.filter(one => forces.includes(one.quantity))), ...ofCurves], [proof, ...new Set(ofCurves.filter(one => one.proof).map(one => `${shownName(structure, one.quantity)}: ${one.proof}.`))].join(" "));
     if (data.canAsk && !isAnswered(state)) askExtremaSoon();
     choose(state);
     drawPose(state);
   };
   const drawPose = ({ view: { at, moment, layers } }) => {
-    const { engine } = page, x = engine.inside(at), span = engine.ranges.reduce((sum, [low, high]) => sum + high - low, 0);
-    const turn = engine.turnsFully ? engine.ranges[0][1] : 0, here = turn ? ((x % turn) + turn) % turn : x;
-    const isRun = page.run && moment !== null;
+    const { engine } = page, x = engine.inside(at), here = engine.counted(x), isRun = page.run && moment !== null;
     engine.at(x, ...(isRun ? [page.run.rate[moment], page.run.acceleration[moment]] : []));
-    const near = curves.extrema.filter(one => Math.abs(one.input - here) < 1e-5 * span && one.isGlobal && one.kind !== "constant");
+    const near = curves.extrema.filter(one => one.inputs.some(input => Math.abs(input - here) < 1e-5 * engine.span) && one.isGlobal && one.kind !== "constant");
     const note = near.slice(0, 2).map(({ kind, quantity, value }) => {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit);
       return `${kind} of ${shownName(structure, quantity)}: ${significant(value * factor)} ${unit}`;
@@ -331,13 +341,13 @@ export async function start(data, source) {
   });
   store.subscribe((state, before) => {
     if (state.scene !== before.scene) {
-      notice = "";
+      [notice, refusal] = ["", ""];
       page.say(current().hint ?? "");
       showName();
       if (isNothing(state.scene)) blank();
       else if (!made || isOther(state.scene, made)) {
         if (data.canAsk) askStructure().catch(error => page.refuse(error.message));
-        else page.refuse(fail("this file has no server: another structure, or a number that this one lacks, needs fourbar live"));
+        else fail("this file has no server: another structure, or a number that this one lacks, needs fourbar live");
       } else {
         fail("");
         build(state, false);
@@ -486,7 +496,7 @@ export async function start(data, source) {
   const closeMenus = target => [...document.querySelectorAll("details.menu[open]")].filter(menu => !menu.contains(target)).map(menu => (menu.open = false));
   addEventListener("pointerdown", event => {
     closeMenus(event.target);
-    if (!problem && !notice) page.refuse("");
+    page.refuse("");
   }, true);
   addEventListener("keydown", event => { if (event.key === "Escape" && closeMenus(null).length) event.stopPropagation(); }, true);
   addEventListener("keydown", event => {
@@ -566,27 +576,27 @@ export async function start(data, source) {
     "curves (CSV, mm and degrees)": () => {
       const { engine } = page, columns = [structure.input.name, ...Object.keys(structure.quantities).filter(name => name !== structure.input.name)];
       const shown = unit => (unit === "m" ? ["mm", 1000] : shownUnit(unit)), unitOf = name => shown(name === structure.input.name ? structure.input.unit : structure.quantities[name].unit);
-      const all = columns.map((name, i) => (i ? engine.curve(name).values : engine.sweep.inputs).map(value => value * unitOf(name)[1]));
+      const all = columns.map((name, i) => (i ? engine.samples(name) : engine.sweep.inputs).map(value => value * unitOf(name)[1]));
       const rows = all[0].map((_, k) => all.map(column => (Number.isFinite(column[k]) ? column[k] : "")).join(","));
       send([columns.map(name => `${name} [${unitOf(name)[0]}]`).join(","), ...rows, ""].join("\n"), "csv", "text/csv");
     },
     "page without a server (HTML)": async () => {
       const { scene } = store.state, known = structure, { run } = page, name = nameNow();       // another one may be drawn while it waits
-      const extrema = data.canAsk ? await page.ask("extrema", { scene, quantities: Object.keys(known.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
+      const extrema = data.canAsk ? await page.ask("extrema", { quantities: Object.keys(known.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
       const text = JSON.stringify({ ...data, extrema, name, canAsk: false, run, scene, structure: { ...known, index: undefined, module: known.module ?? data.structure.module } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "moving picture (GIF)": async () => {
-      const { problem: why, gif } = await page.ask("gif", { scene: store.state.scene });
+      const { problem: why, gif } = await page.ask("gif");
       if (why) page.refuse(why);
       else send(new Blob([Uint8Array.from(atob(gif), letter => letter.charCodeAt(0))]), "gif");
     } }),
     ...(data.canAsk && { "check": async () => {
-      const { problem: why, warnings } = await page.ask("check", { scene: store.state.scene });
+      const { problem: why, warnings } = await page.ask("check");
       page.say(why || warnings.join("; ") || "checked: no problem");
     } }),
     ...(data.canSave && { "save in its file": async () => {
-      const answer = await page.ask("save", { scene: store.state.scene });
+      const answer = await page.ask("save");
       page.say(answer.problem ?? `saved: ${answer.saved}`);
     } }),
   };
@@ -611,7 +621,7 @@ export async function start(data, source) {
     if (data.canAsk && !page.isAsWritten()) await askStructure();
   }
   else if (data.canAsk) await askStructure();
-  else page.refuse("this file has no server: another structure needs fourbar live");
+  else fail("this file has no server: another structure needs fourbar live");
   if (page.engine) store.dispatch({ view: { at: page.engine.inside("at" in first.view ? first.view.at / factorOf() : store.state.view.at) } });       // a slide begins where it can be
   document.documentElement.dataset.ready = "yes";
   return page;

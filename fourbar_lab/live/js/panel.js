@@ -18,7 +18,7 @@ export function html(tag, properties = {}, ...children) {
   element.append(...children);
   return element;
 }
-/** The number that a text means in a unit, with units as scenes have them; RangeError with words. */
+/** {value, hasUnit} of the number that a text means in a unit, with units as scenes have them; RangeError with words. */
 export function numberOf(text, unit, units, plainUnit = unit) {
   const trimmed = text.trim(), match = /^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/.exec(trimmed);
   if (/^[-+]?\d*,\d+/.test(trimmed)) throw new RangeError(`must be written ${trimmed.replace(",", ".")}: a comma is no decimal point`);
@@ -30,7 +30,7 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   const power = /^1e(-?\d+)$/.exec(size), exponent = /^(.*)[eE]([-+]?\d+)$/.exec(match[1]);
   const value = power ? Number(`${exponent?.[1] ?? match[1]}e${Number(exponent?.[2] ?? 0) + Number(power[1])}`) : Number(match[1]) * Number(size);
   if (!Number.isFinite(value)) throw new RangeError("must be a finite number");
-  return value;
+  return { value, hasUnit: Boolean(match[2]) };
 }
 const digits = (value, count) => (value === "" || value === null || value === undefined ? "" : String(Number(Number(value).toPrecision(count))));
 export const shownNumber = value => digits(value, 12);
@@ -42,7 +42,7 @@ export function numberField(name, unit, value, page, change, plainUnit = unit, c
   const field = html("input", { type: "text", value: sixDigits(value), autocomplete: "off", spellcheck: false, "aria-label": name });
   Object.assign(field, { unit, plainUnit });        // of an input they change with the structure
   field.set = shown => {
-    if (document.activeElement !== field) field.value = sixDigits(shown);
+    if (document.activeElement !== field && !field.hasAttribute("aria-invalid")) field.value = sixDigits(shown);
     field.known = shownNumber(shown);
   };
   field.known = shownNumber(value);
@@ -156,7 +156,7 @@ export class Panel {
   /** Extrema of five digits with a button to their input; `proof` says how they were found. */
   drawExtrema(structure, extrema, proof) {
     const [unitOfInput, perInput] = shownUnit(structure.input.unit);
-    const rows = extrema.map(({ quantity, kind, value, input, note }) => {
+    const rows = extrema.map(({ quantity, kind, value, inputs: [input], note }) => {
       const [unit, factor] = shownUnit(structure.quantities[quantity].unit), at = `${sixDigits(input * perInput)}${unitOfInput === "deg" ? "°" : " m"}`, isBounded = Number.isFinite(value);
       return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
         html("td", { title: kind }, kind === "constant" ? kind : kind.slice(0, 3), html("small", { textContent: note })),
