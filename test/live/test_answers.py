@@ -70,7 +70,7 @@ const url = 'data:text/javascript,' + encodeURIComponent(structure.module);
 const engine = new Engine(structure, await import(url), { ...structure.values, ...changed });
 engine.start = structure.start;
 const { ranges } = engine;
-console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? ranges[0].turns : 0,
+console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? engine.turns : 0,
   inputs: engine.sweep.inputs, samples: names.map(name => engine.samples(name)),
   rows: names.flatMap(name => engine.extremes(name)),
   largest: largestForces(structure,

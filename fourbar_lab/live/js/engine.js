@@ -32,7 +32,7 @@ export class Engine {
     this.to = new Float64Array(module.names.length);
     this.status = 1;
   }
-  get turnsFully() { return this.ranges.length === 1 && this.ranges[0].turns; }
+  get turnsFully() { return this.ranges.length === 1 && this.turns > 0; }
   get isAngle() { return this.structure.input.unit === "rad"; }
 
   // --- a pose ---
@@ -69,36 +69,26 @@ export class Engine {
   joint(name) { return this.point(this.structure.sketch.joints[name][0]); }
 
   // --- where it closes ---
-  /** Ranges of the input, from the server while nothing has changed, else followed from the pose. */
+  /** Ranges of the input, from the server while nothing has changed, else followed from the pose; `turns` of a full one. */
   get ranges() {
     if (this._ranges) return this._ranges;
-    const { values, ranges, turns } = this.structure;
-    const isChanged = Object.keys(this.module.parameters).some(name => this.values[name] !== values[name]);
-    this._ranges = isChanged ? this.followed(this.start ?? this.structure.start) : ranges.map(ends => [...ends]);
-    if (!isChanged && turns) this._ranges[0].turns = turns;
+    const { values, ranges, turns } = this.structure, isChanged = Object.keys(this.module.parameters).some(name => this.values[name] !== values[name]);
+    [this._ranges, this.turns] = isChanged ? this.followed(this.start ?? this.structure.start) : [ranges, turns];
     return this._ranges;
   }
   followed(start) {
-    const whole = this.structure.ranges.at(-1)[1] - this.structure.ranges[0][0];
-    const h = this.isAngle ? TURN / 360 : whole / 180, most = this.isAngle ? 360 : 720;
+    const [low, high] = [this.structure.ranges[0][0], this.structure.ranges.at(-1)[1]], h = this.isAngle ? TURN / 360 : (high - low) / 180, most = this.isAngle ? 360 : 720;
     for (let i = 0; i <= 360 && !this.at(start); i++) start += h * (i % 2 ? i : -i);   // the nearest pose
-    if (!this.at(start)) return [];
+    if (!this.at(start)) return [[], 0];
     const ends = [-1, 1].map(sense => {
-      let good = start, bad = NaN;
-      for (let i = 1; i <= most && Number.isNaN(bad); i++) {
-        if (this.at(start + sense * i * h)) good = start + sense * i * h;
-        else bad = start + sense * i * h;
-      }
-      if (Number.isNaN(bad)) return sense * Infinity;
-      for (let i = 0; i < 50; i++) [good, bad] = (middle => (this.at(middle) ? [middle, bad] : [good, middle]))((good + bad) / 2);
+      let steps = 0;
+      while (steps < most && this.at(start + sense * (steps + 1) * h)) steps++;
+      let good = start + sense * steps * h, bad = good + sense * h;
+      for (let i = 0; i < 50 && steps < most; i++) [good, bad] = (middle => (this.at(middle) ? [middle, bad] : [good, middle]))((good + bad) / 2);
       return good;
     });
-    if (ends[1] === Infinity && this.isAngle) {
-      const full = [0, TURN * (this.structure.turns || 1)];
-      full.turns = this.structure.turns || 1;
-      return [full];
-    }
-    return [ends.map((end, i) => (Number.isFinite(end) ? end : start + (i ? 1 : -1) * most * h))];
+    const turns = this.structure.turns || 1;
+    return this.isAngle && ends[1] > start + TURN - 1e-9 ? [[[0, TURN * turns]], turns] : [[ends], 0];
   }
   /** How much of the input there is in all ranges. */
   get span() { return this.ranges.reduce((sum, [low, high]) => sum + high - low, 0); }
@@ -106,8 +96,7 @@ export class Engine {
   counted(x) { return this.turnsFully ? ((x % this.span) + this.span) % this.span : x; }
   /** The input in the ranges that is nearest to one; ends are left out, which may be toggles. */
   inside(x) {
-    if (!this.ranges.length) return x;
-    if (this.turnsFully) return x;
+    if (!this.ranges.length || this.turnsFully) return x;
     const away = ([low, high]) => Math.max(low - x, x - high, 0);
     const [low, high] = this.ranges.reduce((best, range) => (away(range) < away(best) ? range : best));
     const margin = 1e-6 * (high - low);
@@ -133,7 +122,7 @@ export class Engine {
     const inputs = [], width = this.to.length;
     for (const [low, high] of this.ranges) {
       const margin = this.turnsFully ? 0 : 1e-9 * (high - low);
-      const count = this.turnsFully ? (SAMPLES - 1) * this.ranges[0].turns + 1 : SAMPLES;
+      const count = this.turnsFully ? (SAMPLES - 1) * this.turns + 1 : SAMPLES;
       for (let i = 0; i < count; i++) inputs.push(low + margin + ((high - low - 2 * margin) * i) / (count - 1));
     }
     const all = new Float64Array(inputs.length * width), rows = inputs.map((_, i) => all.subarray(i * width, (i + 1) * width));

@@ -1,7 +1,7 @@
 // Copyright 2026 fourbar_ros developers
 // SPDX-License-Identifier: Apache-2.0
 // The page: one state with undo and an address, the questions to the server, play, tools, files.
-import { Engine, forcesOf, largestForces, TURN } from "./engine.js";
+import { Engine, forcesOf, largestForces } from "./engine.js";
 import { draw, Picture, significant } from "./picture.js";
 import { Curves, drawPolygon, shownName, shownUnit } from "./curves.js";
 import { html, numberField, numberOf, Panel, tickBox } from "./panel.js";
@@ -122,11 +122,11 @@ function later(wait, act) {
 
 /** Start the page on the data that stand in it. */
 export async function start(data, source) {
-  const find = name => document.getElementById(name), page = { units: data.units, canAsk: data.canAsk, tools: {} };
-  const svg = find("picture");
+  const find = name => document.getElementById(name), page = { canAsk: data.canAsk, tools: {} }, svg = find("picture");
   let { structure } = data, module = structure.module && (await moduleOf(structure.module)), made = null;
   let problem = "", notice = "", refusal = "";      // what is wrong with the scene, with the address, with what was typed or clicked last
-  const factorOf = () => (structure.input.unit === "rad" ? 360 / TURN : 1);
+  /** The input for people: its unit and the factor to it. */
+  const inputUnit = () => shownUnit(structure.input.unit), factorOf = () => inputUnit()[1];
   const withUnit = data.withUnit;         // {parameter: value that was given with its unit}: the server doubts no meaning of it
   /** Ask the server about the scene that is shown. */
   page.ask = async (question, asked) => {
@@ -211,7 +211,7 @@ export async function start(data, source) {
   // --- draw ---
   const picture = (page.picture = new Picture(svg)), curves = new Curves(find("curves"), at => store.dispatch({ view: { at } }));
   const panel = (page.panel = new Panel(find("panel"), page));
-  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => (page.play(false), store.dispatch({ view: { at } })), structure.input.unit === "rad" ? "deg" : "m");
+  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => (page.play(false), store.dispatch({ view: { at } })), inputUnit()[0]);
   find("at").after(inputField, inputWords);
   // in pale: a second scene, or this one as it was written
   const pale = data.second ?? (data.structure.module && Object.keys(data.scene).length ? data.structure : null), paleModule = pale && (await moduleOf(pale.module));
@@ -315,12 +315,12 @@ export async function start(data, source) {
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
     for (const [name, value] of Object.entries({ min: low, max: high, step: (high - low) / 720 })) if (slider[name] !== String(value)) slider[name] = value;
     slider.value = here * factorOf();
-    slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${structure.input.unit === "rad" ? "degrees" : "m"}`);
-    Object.assign(inputField, { unit: structure.input.unit, plainUnit: structure.input.unit === "rad" ? "deg" : "m" });
+    slider.setAttribute("aria-valuetext", `${significant(here * factorOf())} ${inputUnit()[0]}`);
+    Object.assign(inputField, { unit: structure.input.unit, plainUnit: inputUnit()[0] });
     accelerationField.unit = accelerationField.plainUnit = `${structure.input.unit}/s^2`;
     tell(accelerationName, `acceleration of the input [${structure.input.unit}/s²] `);
     inputField.set(Number((here * factorOf()).toPrecision(6)));
-    tell(find("atName"), `${structure.input.name} [${structure.input.unit === "rad" ? "deg" : "m"}]`);
+    tell(find("atName"), `${structure.input.name} [${inputUnit()[0]}]`);
     panel.drawValues(engine);
     if (layers.polygons) for (const order of [0, 1]) drawPolygon(find(`polygon${order}`), engine, order);
     current().redraw?.();
@@ -590,14 +590,13 @@ export async function start(data, source) {
       const { problem: why, gif } = await page.ask("gif");
       if (why) page.refuse(why);
       else send(new Blob([Uint8Array.from(atob(gif), letter => letter.charCodeAt(0))]), "gif");
-    } }),
-    ...(data.canAsk && { "check": async () => {
+    }, "check": async () => {
       const { problem: why, warnings } = await page.ask("check");
       page.say(why || warnings.join("; ") || "checked: no problem");
     } }),
     ...(data.canSave && { "save in its file": async () => {
-      const answer = await page.ask("save");
-      page.say(answer.problem ?? `saved: ${answer.saved}`);
+      const { problem: why, saved } = await page.ask("save");
+      page.say(why ?? `saved: ${saved}`);
     } }),
   };
   for (const [words, act] of Object.entries(page.files)) find("files").append(html("button", { type: "button", textContent: words, onclick: () => (problem && words !== "scene (YAML)" ? page.say(`nothing to save: ${problem}`) : act()) }));
