@@ -68,7 +68,6 @@ const { Engine, forcesOf, largestForces } = await import(process.argv[2]);
 const { structure, changed, names } = JSON.parse(readFileSync(0));
 const url = 'data:text/javascript,' + encodeURIComponent(structure.module);
 const engine = new Engine(structure, await import(url), { ...structure.values, ...changed });
-engine.start = structure.start;
 const { ranges } = engine;
 console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? engine.turns : 0,
   inputs: engine.sweep.inputs, samples: names.map(name => engine.samples(name)),

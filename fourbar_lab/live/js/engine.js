@@ -19,16 +19,11 @@ export function largestForces(structure, extrema) {
 }
 
 export class Engine {
-  /** structure: as the server gives it; module: its JavaScript; values: {parameter: number}, of the drive too. */
-  constructor(structure, module, values, acceleration = 0) {
-    Object.assign(this, { structure, module, values, acceleration, rate: values["drive.speed"] ?? 1 });
-    structure.index ??= Object.fromEntries(module.names.map((name, i) => [name, i]));
-    this.index = structure.index;
-    const changed = {};
-    for (const name in module.parameters) {
-      if (values[name] !== module.parameters[name] && name in values) changed[name] = values[name];
-    }
-    this.constants = module.prepare(changed);
+  /** structure: as the server gives it; module: its JavaScript; values: {parameter: number}, of the drive too; start: an input of the range that is followed. */
+  constructor(structure, module, values, acceleration = 0, start = structure.start) {
+    Object.assign(this, { structure, module, values, acceleration, start, rate: values["drive.speed"] ?? 1 });
+    this.index = structure.index ??= Object.fromEntries(module.names.map((name, i) => [name, i]));
+    this.constants = module.prepare(Object.fromEntries(Object.keys(module.parameters).filter(name => name in values && values[name] !== module.parameters[name]).map(name => [name, values[name]])));
     this.to = new Float64Array(module.names.length);
     this.status = 1;
   }
@@ -73,7 +68,7 @@ export class Engine {
   get ranges() {
     if (this._ranges) return this._ranges;
     const { values, ranges, turns } = this.structure, isChanged = Object.keys(this.module.parameters).some(name => this.values[name] !== values[name]);
-    [this._ranges, this.turns] = isChanged ? this.followed(this.start ?? this.structure.start) : [ranges, turns];
+    [this._ranges, this.turns] = isChanged ? this.followed(this.start) : [ranges, turns];
     return this._ranges;
   }
   followed(start) {

@@ -144,14 +144,10 @@ export async function start(data, source) {
     } catch (error) { throw new RangeError(`${name} = '${text}': ${error.message}`); }
   };
   page.say = words => tell(find("said"), words);
-  const alarm = () => {
-    const words = refusal || problem || notice;
-    tell(find("alarm"), words);
-    if (words) page.say("");
-  };
   page.refuse = words => {
-    refusal = words;
-    alarm();
+    const alarm = (refusal = words) || problem || notice;
+    tell(find("alarm"), alarm);
+    if (alarm) page.say("");
   };
 
   let first = { scene: data.scene, view: {} };
@@ -172,7 +168,6 @@ export async function start(data, source) {
   // --- structure and engine ---
   const chosenCurves = view => (view.curves ?? structure.usual).filter(name => name in structure.quantities);
   const valueOf = (scene, name) => leafOf(scene, name) ?? structure.values[name];
-  const valuesOf = scene => Object.fromEntries([...Object.keys(module.parameters), "drive.speed"].map(name => [name, valueOf(scene, name)]));
   /** What of a scene no parameter of the module covers: another of it is another structure. */
   const restOf = scene => JSON.stringify(Object.entries(flatten(scene)).filter(([name]) => !(name in module.parameters) && name !== "drive.speed").sort());
   const isOther = (scene, of) => restOf(scene) !== restOf(of) || Object.keys(module.parameters).some(name => (leafOf(scene, name) === undefined) !== (leafOf(of, name) === undefined) && structure.values[name] !== (leafOf(scene, name) ?? NaN));
@@ -184,7 +179,7 @@ export async function start(data, source) {
     const name = store.past.at(-1)?.typed, unit = structure.fields.find(field => field.name === name)?.unit ?? "";
     problem = why && name && !why.includes(name) ? `${name} = ${leafOf(store.state.scene, name) ?? "none"} ${unit}: ${why}` : why;
     for (const shown of [svg, find("curves"), panel.extrema, panel.values]) shown.classList.toggle("stale", Boolean(problem));
-    alarm();
+    page.refuse(refusal);
     return problem;
   };
   const askStructure = async () => {
@@ -229,14 +224,12 @@ export async function start(data, source) {
   };
   /** Make the engine of a state; the picture keeps its scale while something is dragged. */
   const build = (state, isFitted) => {
+    const values = Object.fromEntries([...Object.keys(module.parameters), "drive.speed"].map(name => [name, valueOf(state.scene, name)]));
     try {
-      const engine = new Engine(structure, module, valuesOf(state.scene), state.view.acceleration);
-      engine.start = page.engine?.x;
-      if (!engine.ranges.length) throw new RangeError("with these lengths it closes nowhere near this pose");
-      page.engine = engine;
-    } catch (error) {
-      fail(error.message);
-    }
+      const engine = new Engine(structure, module, values, state.view.acceleration, page.engine?.x);
+      if (engine.ranges.length) page.engine = engine;
+      else fail("with these lengths it closes nowhere near this pose");
+    } catch (error) { fail(error.message); }
     if (!page.engine) return;
     if (isFitted) page.fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
@@ -363,7 +356,7 @@ export async function start(data, source) {
 
   // --- tools: what the pointer does in the picture ---
   const current = () => page.tools[store.state.view.tool] ?? page.tools.pose;
-  const hitOf = event => Object.fromEntries(["joint", "bar", "point", "spring", "load"].map(name => [name, event.target.closest?.(`[data-${name}]`)?.dataset[name]]).filter(([, value]) => value !== undefined));
+  const hitOf = event => Object.fromEntries(["joint", "spring"].map(name => [name, event.target.closest?.(`[data-${name}]`)?.dataset[name]]));
   page.addButton = (name, label, title, onclick) => find("tools").append(html("button", { type: "button", textContent: label, title, onclick, "data-tool": name }));
   page.addTool = tool => {
     page.tools[tool.name] = tool;
@@ -381,15 +374,14 @@ export async function start(data, source) {
   /** Zoom and move the picture; without a factor all of it is shown. */
   const look = (factor, ...places) => {
     if (factor) picture.zoom(factor, ...places);
-    else picture.view.isChosen = false;
-    if (page.engine) {
-      if (!factor) page.fit(false);
-      picture.drawTraces(page.engine, store.state.view.layers);
-      drawPose(store.state);
-    } else {
-      if (!factor) picture.clear();
-      current().redraw?.();
+    else {
+      picture.view.isChosen = false;
+      if (page.engine) page.fit(false);
+      else picture.clear();
     }
+    if (!page.engine) return current().redraw?.();
+    picture.drawTraces(page.engine, store.state.view.layers);
+    drawPose(store.state);
   };
   find("fit").onclick = () => look(0);
   svg.addEventListener("wheel", event => {
@@ -484,13 +476,12 @@ export async function start(data, source) {
       event.preventDefault();
       return pull ? look(1, [0, 0], pull.map(part => -40 * part)) : look(zoom, [picture.width / 2, picture.height / 2]);
     }
-    if (byKeys(event)) return;
-    if (current().key?.(event) || !page.engine) return;
+    if (byKeys(event) || current().key?.(event) || !page.engine) return;
     const [low, high] = [page.engine.ranges[0][0], page.engine.ranges.at(-1)[1]], step = (high - low) / 180;
-    const at = { ArrowRight: view => view + step, ArrowUp: view => view + step, ArrowLeft: view => view - step, ArrowDown: view => view - step, Home: () => low, End: () => high }[event.key];
-    if (!at || store.state.view.tool !== "pose") return;
+    const x = page.engine.x, at = { ArrowRight: x + step, ArrowUp: x + step, ArrowLeft: x - step, ArrowDown: x - step, Home: low, End: high }[event.key];
+    if (at === undefined || store.state.view.tool !== "pose") return;
     event.preventDefault();
-    store.dispatch({ view: { at: page.engine.inside(at(page.engine.x)) } });
+    store.dispatch({ view: { at: page.engine.inside(at) } });
   });
   // what is open, and what was said of the click before, ends at a click elsewhere and at Escape
   const closeMenus = target => [...document.querySelectorAll("details.menu[open]")].filter(menu => !menu.contains(target)).map(menu => (menu.open = false));
@@ -529,13 +520,9 @@ export async function start(data, source) {
       return goTo(next);
     }
     const [low, high] = engine.ranges.find(([from, to]) => from <= engine.x + 1e-9 && engine.x <= to + 1e-9) ?? engine.ranges[0];
-    let x = engine.x;
-    if (engine.turnsFully) x = (((x + (seconds * (high - low)) / pace) % (high - low)) + high - low) % (high - low);
-    else {
-      x += (way * 2 * seconds * (high - low)) / pace;
-      if (x <= low || x >= high) way = x <= low ? 1 : -1;
-    }
-    store.dispatch({ view: { at: engine.inside(x) } });
+    const there = ((high - low) * seconds) / pace, x = engine.x + (engine.turnsFully ? there : 2 * way * there);
+    if (x <= low || x >= high) way = x <= low ? 1 : -1;
+    store.dispatch({ view: { at: engine.inside(engine.counted(x)) } });
   };
   find("play").onclick = () => page.play();
   find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
@@ -622,6 +609,7 @@ export async function start(data, source) {
   else if (data.canAsk) await askStructure();
   else fail("this file has no server: another structure needs fourbar live");
   if (page.engine) store.dispatch({ view: { at: page.engine.inside("at" in first.view ? first.view.at / factorOf() : store.state.view.at) } });       // a slide begins where it can be
+  page.refuse("");                        // what is wrong with the address is said
   document.documentElement.dataset.ready = "yes";
   return page;
 }

@@ -189,14 +189,14 @@ export class Picture {
     }
     for (const plate of sketch.plates) {
       const corners = hull(plate.map(at));
-      draw(main, "polygon", { class: "plate", points: corners, "data-bar": plate[0][0] });
+      draw(main, "polygon", { class: "plate", points: corners });
       corners.forEach((p, i) => lines.push([...p, ...corners[(i + 1) % corners.length]]));
     }
-    sketch.bars.forEach(([start, end], i) => {
-      const [[x1, y1], [x2, y2]] = [at(start), at(end)];
+    for (const bar of sketch.bars) {
+      const [[x1, y1], [x2, y2]] = bar.map(at);
       lines.push([x1, y1, x2, y2]);
-      for (const kind of ["bar", "core"]) draw(main, "line", { class: kind, x1, y1, x2, y2, "data-bar": i });
-    });
+      for (const kind of ["bar", "core"]) draw(main, "line", { class: kind, x1, y1, x2, y2 });
+    }
     for (const { joint, link, direction: [c, s], isGuided } of sketch.blocks) {
       const [, , cosine, sine] = engine.frame(link);
       this.block(main, joints[joint], [c * cosine - s * sine, -(c * sine + s * cosine)], isGuided, lines);
@@ -215,13 +215,13 @@ export class Picture {
       const [link, along, across] = sketch.points[name], tip = at([link, along, across]);
       const start = at([link, 0, 0]), foot = at([link, along, 0]);
       for (const [p, q] of [[start, foot], [foot, tip]]) segment("arm", p, q);
-      draw(main, "circle", { class: "point", cx: tip[0], cy: tip[1], r: 5, "data-point": name });
+      draw(main, "circle", { class: "point", cx: tip[0], cy: tip[1], r: 5 });
       labels.push({ kind: "point", anchor: tip, away: -0.8, words: name });
     }
     for (const [x, y] of pins) draw(main, "circle", { class: "pin", cx: x, cy: y, r: 5.5 });
     if (layers.forces !== false && engine.status === 0) {
       for (const { name, words, point, vector } of this.forces(engine)) {
-        const tip = this.arrow(main, name.startsWith("external.") ? "applied" : "force", this.pixels(point), vector, lines, name);
+        const tip = this.arrow(main, name.startsWith("external.") ? "applied" : "force", this.pixels(point), vector, lines);
         if (tip) labels.push({ kind: "force", anchor: tip, start: this.pixels(point), away: Math.atan2(-vector[1], vector[0]), words, extra: true, name });
       }
       const torque = engine.get(engine.structure.drive);
@@ -292,12 +292,12 @@ export class Picture {
     for (const [cx, cy] of [[x1, y1], [x2, y2]]) draw(parent, "circle", { class: "end", cx, cy, r: 3.5 });
   }
   /** An arrow of a vector [px, y upwards]; its tip, the point of one that is too short to be seen, null of none and of one too long. */
-  arrow(parent, kind, [x, y], [u, v], lines, name = "") {
+  arrow(parent, kind, [x, y], [u, v], lines) {
     const size = Math.hypot(u, v);
     if (!(size > 1e-6 && size < 20 * this.width)) return null;
     if (size < 5) return [x, y];
     const tip = [x + u, y - v];
-    drawArrow(parent, { class: kind, "data-load": name }, [x, y], tip);
+    drawArrow(parent, { class: kind }, [x, y], tip);
     lines.push([x, y, ...tip]);
     return tip;
   }
