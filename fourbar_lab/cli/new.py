@@ -208,9 +208,13 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     if has_kind:
         lengths = ({'a2': first.length_1, 'a3': first.length_2, 'a4': x} if is_four_bar
                    else {'a2': first.length_1, 'offset': y})
+        called = drawing.machine.joint_names
+        letters = [called['base'], called[f'{first.name}_first'], first.name,
+                   *([called[f'{first.name}_second']] if is_four_bar else [])]
         tree: dict[str, Any] = {'linkage': {
             'kind': 'four_bar' if is_four_bar else 'slider_crank', 'a1': a1, **lengths,
-            'mode': first.mode}}
+            'mode': first.mode} | ({'joints': letters} if {*letters} - {'O1', 'A', 'B', 'O4'}
+                                   else {})}
         link_in_scene |= dict(zip(first.links, ('coupler', 'output')))
     else:
         # points on which dyads hang; one that is the inner pin of a dyad has distance 0 from it

@@ -13,8 +13,8 @@ from math import hypot
 from pathlib import Path
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from fourbar_lab.drawing.labels import labels_of, significant
-from fourbar_lab.drawing.mechanism_panel import draw_pose, Letters
+from fourbar_lab.drawing.labels import as_mathtext, labels_of, significant
+from fourbar_lab.drawing.mechanism_panel import draw_pose
 from fourbar_lab.drawing.polygons import Arrow, polygons_of, sides_of
 from fourbar_lab.drawing.sheet import Sheet, USUAL
 from fourbar_ros import Mechanism
@@ -96,17 +96,17 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[str, float],
-                 names: Letters) -> None:
+                 letters: Mapping[str, str]) -> None:
     """
     Draw a velocity or acceleration polygon to scale, and every magnitude as text below it.
 
     Absolute vectors (sums) start at the pole o, relative ones form chains between their ends.
-    ``unit``: (text, size in SI); ``names``: other letters for joints.
+    ``unit``: (text, size in SI); ``letters``: {joint: its letter as mathtext}.
     """
     text, size = unit
     arrows = [arrow._replace(start=arrow.start / size, vector=arrow.vector / size)
               for arrow in arrows]
-    shown = sides_of(arrows, names, LEAST * max(hypot(*arrow.vector) for arrow in arrows))
+    shown = sides_of(arrows, letters, LEAST * max(hypot(*arrow.vector) for arrow in arrows))
     sheet = Sheet(axes, [ORIGIN] + [point for arrow in shown
                                     for point in (arrow.start, arrow.start + arrow.vector)],
                   f'{title} [{text}]')
@@ -127,17 +127,18 @@ def draw_polygon(axes: Axes, arrows: Sequence[Arrow], title: str, unit: tuple[st
 
 
 def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None = None,
-                title: str = '', points: Points | None = None, names: Letters | None = None,
+                title: str = '', points: Points | None = None, names: Mapping[str, str] = {},
                 units: Units = Units(), paper: Paper = Paper()) -> PaperFigure:
     """
     Return a matplotlib Figure of three panels: mechanism, velocity and acceleration polygon.
 
-    ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``units`` of
-    lengths and polygons. The panels stand beside each other, below each other in a column. Title
-    and text are beside the figure: :func:`save` makes room for them.
+    ``points``: {name: (link, along, across)}; ``names``: {joint: name in place of its letter};
+    ``units`` of lengths and polygons. The panels stand beside each other, below each other in a
+    column. Title and text are beside the figure: :func:`save` makes room for them.
     """
     velocities, accelerations = polygons_of(mechanism, motion)
     diagram = diagram_of(mechanism, motion)
+    labels = labels_of(diagram._replace(names={**names, **diagram.names, **names}))
     with new_figure(12.6, 4.4, paper) as figure:
         across, size, top = figure.get_figwidth(), figure.style['font.size'], 0.95
         if across >= BESIDE:
@@ -160,15 +161,15 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
                 below -= of_text
         figure.suptitle(figure.title_of(title, paper.title), x=0.003, y=top, ha='left',
                         va='bottom', fontsize=size * 13.0 / 11.0, fontweight='bold')
-        letters = labels_of(diagram).letters
-        names = {**(names or {}), **letters}
+        letters = {joint: as_mathtext(letter) for joint, letter in labels.letters.items()}
         heading = 'mechanism'
         if loads:
-            heading += ('   $F$: force on the link that hangs at the joint' if letters
+            heading += ('   $F$: force on the link that hangs at the joint'
+                        if not labels.are_by_links
                         else '   $F_{ij}$: force of link $i$ on link $j$')
-        draw_pose(axes[0], mechanism, motion, loads, points or {}, names, units.length, heading)
-        draw_polygon(axes[1], velocities, 'velocities', units.speed, names)
-        draw_polygon(axes[2], accelerations, 'accelerations', units.acceleration, names)
+        draw_pose(axes[0], mechanism, motion, loads, points or {}, labels, units.length, heading)
+        draw_polygon(axes[1], velocities, 'velocities', units.speed, letters)
+        draw_polygon(axes[2], accelerations, 'accelerations', units.acceleration, letters)
     return figure
 
 

@@ -15,29 +15,58 @@ from fourbar_ros.mechanisms import parts, picture
 from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
-LETTER = re.compile(r'[A-Z](_\w)?')
+LETTER = re.compile(r'[A-Z](_[^\W_])?')
+# an index as in B_1 and F_{A1}, none in tip_left
+INDEX = re.compile(r'(?<!\w)([A-Za-z])_(?:\{([^{}]*)\}|([^\W_])(?!\w))')
 SYMBOLS = {'theta': r'\theta_', 'omega': r'\omega_', 'alpha': r'\alpha_'}
 SAME = 1e-9      # joints nearer to each other than this share of the picture share a letter
 
 
 class Labels(NamedTuple):
-    """Names of joints and forces in a picture; joints with textbook names have no ``letters``."""
+    """Names of joints and forces in a picture."""
 
     joints: Mapping[str, Array]         # {letter as mathtext: point}
     forces: Mapping[str, str]           # {field of the loads: symbol as mathtext}
-    letters: Mapping[str, str]          # {joint: letter}
+    letters: Mapping[str, str]          # {joint: letter as it is written}, of textbooks: others
+    are_by_links: bool = False          # forces are F_41 etc., as of textbooks
+
+
+def as_mathtext(name: str) -> str:
+    """Return mathtext that shows a name as it is written; of a letter the index is lowered."""
+    if LETTER.fullmatch(name) or name.isalnum():
+        return name
+    return r'\text{' + re.sub(r'[\\$}]', r'\\\g<0>', name) + '}'
+
+
+def without_math(text: str) -> str:
+    """Return a text outside of formulas in which a dollar is a dollar."""
+    return text.replace('$', r'\$')
+
+
+def as_written(mathtext: str) -> str:
+    """Return a label with its names as they are written, F_{tip_left1}."""
+    return re.sub(r'\\text\{((?:\\.|[^}])*)\}', lambda match: re.sub(r'\\(.)', r'\1', match[1]),
+                  mathtext)
+
+
+def plain(words: str) -> str:
+    """Return a label as it is written on one line: FA1 for F_{A1}."""
+    return INDEX.sub(r'\1\2\3', words)
 
 
 def labels_of(diagram: picture.Diagram) -> Labels:
     """
     Return the labels of a diagram.
 
-    Joints named A, B, O_1, ... keep their names, with forces F_41 etc. Other joints, as in a
-    machine, get one letter for each point, its name if it has one; several joints at a point make
-    forces F_A1, F_A2. A letter stays where another point takes a name.
+    Joints named A, B, O_1, ... keep their names unless they are given others, with forces F_41
+    etc. Other joints, as in a machine, get one letter for each point, its name if it has one;
+    several joints at a point make forces F_A1, F_A2. A letter stays where another point takes a
+    name.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
-        return Labels(diagram.joints, {name: f'F_{{{name[1:]}}}' for name in diagram.forces}, {})
+        return Labels({as_mathtext(diagram.names.get(joint, joint)): point
+                       for joint, point in diagram.joints.items()},
+                      {name: f'F_{{{name[1:]}}}' for name in diagram.forces}, diagram.names, True)
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
     groups: list[list[str]] = []             # joints at one point
     for name, point in diagram.joints.items():
@@ -62,13 +91,13 @@ def labels_of(diagram: picture.Diagram) -> Labels:
             first, start = next(letters_in_turn)
             letter = next(letter for index in count(start) if (
                 letter := f'{first}_{index}' if index else first) not in taken)
-        letter = next((known[name] for name in names if name in known), letter)
-        joints[letter] = point
+        letter = next((known[name] for name in known if name in names), letter)
+        joints[as_mathtext(letter)] = point
         taken.add(letter)               # A_1 may be the next free one after A, and come in turn
         letters.update(dict.fromkeys(names, letter))
         for index, name in enumerate(names, 1):
             mark = index if len(names) > 1 else ''
-            symbols[name] = f'F_{{{letter.replace("_", "")}{mark}}}'
+            symbols[name] = f'F_{{{as_mathtext(plain(letter))}{mark}}}'
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
     return Labels(joints, forces, letters)
 
@@ -106,7 +135,7 @@ def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     known = {'driving_torque': f'driving torque ${mechanism.TORQUE}$',
              'driving_force': 'driving force $P$'}
     for name, symbol in labels.forces.items():
-        words = f' {name.replace("_", " ")}' if labels.letters else ''
+        words = '' if labels.are_by_links else f' {name.replace("_", " ")}'
         known |= {name: f'${symbol}${words}',
                   **{f'{name}_{axis}': f'${symbol[:-1]},{axis}}}${words}' for axis in 'xy'}}
     for coordinate in mechanism.PARTS:
@@ -145,7 +174,7 @@ def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[st
 
 def load_lines(loads: parts.NamedFields, labels: Labels, torque: str) -> list[str]:
     """Return lines of text: force at each joint, drive, guide, shaking; ``torque``: its symbol."""
-    lines = [f'${symbol}$ {name.replace("_", " ") + " " if labels.letters else ""}'
+    lines = [f'${symbol}$ {"" if labels.are_by_links else name.replace("_", " ") + " "}'
              f'= {significant(getattr(loads, name))} N' for name, symbol in labels.forces.items()]
     values = {name: significant(value) for name, value in loads._asdict().items()}
     lines.append(f'drive $P$ = {values["driving_force"]} N'

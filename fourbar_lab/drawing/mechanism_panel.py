@@ -3,12 +3,18 @@
 """A mechanism in a pose on paper: links, bodies, points, joint forces, angles, torque."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import pi, remainder
 from typing import TYPE_CHECKING
 
-from fourbar_lab.drawing.labels import labels_of, load_lines, motion_lines, symbol_of
-from fourbar_lab.drawing.polygons import renamed
+from fourbar_lab.drawing.labels import (
+    as_mathtext,
+    Labels,
+    labels_of,
+    load_lines,
+    motion_lines,
+    symbol_of,
+)
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros import Mechanism, point_motion
 from fourbar_ros.mechanisms import picture
@@ -22,12 +28,11 @@ if TYPE_CHECKING:      # drawings alone need it
 LEAST_FORCE = 0.1      # forces smaller than this share of the largest have no arrow
 ARROW = 0.4            # length of the longest force over the size of the mechanism
 BODY, FORCE, POINT, ANGLE = '0.35', '#1e6b37', '#7a4b00', '0.45'     # dark enough to print in grey
-Letters = Mapping[str, str]         # {name of a joint: other letter}
 
 
 def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points: picture.Points,
                    paths: Sequence[Array] = (), extra_points: Sequence[Array] = (),
-                   names: Letters | None = None, title: str = '') -> Sheet:
+                   labels: Labels | None = None, title: str = '') -> Sheet:
     """Draw a pose with points and paths (n, 2) [m]; the caller adds ``extra_points``, finishes."""
     diagram = picture.diagram_of(mechanism, motion)
     parts = picture.picture(mechanism, motion, points)
@@ -44,26 +49,25 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
     for part in parts:
         draw_part(sheet, part)
     middle = joints.mean(axis=0)
-    for name, point in labels_of(diagram).joints.items():
-        sheet.label(renamed(name, names or {}), point, point - middle, 'k', point)
+    for name, point in (labels or labels_of(diagram)).joints.items():
+        sheet.label(name, point, point - middle, 'k', point)
     for arm in arms:
-        name = arm.name.replace('_', r'\_')
-        sheet.label(rf'\mathrm{{{name}}}', arm.end, (1.0, 1.0), POINT, arm.end)
+        sheet.label(rf'\mathrm{{{as_mathtext(arm.name)}}}', arm.end, (1.0, 1.0), POINT, arm.end)
     return sheet
 
 
 def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: NamedFields | None,
-              points: picture.Points, names: Letters, unit: tuple[str, float], title: str) -> None:
+              points: picture.Points, labels: Labels, unit: tuple[str, float], title: str) -> None:
     """
     Draw links, joints, centres of gravity, angles, points; with loads also forces and the drive.
 
-    ``points``: {name: (link, along, across)}; ``names``: other letters for joints; ``unit`` of the
-    scale of lengths: (text, size in [m]).
+    ``points``: {name: (link, along, across)}; ``unit`` of the scale of lengths: (text, size in
+    [m]).
     """
     from matplotlib.patches import Wedge
     diagram = picture.diagram_of(mechanism, motion)
     size = max(np.ptp(np.array(list(diagram.joints.values())), axis=0))
-    labels, forces = labels_of(diagram), picture.forces_of(diagram, loads) if loads else []
+    forces = picture.forces_of(diagram, loads) if loads else []
     longest = max((force.size for force in forces), default=0.0)
     forces = [force._replace(vector=ARROW * size / longest * force.vector) for force in forces
               if force.size > LEAST_FORCE * longest]
@@ -71,7 +75,7 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
     centres = [point_motion(mechanism, motion, link, body.cg_along, body.cg_across).place
                for link, body in bodies if body.mass != 0.0]
     sheet = draw_mechanism(axes, mechanism, motion, points, (), [
-        *centres, *(force.point + force.vector for force in forces)], names, title)
+        *centres, *(force.point + force.vector for force in forces)], labels, title)
     for centre in centres:      # a quartered circle
         for start, end, colour in ((0.0, 360.0, 'w'), (0.0, 90.0, 'k'), (180.0, 270.0, 'k')):
             axes.add_patch(Wedge(centre, 0.06 * sheet.inch, start, end, fc=colour, ec='k', lw=0.8,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import make_panels, Paper, paper_of, save
+from fourbar_lab.drawing.labels import without_math
 from fourbar_ros.bag.reader import Bag, Progress
 from fourbar_ros.bag.tables import table_of, unit_of, units_in
 from fourbar_ros.errors import BagError, nearest
@@ -58,8 +59,9 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
         stamps, values, unit = curves[name]
         line = (((stamps - start) * 1e-9, values) if x is None
                 else _over(curves[x], stamps, values))
-        panels.setdefault(f'[{unit}]' if unit else '', []).append((name, *line))
-    return make_panels(panels, label, str(path), paper)
+        panels.setdefault(f'[{unit}]' if unit else '', []).append(
+            (without_math(name), *line))
+    return make_panels(panels, without_math(label), without_math(str(path)), paper)
 
 
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,

@@ -15,6 +15,7 @@ from typing import Any
 from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
+from fourbar_lab.drawing.labels import plain
 from fourbar_lab.drawing.record import counted
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.export.js_code import JsModule
@@ -118,8 +119,8 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'usual': [name for name in (output.rate, output.acceleration, linkage.drive_load,
                                     'shaking_force') if name in quantities],
         'shown': [name for name in dict.fromkeys(shown) if name in module.units],
-        'words': {name: f'{name} = {symbol.translate(PLAIN)}' for name, symbol in
-                  sketch['symbols'].items() if name[1:] != symbol.translate(PLAIN)[1:]},
+        'words': {name: f'{name} = {plain(symbol)}' for name, symbol in
+                  sketch['symbols'].items() if name[1:] != plain(symbol)[1:]},
         'facts': [*facts(linkage), *_joints({joint: letter for joint, letter in
                                              sketch['letters'].items() if joint != letter})],
         'fields': _fields(scene, module), 'positive': [
@@ -128,14 +129,11 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'sketch': sketch}
 
 
-PLAIN = str.maketrans('', '', '_{}')
-
-
 def _joints(letters: Mapping[str, str]) -> list[tuple[str, str]]:
     """Return (letter, names of the joints there) where pictures have letters for words."""
     joints: dict[str, list[str]] = {}
     for name, letter in letters.items():
-        joints.setdefault(f'joint {letter.translate(PLAIN)}', []).append(name)
+        joints.setdefault(f'joint {plain(letter)}', []).append(name)
     return [(letter, ', '.join(names)) for letter, names in joints.items()]
 
 

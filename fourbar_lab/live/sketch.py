@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from fourbar_lab.drawing.labels import labels_of
+from fourbar_lab.drawing.labels import as_written, labels_of
 from fourbar_ros.mechanisms import curves, picture
 from fourbar_ros.mechanisms.elements import PositionForce, Spring
 from fourbar_ros.scene.elements import element_names
@@ -76,7 +76,8 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
                       for stage in getattr(getattr(mechanism, 'layout', None), 'stages', ())],
             'letters': {name: labels.letters.get(name, name) for name in outline.joints},
             'ground': outline.ground, 'forces': outline.forces, 'loadsAt': loads_at,
-            'symbols': dict(labels.forces), 'springs': springs, 'applied': applied,
+            'symbols': {load: as_written(symbol) for load, symbol in labels.forces.items()},
+            'springs': springs, 'applied': applied,
             'points': {name: (link, named(f'points.{name}.along', along),
                               named(f'points.{name}.across', across))
                        for name, (link, along, across) in points.items()}}

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, TYPE_CHECKING
 
 from fourbar_lab.drawing.figure import make_figure, make_panels, Units, writing
-from fourbar_lab.drawing.mechanism_panel import Letters
 from fourbar_lab.reproduction import published
 from fourbar_lab.reproduction.documents import COLUMNS, Section, summary, VERDICTS
 from fourbar_ros import __version__, CROSSED, find_extrema, Mechanism, OPEN
@@ -46,7 +45,7 @@ FEET = Units(('in', published.INCH), ('ft/s', published.FOOT), ('ft/s$^2$', publ
 
 
 def pose(linkage: Mechanism, inputs: tuple[Any, ...], title: str, caption: str,
-         points: Points | None = None, letters: Letters | None = None, units: Units = FEET
+         points: Points | None = None, letters: Mapping[str, str] = {}, units: Units = FEET
          ) -> Captioned:
     """Draw a linkage at an input with its rates; ``letters``: of its joints in the slides."""
     return make_figure(linkage, linkage.motion(*inputs), None, title, points, letters,

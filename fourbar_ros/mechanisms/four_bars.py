@@ -31,8 +31,8 @@ dyad:
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import atan2, pi, remainder, sqrt
 from typing import Any, NamedTuple, TYPE_CHECKING
 
@@ -196,6 +196,8 @@ class FourBar(FourBarLinks):
         Springs, dampers, forces over a position, of :mod:`fourbar_ros.mechanisms.elements`.
     friction : mapping {joint: JointFriction}
         By its name, as 'O1'; 'drive': a DriveFriction.
+    joint_names : mapping {joint: name}
+        Names which pictures show in place of O1, A, B, O4.
 
     Raises
     ------
@@ -215,6 +217,7 @@ class FourBar(FourBarLinks):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     input = CRANK
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (parts.Output(THETA4, 'velocity_ratio'),)}
@@ -281,6 +284,7 @@ class MovingJointFourBar(FourBarLinks):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     MODES = {1: '1', parts.OPEN: '2'}
     INPUTS = {parts.JOINT_A: THETA2, parts.JOINT_B: THETA3}

@@ -83,7 +83,7 @@ class Rod(NamedTuple):
 class Outline(NamedTuple):
     """What is drawn of a mechanism, by points of its links; from it follow diagrams and pages."""
 
-    # ground, forces, angles, names: as of a Diagram
+    # ground, forces, angles: as of a Diagram
     joints: Mapping[str, tuple[Point, ...]]     # {name: the point of each link there}
     ground: tuple[str, ...]
     rods: tuple[Rod, ...]
@@ -91,7 +91,6 @@ class Outline(NamedTuple):
     forces: Mapping[str, str]
     angles: Mapping[str, str]
     plates: tuple[tuple[Point, ...], ...] = ()       # links of three points and more
-    names: Mapping[str, str] = {}                   # {joint: name of the point there}
 
 
 class Diagram(NamedTuple):
@@ -207,7 +206,9 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
     return Diagram(joints, outline.ground, tuple([
         Bar(locate(start), locate(end), width)
         for start, end, width in dict.fromkeys((*outline.rods, *sides))]),
-        tuple(blocks), outline.forces, outline.angles, outline.names)
+        tuple(blocks), outline.forces, outline.angles, {
+            joint: mechanism.joint_names[name] for joint in joints
+            if (name := joint.replace('O_', 'O')) in mechanism.joint_names})
 
 
 # {kind of dyad: {joint: index of the link that is drawn from there to the inner joint}}, rods and
@@ -294,8 +295,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
     return Outline(joints, ground=tuple(pivots), rods=tuple(dict.fromkeys(rods)),
                    blocks=tuple(blocks), forces={name: name for name in joints}, angles=angles,
-                   plates=tuple([plate for plate in plates if len(plate) > 2]),
-                   names=machine.joint_names)
+                   plates=tuple([plate for plate in plates if len(plate) > 2]))
 
 
 CRANK, OUTPUT = Point('crank'), Point('output')

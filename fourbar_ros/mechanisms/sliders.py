@@ -25,7 +25,7 @@ each about its own joint,
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan2, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -103,7 +103,7 @@ class SliderCrank(Kind):
     stroke : tuple of 2 floats, optional
         Lowest and highest theta1 [rad], in any turn, or slide [m], as a cylinder has; not given:
         all at which the links close.
-    gravity, elements, friction
+    gravity, elements, friction, joint_names
         As of :class:`.FourBar`.
 
     Guide force: of the ground on the slider, + along y; guide couple: of the ground on the slider
@@ -122,6 +122,7 @@ class SliderCrank(Kind):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     _require_closing, MARGIN_SIGNS = require_reach, MARGINS_OF_TRIANGLE
     TITLE = 'slider-crank'
@@ -235,6 +236,7 @@ class InvertedSlider(Kind):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     _require_closing, MARGIN_SIGNS = require_reach, MARGINS_OF_TRIANGLE
     TITLE = 'inverted slider-crank'
@@ -372,7 +374,7 @@ class ScotchYoke(Kind):
         Forces and couples on block (``coupler``) and yoke (``output``).
     stroke : tuple of 2 floats, optional
         Lowest and highest theta1 [rad], in any turn, or slide [m]; not given: all.
-    gravity, elements, friction
+    gravity, elements, friction, joint_names
         As of :class:`.FourBar`.
 
     """
@@ -387,6 +389,7 @@ class ScotchYoke(Kind):
     stroke: tuple[float, float] | None = None
     elements: tuple[Any, ...] = ()
     friction: Any = ()
+    joint_names: Mapping[str, str] = field(default_factory=dict, compare=False)
 
     TITLE = 'Scotch yoke'
     TEXT = 'a crank pin in the slot of a yoke that slides parallel to x, a Scotch yoke'

@@ -67,6 +67,7 @@ class StatedMechanism(ABC):
     elements: tuple[Any, ...]       # springs, dampers, forces over a position: :mod:`.elements`
     friction: Any       # pairs of :data:`.mechanisms.friction.Friction`
     stroke: tuple[float, float] | None      # lowest and highest input [rad or m]
+    joint_names: Mapping[str, str]          # {joint: name which pictures show}
 
     @abstractmethod
     def motion_formula(self, n: NumberType, constants: Constants) -> Function:

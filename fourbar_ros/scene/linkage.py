@@ -29,7 +29,8 @@ RODS_BY_SECTION: dict[tuple[str, ...], Callable[..., Body]] = dict(zip(
     SECTIONS, (round_rod, flat_bar)))
 ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
-           'name of a dyad': 'linkage.dyads', 'length, density, radius': 'bodies.rods',
+           'name of a dyad': 'linkage.dyads', 'name of a joint': 'linkage.points',
+           'length, density, radius': 'bodies.rods',
            'length, density, width, thickness': 'bodies.rods'}
 GEOMETRY = 'linkage.', 'dyads.', 'cylinder'
 MEMORY = 8
@@ -50,6 +51,9 @@ def linkage_of(values: ParameterValues) -> Mechanism:
         if length not in lengths and not isnan(value) and value != parameter.default:
             raise InvalidParameter(parameter.name, value, f'linkage.kind {kind} has '
                                    + (f'{", ".join(lengths)} only' if lengths else 'dyads.*'))
+    if kind == MACHINE and values['linkage.joints']:
+        raise InvalidParameter('linkage.joints', values['linkage.joints'], 'a machine has '
+                               'linkage.pivot, linkage.points and dyads.NAME.inner')
     try:
         mechanism = (_machine if kind == MACHINE else _of_kind)(values)
         mechanism.prepare()
@@ -79,13 +83,19 @@ def _of_kind(values: ParameterValues) -> Mechanism:
         raise InvalidParameter('linkage.input', values['linkage.input'],
                                f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
     _check_links(values, kind)
+    known = {link.first_joint for link in kind.LINKS} | {each.joint for each in kind.REACTIONS}
+    joints = [joint for joint in ('O1', 'A', 'B', 'O4') if joint in known]
+    if (names := values['linkage.joints']) and not len({*names}) == len(names) == len(joints):
+        raise InvalidParameter('linkage.joints', names,
+                               f'must be {len(joints)} different names, of {", ".join(joints)}')
     bodies = bodies_of_links(values, kind.LINKS, {
         length: values[f'linkage.{length}'] for length in LENGTHS}, are_all_needed=True)
     stroke = values['linkage.range']
     mechanism: Mechanism = kind(
         **arguments, mode=values['linkage.mode'], stroke=tuple(stroke) if stroke else None,
         bodies=None if bodies is None else kind.BODIES(**bodies),
-        gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)))
+        gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)),
+        joint_names=dict(zip(joints, names)))
     return mechanism
 
 

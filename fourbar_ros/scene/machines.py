@@ -11,7 +11,7 @@ from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.description import ANGLES, by_link, Cylinder, Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
-from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, DyadLengths
+from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, DyadLengths, SLIDES
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import GROUND
@@ -48,7 +48,8 @@ def machine_of(values: ParameterValues) -> Machine:
             if (point := values.get(f'dyads.{name}.{end}'))}
     names_of_joints = {BASE: values['linkage.pivot'], **{
         f'{name}_inner': values[f'dyads.{name}.inner'] for name in names}, **{
-        end.replace('.', '_'): point for end, point in hang.items()}}
+        f'{name}_{end}': hang[f'{name}.{end}'] for name in names for end in ('first', 'second')
+        if f'{name}.{end}' in hang and end not in SLIDES.get(values[f'dyads.{name}.kind'], ())}}
     try:
         dyads = []
         for name in names:

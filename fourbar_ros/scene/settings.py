@@ -288,6 +288,8 @@ PARAMETERS = _table(
     Parameter('linkage.pivot', 'string', '', '',
               f'of a {MACHINE}: name in pictures of the joint of its driven link with the ground; '
               'empty: O1', live=False),
+    Parameter('linkage.joints', 'strings', [], '', 'of the other kinds: names in pictures of O1, '
+              'A, B, O4, of those that it has, in this order; empty: these', live=False),
     *_point('cylinder.base', 'with linkage.input cylinder: pivot of its tube', GROUND,
             'with linkage.input cylinder: link on which its tube is pinned, the ground or one '
             'to which the crank is pinned at O1; see docs/machines.md', live=False),

@@ -12,7 +12,7 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
-from fourbar_lab.drawing.labels import labels_of
+from fourbar_lab.drawing.labels import as_written, labels_of, plain
 from fourbar_ros import Bodies, flat_bar, FourBar, load_scene
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.kinds import KINDS
@@ -58,6 +58,9 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     (['O1 1 1', 'A 1.02 1.01', 'B 1.1 1.02 slide 0deg'], [], 'slider_crank', 'slider-crank'),
     (['O1 0 0', 'A 0 1', 'B 2 1.001 mode 2', 'O4 3 1'], [], 'machine', 'RRR'),
     (['O1 0 0', 'A 0 -10mm', 'B 50mm -30mm', 'O4 60mm 10mm'], [], 'machine', 'RRR'),
+    (['P 0 0 ground', 'Q 10mm 20mm', 'R_top 60mm 30mm', 'S 50mm 0 ground'], [], 'four_bar',
+     'Grashof crank-rocker'),
+    (['P 0 0 ground', 'Q 10mm 20mm', 'R 90mm 5mm slide 0'], [], 'slider_crank', 'slider-crank'),
     (['X 0 0 ground', 'A 10mm 20mm', 'C 0 90mm slide 90deg'], [], 'machine', 'RRP'),
     (['A -3.7 -2.4 ground', 'B -2.7 0.9', 'C 1.6 0.4', 'D -0.2 4', 'E 5 5.3', 'F 8.1 3.3',
       'G 7.3 -3.5 ground'], ['--links', 'A-B', 'B-C-D', 'C-G-F', 'D-E', 'E-F'], 'machine',
@@ -81,11 +84,11 @@ def test_a_scene_of_points_is_the_drawing(points, options, kind, said, capsys):
     found = np.array([*pose.joints.values()])
     for place in drawn:
         assert np.hypot(*(found - place).T).min() < 1e-12
-    letters = labels_of(pose).joints
-    if scene.kind == 'machine':         # a kind has the letters of its forces: f41 at O1, ...
-        assert {*letters} == {*places} - {*scene.points}
-        for name, place in letters.items():
-            assert np.hypot(*(place - (places[name] - origin))) < 1e-12, name
+    letters = {plain(as_written(letter)): place
+               for letter, place in labels_of(pose).joints.items()}
+    assert {*letters} == {*places} - {*scene.points}
+    for name, place in letters.items():
+        assert np.hypot(*(place - (places[name] - origin))) < 1e-12, name
     for name, point in scene.points.items():
         place = point_motion(linkage, motion, *point).place
         assert np.hypot(*(place - (places[name] - origin))) < 1e-12

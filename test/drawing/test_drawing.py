@@ -4,8 +4,10 @@
 from dataclasses import replace
 from itertools import combinations
 from math import hypot
+from string import printable
 
-from fourbar_lab.drawing.labels import labels_of, significant
+from fourbar_lab.drawing.figure import make_figure
+from fourbar_lab.drawing.labels import as_mathtext, as_written, labels_of, plain, significant
 from fourbar_lab.drawing.polygons import polygons_of, renamed
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
@@ -84,6 +86,40 @@ def test_letters_stay_where_a_point_takes_a_name():
     assert after == {**before, 'one_first': 'B', 'one_inner': 'B_1', 'two_first': 'knee'}
     jansen = load('jansen').linkage
     assert {'pin', 'hip', 'knee'} <= {*labels_of(diagram_of(jansen, jansen.motion(1.0))).joints}
+
+
+def glyphs_of(mathtext):
+    from matplotlib.mathtext import MathTextParser
+    return ''.join(chr(glyph[2]) for glyph in MathTextParser('path').parse(f'${mathtext}$').glyphs)
+
+
+def test_names_are_drawn_as_they_are_written():
+    names = ['tip_left', 'P_2_3', '$P$', 'x^2', 'B__', 'a b', "knee'", 'Ärm', 'l\\mu', 'B_10',
+             *(f'AB{sign}C' for sign in printable[:95])]
+    for name in names:
+        mathtext = as_mathtext(name)
+        assert glyphs_of(mathtext) == name and as_written(mathtext) == name
+    assert as_mathtext('B_1') == 'B_1' and plain('B_1') == 'B1' and plain('tip_left') == 'tip_left'
+    assert plain('F_{A1}') == 'FA1'
+    machine = replace(load('watt').linkage, joint_names={'one_first': 'a_b$', 'two_first': 'x^2'})
+    labels = labels_of(diagram_of(machine, machine.motion(1.0)))
+    assert {'a_b$', 'x^2'} <= {*map(as_written, labels.joints)}
+    assert glyphs_of(labels.forces['two_first']) == 'Fx^2'
+
+
+@pytest.mark.parametrize('name, joint', [('paper', 'A'), ('paper', 'O_4'), ('watt', 'one_first'),
+                                         ('jansen', 'lower_inner'), ('jansen', 'lower_first')])
+def test_names_given_to_a_figure_win(name, joint):
+    scene = load(name)
+    motion = scene.linkage.motion(1.0, 2.0)
+    of_scene = labels_of(diagram_of(scene.linkage, motion))
+    assert joint in of_scene.letters or joint in of_scene.joints
+    figure = make_figure(scene.linkage, motion, names={joint: 'my_own'})
+    shown = [[as_written(text.get_text()).strip('$') for text in axes.texts]
+             for axes in figure.axes]
+    assert 'my_own' in shown[0] and (joint == 'O_4' or 'V_{my_own}' in shown[1])
+    letter = of_scene.letters.get(joint, joint)
+    assert letter not in shown[0] and f'V_{{{letter}}}' not in shown[1]
 
 
 def test_no_two_of_many_joints_share_a_letter():
@@ -224,7 +260,8 @@ def labels_over_a_cycle(name):
             low + (k + 0.5) / POSES * (high - low), scene.drive.speed)
         with new_figure(4.2, 3.74) as figure:
             canvas, axes = FigureCanvasAgg(figure), figure.add_axes((0.0, 0.0, 1.0, 1.0))
-            draw_pose(axes, scene.linkage, motion, loads, scene.points, {}, ('m', 1.0), '')
+            labels = labels_of(diagram_of(scene.linkage, motion))
+            draw_pose(axes, scene.linkage, motion, loads, scene.points, labels, ('m', 1.0), '')
             figure.draw_without_rendering()
             in_pose, at_fault = faults_of(axes, canvas)
         count += in_pose

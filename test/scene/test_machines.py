@@ -3,7 +3,7 @@
 """Machines of dyads as scenes: the machine that was meant, and mistakes refused by name."""
 from math import atan2, cos, pi, remainder, sin, tau
 
-from fourbar_ros import FourBar
+from fourbar_ros import FourBar, InvalidParameter
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.pipeline.stepper import LOADS_UNKNOWN, Stepper, Wanted
 from fourbar_ros.pipeline.wrenches import Wrench
@@ -158,3 +158,13 @@ def test_joints_stand_in_the_order_and_count_the_angles_of_the_page_about_robots
             for joint, value in zip(linkage.JOINTS[place:], expected):
                 error = getattr(motion, joint.coordinate.position) - value
                 assert abs(remainder(error, tau)) < 1e-12
+
+
+@pytest.mark.parametrize('name, changes', [
+    ('jansen', {'linkage.pivot': 'knee'}), ('jansen', {'dyads.lower.inner': 'pivot'}),
+    ('watt', {'dyads.one.inner': 'T', 'linkage.pivot': 'T'})])
+def test_one_name_for_joints_at_two_points_is_refused(name, changes):
+    values = scene.load(name).values
+    with pytest.raises(InvalidParameter, match=f"'{[*changes.values()][0]}': names two joints"):
+        scene.from_values({**values, **changes})
+    scene.from_values({**values, 'linkage.pivot': 'Z'})       # jansen's knee is several joints

@@ -47,22 +47,24 @@ export function drawArrow(parent, attributes, [x1, y1], tip) {
 }
 /** The line through places [px], with gaps where they are NaN. */
 export const lineThrough = places => places.map(([x, y], i) => (Number.isNaN(x + y) ? "" : `${i && !Number.isNaN(places[i - 1][0] + places[i - 1][1]) ? "L" : "M"}${x.toFixed(1)} ${y.toFixed(1)}`)).join("");
-/** A text whose indices are lowered: F_{A1}, O_1. */
+const INDEX = /(?<!\w)([A-Za-z])_(?:\{([^{}]*)\}|([^\W_])(?!\w))/g;    // of labels.py
+/** A text whose indices are lowered: F_{A1}, O_1; not tip_left. */
 export function label(parent, attributes, words) {
   const text = draw(parent, "text", attributes);
   if (text.words === words) return text;
   text.words = words;
   text.replaceChildren();
-  for (const [, plain, index] of words.matchAll(/([^_]+)|_\{?([^{}]*)\}?/g)) {
-    if (plain) draw(text, "tspan", {}, plain);
-    else {
-      draw(text, "tspan", { dy: 4, "font-size": "80%" }, index);
-      draw(text, "tspan", { dy: -4 }, "\u200b");
-    }
+  let end = 0;
+  for (const { 0: { length }, 1: letter, 2: braced, 3: index = braced, index: start } of words.matchAll(INDEX)) {
+    draw(text, "tspan", {}, words.slice(end, start) + letter);
+    draw(text, "tspan", { dy: 4, "font-size": "80%" }, index);
+    draw(text, "tspan", { dy: -4 }, "\u200b");
+    end = start + length;
   }
+  if (end < words.length) draw(text, "tspan", {}, words.slice(end));
   return text;
 }
-export const plain = words => words.replace(/[_{}]/g, "");
+export const plain = words => words.replace(INDEX, "$1$2$3");
 /** A value with four digits. */
 export function significant(value) {
   if (Math.abs(value) === Infinity) return "unbounded";
