@@ -22,6 +22,7 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
     import mujoco
     try:
         root = ElementTree.fromstring(text_of(path))
+        _put_in_includes(root, path.parent, set())
         if root.tag == 'robot':
             for old in root.findall('mujoco'):
                 root.remove(old)
@@ -30,10 +31,7 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
         for parent in list(root.iter()):        # what neither moves nor weighs
             for child in [each for each in parent if each.tag in WITHOUT]:
                 parent.remove(child)
-        if root.find('.//include') is None:
-            spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding='unicode'))
-        else:
-            spec = mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding='unicode'))
     except (ValueError, ElementTree.ParseError) as error:
         raise Refused(f'{path}: MuJoCo cannot read it: {" ".join(str(error).split())}') from None
     lost = set()
@@ -54,6 +52,21 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
             raise Refused(f'{body.name} has a negative mass or moment of inertia')
     spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
     return spec, sorted(lost)
+
+
+def _put_in_includes(parent: ElementTree.Element, folder: Path, read: set[Path]) -> None:
+    """Replace each <include> by what its file holds, in any encoding; each file once."""
+    for index, child in reversed([*enumerate(parent)]):
+        if child.tag == 'include':
+            file = folder / child.get('file', '')
+            if file in read:
+                raise ValueError(f'{file} is included twice')
+            read.add(file)
+            included = ElementTree.fromstring(text_of(file))
+            _put_in_includes(included, folder, read)
+            parent[index:index + 1] = included
+        else:
+            _put_in_includes(child, folder, read)
 
 
 def compiled(spec: Any, path: Path) -> Any:

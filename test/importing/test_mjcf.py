@@ -87,6 +87,21 @@ def test_a_file_may_be_in_the_utf_16_of_powershell(tmp_path):
     assert 'linkage' in plain and import_file(path).text == plain
 
 
+@pytest.mark.parametrize('encoding', ['utf-8', 'utf-16'])
+def test_what_a_file_includes_may_be_in_any_encoding(encoding, tmp_path):
+    plain, head = read(tmp_path, robot()), '<?xml version="1.0" encoding="utf-8"?>\n'
+    begin, world, end = re.split('(<worldbody>.*</worldbody>)', robot(), flags=re.DOTALL)
+    (tmp_path / 'parts').mkdir()
+    for name, text in (('robot.xml', f'{begin}<include file="parts/outer.xml"/>{end}'),
+                       ('parts/outer.xml', '<mujoco><include file="parts/world.xml"/></mujoco>'),
+                       ('parts/world.xml', f'<mujocoinclude>{world}</mujocoinclude>')):
+        (tmp_path / name).write_bytes((head + text).encode(encoding))
+    assert import_file(tmp_path / 'robot.xml').text == plain.text and plain.loops
+    (tmp_path / 'parts/world.xml').write_text('<mujoco><include file="parts/outer.xml"/></mujoco>')
+    with pytest.raises(Refused, match='outer.xml is included twice'):
+        import_file(tmp_path / 'robot.xml')
+
+
 @pytest.mark.parametrize('euler', ('0 0 0', '0.3 -1.1 2.0', '1.5707963267948966 0 0', '0 1 0'))
 def test_the_plane_lies_wherever_it_is(euler, tmp_path):
     import mujoco
