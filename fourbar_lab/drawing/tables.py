@@ -53,8 +53,8 @@ def facts(linkage: Mechanism) -> list[tuple[str, str]]:
     driven = linkage.input_coordinate
     coordinates = {coordinate.position: coordinate for coordinate in (
         driven, *(output.coordinate for output in linkage.outputs))}
-    lengths = [f'{name} {length:g}' for name, length in properties['lengths'].items()]
-    rows = [('lengths', '  '.join([*lengths, 'm'])),
+    lengths = [f'{name} {length:g} m' for name, length in properties['lengths'].items()]
+    rows = [('lengths', '  '.join(lengths)),
             *([('in doubt', linkage.doubt)] if linkage.doubt else []),
             ('class', properties['class']), ('assembly mode', properties['mode_name']),
             *([('change point', linkage.branch_in_words)] if linkage.branch_in_words else []),
@@ -111,7 +111,7 @@ def _masses(linkage: Mechanism, properties: LinkageRecord) -> list[tuple[str, st
     ends = ', '.join(shown(driven, end) for end in inertia['unbounded_at'])
     words = (f'{least}, unbounded at {ends}; no finite mean' if ends else
              f'{least} to {inertia["most"]:.6g} {unit} at {shown(driven, inertia["most_at"])}, '
-             f'mean {inertia["mean"]:.6g}')
+             f'mean {inertia["mean"]:.6g} {unit}')
     mean = properties['held_rigid_mean']
     return [*rows, ('inertia at the input', words),
             ('held rigid, mean', f'{mean["mass"]:.6g} kg at ({mean["x"]:.6g}, {mean["y"]:.6g}) m, '

@@ -9,6 +9,7 @@ half its slope dJ/dtheta is the drive at unit rate. No digit cancels.
 """
 from __future__ import annotations
 
+from math import hypot
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Base, Body, field_of, NOT_APPLIED
@@ -17,7 +18,7 @@ from fourbar_ros.mechanisms.curves import FIXED, point_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NamedFields
 from fourbar_ros.mechanisms.quadrature import mean_over_input
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import Scalar
 import numpy as np
 
@@ -82,6 +83,7 @@ def mean_rigid(mechanism: Mechanism) -> Rigid:
     with np.errstate(all='ignore'):
         x, y, about_o1 = map(float, mean_over_input(mechanism, moments,
                                                     least_size=(size, size, 0.0)))
+    x, y = (0.0 if abs(part) < EPS * hypot(x, y) else part for part in (x, y))     # of symmetry
     about_centre = about_o1 - mass * (x * x + y * y)
     return Rigid(mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 

@@ -71,11 +71,13 @@ def point_in(name: str, values: ParameterValues) -> curves.Point:
 
 
 def with_unit(values: ParameterValues) -> frozenset[str]:
-    """Return the parameters, not checked yet, whose numbers are texts with a unit, as 40mm."""
+    """Return the parameters, not checked yet, whose numbers have units, as 40mm; but for zeros."""
+    def are_with_unit(items: list[Any]) -> bool:
+        matches = [NUMBER.fullmatch(str(item).strip()) for item in items]
+        return any(match and match[2] for match in matches) and all(
+            match and (match[2] or float(match[1]) == 0.0) for match in matches)
     return frozenset(name for name, value in values.items()
-                     for item in (value if isinstance(value, list) else [value])
-                     if isinstance(item, str) and (
-                         match := NUMBER.fullmatch(item.strip())) and match[2])
+                     if are_with_unit(value if isinstance(value, list) else [value]))
 
 
 def require_choice(name: str, value: str, choices: Iterable[str], some: bool = False) -> None:

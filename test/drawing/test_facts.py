@@ -75,3 +75,10 @@ def test_a_range_of_the_crank_is_that_of_its_facts_curves_and_marks(stroke):
     values = linkage.motion(x).transmission_angle
     assert [angle['least'], angle['most']] == pytest.approx([values.min(), values.max()], abs=1e-6)
     assert stroke[0] - 1e-12 <= angle['worst_at'] <= stroke[1] + 1e-12
+
+
+def test_each_number_has_its_unit_and_a_zero_of_symmetry_is_zero():
+    said = dict(facts(load('press').linkage))
+    assert said['lengths'] == 'a1 0.04 m  a2 0.16 m  offset 0 m'
+    assert said['inertia at the input'].endswith(' kg m^2')
+    assert re.search(r' at \(0\.\d+, 0\) m', said['held rigid, mean'])
