@@ -3,7 +3,7 @@
 // A structure's module with the numbers of a scene: poses, ranges, samples. No document here.
 export const TURN = 2 * Math.PI;
 const SAMPLES = 361;      // of a range
-const STEEP = 0.2;        // of what the top is away from the median sample: where a neighbour differs by more, no sample tells how high it is
+const STEEP = 0.2;        // of an extreme sample, and of its way from the median: where a neighbour differs by more, none tells how large it is
 const sameTurn = (angle, reference) => angle + TURN * Math.round((reference - angle) / TURN || 0);
 const median = values => values.filter(Number.isFinite).sort((a, b) => a - b)[values.length >> 1];
 
@@ -173,7 +173,7 @@ export class Engine {
     const row = (kind, k) => ({ quantity: name, kind, inputs: [inputs[k]], value: values[k], note: `of ${values.length} samples` }), noise = this.noise(name, values);
     if (values[high] - values[low] <= noise) return [{ ...row("constant", low), ...(Math.abs(values[low]) <= noise && { value: 0 }) }];
     const count = values.length / this.ranges.length, beside = (k, way) => (this.turnsFully ? (k + way + count - 1) % (count - 1) : Math.floor((k + way) / count) === Math.floor(k / count) ? k + way : k);
-    const isSteep = k => [-1, 1].some(way => !(Math.abs(values[beside(k, way)] - values[k]) < STEEP * Math.abs(values[k] - usual)));
+    const isSteep = k => [-1, 1].some(way => !(Math.abs(values[beside(k, way)] - values[k]) < STEEP * Math.min(Math.abs(values[k]), Math.abs(values[k] - usual))));
     return [row("maximum", high), row("minimum", low)].filter((_, i) => !isSteep([high, low][i]));
   }
   /** How large the mechanism is over all poses [m], and the box around its joints: [low, high]. */
