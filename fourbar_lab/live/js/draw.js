@@ -280,14 +280,14 @@ export function addDrawing(page) {
   const scene = () => store.state.scene;
   /** A change of numbers, with what follows from it. */
   page.alsoChanged = set => ({ ...set, ...crankOf(scene(), written(scene(), set)) });
-  const isEmpty = () => !Object.keys(store.state.scene).length;
+  const isEmpty = () => !Object.keys(scene()).length;
   const sketchNow = () => {
     const x = page.engine.inside(store.state.view.at);
     must(page.engine.at(x), 'There is no pose here: undo, or begin with New');
     return sketchOf(scene(), page.engine, x);
   };
-  const isAnswered = () => (scene().linkage.dyads ?? []).every(name => page.structure().sketch.dyads.some(dyad => dyad.name === name));
-  const canSketch = () => !isEmpty() && page.engine && scene().linkage?.kind === 'machine' && isAnswered();
+  /** Whether there is a machine of which the server has answered all dyads. */
+  const canSketch = () => page.engine && scene().linkage?.kind === 'machine' && (scene().linkage.dyads ?? []).every(name => page.structure().sketch.dyads.some(dyad => dyad.name === name));
 
   /** A handler that says what is wrong where it was drawn. */
   const guarded = act => (...given) => {
@@ -410,8 +410,8 @@ export function addDrawing(page) {
     else refuse('This kind cannot be drawn on: begin with New');
   }
   function addTool(tool) {
-    const handlers = { begin() {}, down() {}, move() {}, up() {}, key: () => false, ...tool }, acts = Object.entries(handlers).filter(([, of]) => typeof of === 'function');
-    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(() => (becomeMachine(), handlers.begin())), end: clear, isDrawing: true, get hint() { return tool.hintNow?.() ?? tool.title; } });
+    const acts = Object.entries(tool).filter(([, of]) => typeof of === 'function');
+    page.addTool({ ...tool, ...Object.fromEntries(acts.map(([name, act]) => [name, guarded(act)])), begin: guarded(() => (becomeMachine(), tool.begin?.())), end: clear, isDrawing: true, get hint() { return tool.hintNow?.() ?? tool.title; } });
   }
 
   // --- two rods, a slide, a cylinder ---
@@ -636,7 +636,7 @@ export function addDrawing(page) {
     must(start.link !== 'ground', 'A force acts on a link that moves');
     must(!isClick, 'Drag the arrow away from its point');
     const [force_x, force_y] = forceOf(start, place), { along, across = 0 } = localPlace(sketch, start);
-    return { [`external.${start.link}`]: { ...store.state.scene.external?.[start.link], force_x, force_y, along, across } };
+    return { [`external.${start.link}`]: { ...scene().external?.[start.link], force_x, force_y, along, across } };
   });
 
   // --- modes, drive, what goes ---

@@ -99,12 +99,12 @@ export class Engine {
   }
   /** The input at which a joint is nearest to a place; a path crosses itself: far inputs count as farther. */
   nearest(joint, [x, y], from) {
-    const span = this.span, far = input => {
-      if (!this.at(this.inside(input))) return Infinity;
-      const [u, v] = this.joint(joint);
-      return Math.hypot(u - x, v - y) + (0.05 * this.size * Math.abs(input - from)) / span;
+    const { span } = this, inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0));
+    const away = input => {
+      const [u, v] = this.joint(joint), sum = Math.hypot(u - x, v - y) + (0.05 * this.size * Math.abs(input - from)) / span;
+      return sum < Infinity ? sum : Infinity;         // NaN where there is no pose
     };
-    const inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0)), distances = inputs.map(far);
+    const distances = this.ofSamples(i => away(inputs[i])), far = input => (this.at(this.inside(input)), away(input));
     let best = inputs[distances.indexOf(Math.min(...distances))];
     for (let step = span / inputs.length; step > 1e-7 * span; step /= 2) [best] = [best, best - step, best + step].sort((one, two) => far(one) - far(two));
     return this.inside(best);
