@@ -88,6 +88,16 @@ def point_acceleration(mechanism: Mechanism, link: str, along: float, across: fl
                     partial(_size, mechanism, link, along, across, slice(4, 6)), is_smooth=True)
 
 
+def point_coordinate(mechanism: Mechanism, link: str, along: float, across: float, axis: str,
+                     name: str) -> Function:
+    """Return the quantity ``name.x`` or ``name.y`` [m] of a point of a link."""
+    def coordinate(motion: NamedFields, loads: NamedFields) -> Scalar:
+        point = point_of(mechanism.link_motion(motion, link), along, across)
+        return point['xy'.index(axis)]
+    return Function(f'{name}.{axis}', 'm', f'{axis} of the point ({along:g}, {across:g}) m of the '
+                    f'{link}', coordinate, is_smooth=True)
+
+
 def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
           motion: NamedFields, loads: NamedFields) -> Scalar:
     """Return the length of two ``fields`` (x, y) of the :class:`.MovingPoint` of a point."""

@@ -288,6 +288,14 @@ class Scene:
                 for name, point in self.points.items()
                 for make in (point_speed, point_acceleration)]
 
+    @property
+    def named_quantities(self) -> list[Function]:
+        """Return these and NAME.x, NAME.y [m], which must be asked for by name."""
+        from fourbar_ros.mechanisms.quantities import point_coordinate
+        return [*self.point_quantities, *(
+            point_coordinate(self.linkage, *point, axis=axis, name=name)
+            for name, point in self.points.items() for axis in 'xy')]
+
 
 def from_values(values: ParameterValues) -> Scene:
     """Return the Scene of {'linkage.a1': 0.4, ...}; InvalidParameter says which value is bad."""

@@ -5,7 +5,7 @@ import csv
 from fractions import Fraction
 import io
 import json
-from math import isnan, radians
+from math import isnan, radians, tau
 import subprocess
 import sys
 
@@ -18,10 +18,11 @@ from fourbar_lab.drawing.curves import (
 )
 from fourbar_lab.drawing.record import drive_of
 from fourbar_lab.drawing.tables import facts
-from fourbar_ros import load_scene
+from fourbar_ros import find_extrema, load_scene, point_motion
 from fourbar_ros.cli.main import main
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.quantities import select
 from fourbar_ros.spreadsheet import CsvStyle
 import numpy as np
 import pytest
@@ -269,6 +270,27 @@ def test_a_plot_has_ticks_each_90_degrees_symbols_and_extrema():
     assert [axis.texts[0].get_text() for axis in figure.axes] == [
         '$F_{41}$', r'$\omega_4$', r'$\theta_4$']
     assert all(len(points.get_xdata()) >= 2 for _, points in (axis.lines for axis in figure.axes))
+
+
+def test_coordinates_of_points_are_columns_and_curves_by_name(capsys):
+    scene = load_scene('jansen')
+    assert main(['table', 'jansen', 'foot.x', 'foot.y', '--samples', '9', '--units', 'rad',
+                 '-o', '-']) == 0
+    head, *rows = csv.reader(io.StringIO(capsys.readouterr().out))
+    assert head == ['theta_crank [rad]', 'foot.x [m]', 'foot.y [m]']
+    for x, *place in np.array(rows, float):
+        point = point_motion(scene.linkage, scene.linkage.motion(x), *scene.points['foot'])
+        assert place == pytest.approx(point.place, rel=1e-8, abs=1e-9)    # nine digits and more
+    names = [quantity.name for quantity in select((), scene.linkage, scene.point_quantities)]
+    assert 'foot.speed' in names and 'foot.x' not in names      # show has what it had
+    quantities = select(['foot.y'], scene.linkage, scene.named_quantities)
+    found = find_extrema(scene.linkage, quantities)
+    scan = point_motion(scene.linkage, scene.linkage.motion(np.linspace(0.0, tau, 2000)),
+                        *scene.points['foot']).place[..., 1]
+    # between two inputs of a scan a curve is off by an eighth of curvature times squared step
+    near = max(abs(np.diff(scan, 2))) / 8.0
+    for best, scanned in ((max, scan.max()), (min, scan.min())):
+        assert abs(best(extremum.value for extremum in found) - scanned) <= near
 
 
 def test_weight_that_is_left_out_is_told(tmp_path, capsys):
