@@ -105,8 +105,11 @@ export class Engine {
       return sum < Infinity ? sum : Infinity;         // NaN where there is no pose
     };
     const distances = this.ofSamples(i => away(inputs[i])), far = input => (this.at(this.inside(input)), away(input));
-    let best = inputs[distances.indexOf(Math.min(...distances))];
-    for (let step = span / inputs.length; step > 1e-7 * span; step /= 2) [best] = [best, best - step, best + step].sort((one, two) => far(one) - far(two));
+    let least = Math.min(...distances), best = inputs[distances.indexOf(least)];
+    for (let step = span / inputs.length; step > 1e-7 * span; step /= 2) for (const next of [best - step, best + step]) {
+      const there = far(next);
+      if (there < least) [best, least] = [next, there];
+    }
     return this.inside(best);
   }
 
