@@ -24,7 +24,7 @@ from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms import curves, elements, evaluation
-from fourbar_ros.mechanisms.points import make_point, with_any_lengths
+from fourbar_ros.mechanisms.points import point_in, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
@@ -93,20 +93,19 @@ class JsModule:
         parametric = with_any_lengths(mechanism, [
             changed[f'linkage.{name}'] for name in mechanism.length_names
             if f'linkage.{name}' in changed])
-        points = [make_point(n, parametric, point.link, changed[f'points.{name}.along'],
-                             changed[f'points.{name}.across'])
-                  for name, point in scene.points.items()]
         quantities = point_quantities_of(scene, {**scene.values, **changed}, parametric)
-        motion_of = mechanism.motion_formula(n, constants)
 
         def formula(x: Any, rate: Any, acceleration: Any) -> Any:
-            motion = mechanism.MOTION._make(motion_of(x, rate, acceleration))
+            motion = mechanism.motion_in(n, constants, x, rate, acceleration)
             moving = mechanism.link_motions(motion, constants.lengths)
             frames = [tuple(link) for link in moving.values()]
             self.ends.append(len(x.trace.steps))
-            loads = (mechanism.loads_formula(n, constants)(motion) if mechanism.bodies else ())
+            loads = mechanism.loads_in(n, constants, motion) if mechanism.bodies else ()
             self.ends.append(len(x.trace.steps))
-            return (tuple(motion), frames, [point(motion) for point in points],
+            points = [point_in(n, parametric, motion, point.link, changed[f'points.{name}.along'],
+                               changed[f'points.{name}.across'])
+                      for name, point in scene.points.items()]
+            return (tuple(motion), frames, points,
                     [quantity.of(motion, None) for quantity in quantities.values()], loads)
         self._of_points = quantities
         return formula

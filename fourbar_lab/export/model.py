@@ -13,7 +13,7 @@ from fourbar_lab.export.statements import JUDGED
 from fourbar_ros import Base, FourBarError, InvalidParameter, Mechanism
 from fourbar_ros.errors import one_of
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.points import make_point, point_motion, with_any_lengths
+from fourbar_ros.mechanisms.points import point_in, point_motion, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
@@ -118,17 +118,16 @@ class GeneratedModel:
                     mechanism, {**self.scene.values, **dict(zip(self.named_points, points))}, n,
                     constants.lengths))
             parametric = with_any_lengths(mechanism, constants.lengths)
-            points = [make_point(n, parametric, point.link, *along_across) for point, along_across
-                      in zip(self.scene.points.values(), coordinates)]
-            motion_of = mechanism.motion_formula(n, constants)
 
             def formula(x: Any, rate: Any, acceleration: Any) -> Any:
-                motion, loads = mechanism.MOTION._make(motion_of(x, rate, acceleration)), ()
+                motion, loads = mechanism.motion_in(n, constants, x, rate, acceleration), ()
                 ends.append(len(x.trace.steps))
                 if mechanism.bodies:
-                    loads = mechanism.loads_formula(n, constants)(motion)
+                    loads = mechanism.loads_in(n, constants, motion)
                 ends.append(x.trace.begin_apart())
-                return tuple(motion), loads, [point(motion) for point in points]
+                return tuple(motion), loads, [
+                    point_in(n, parametric, motion, point.link, *along_across)
+                    for point, along_across in zip(self.scene.points.values(), coordinates)]
             return formula
 
         trace = Trace(make_formula, 3, self._tree)

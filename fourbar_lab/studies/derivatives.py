@@ -104,19 +104,14 @@ class Derivatives:
         """Return input -> (fields of motion, of loads, quantities), for values of parameters."""
         linkage, values = self.scene.linkage, {**self.scene.values, **dict(zip(self.names, data))}
         constants = parametric.constants_of(self.scene, values, n)
-        with np.errstate(all='ignore'):
-            move = linkage.motion_formula(n, constants)
-            load = linkage.loads_formula(n, constants) if linkage.bodies else None
         self.quantities |= parametric.point_quantities_of(
             self.scene, values, with_any_lengths(linkage, constants.lengths))
 
         def results(x: Scalar) -> tuple[Any, ...]:
-            fields = move(x, values['drive.speed'], self.acceleration)
-            loads = load(fields) if load else ()        # none without masses
-            motion_and_loads = (linkage.MOTION(*fields),
-                                linkage.LOADS(*loads) if loads else NoLoads())
-            return tuple(fields), tuple(loads), [
-                quantity.of(*motion_and_loads) if loads or not quantity.is_load else nan
+            motion = linkage.motion_in(n, constants, x, values['drive.speed'], self.acceleration)
+            loads = linkage.loads_in(n, constants, motion) if linkage.bodies else None
+            return tuple(motion), tuple(loads or ()), [
+                quantity.of(motion, loads or NoLoads()) if loads or not quantity.is_load else nan
                 for quantity in self.quantities.values()]
         return results
 

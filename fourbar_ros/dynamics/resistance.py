@@ -49,7 +49,6 @@ def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
                 name: unchecked(Applied, force_x, force_y, loads[name][1].along,
                                 loads[name][1].across, couple)
                 for name, (force_x, force_y, couple) in wrenches.items()}))
-    motion_of = mechanism.motion_formula(n, constants)
     one_way = [force for force in mechanism.elements if force.is_one_way]
     # forces of joints are linear forms, whose sizes are not asked for
     of_forms = replace(n, hypot=lambda x, y: 0.0 if isinstance(x, LinearForm) or isinstance(
@@ -65,8 +64,8 @@ def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
                 cut = cut + force.generalised(n, moving, value, direction)
         # Loads at a rate and an unknown acceleration are linear forms; they are computed for what
         # joints with friction tell ``rubbing`` of them.
-        mechanism.make_joint_loads(of_forms, constants, rubbing)(mechanism.MOTION._make(
-            motion_of(position, rate, LinearForm({CHANGE: 1.0}))))
+        mechanism.joint_loads_in(of_forms, constants, mechanism.motion_in(
+            n, constants, position, rate, LinearForm({CHANGE: 1.0})), rubbing)
         paid, felt, edges = form_of(rubbing.paid), list[joints.Felt](), list[Scalar]()
         friction = paid.coefficient(CONSTANT)
         if rubbing:

@@ -8,7 +8,7 @@ angle of a link, or of the way of a point.
 
 Each element states its physics once, for any number type: equations (E5) and (E7) of
 :mod:`fourbar_ros.dynamics.equation`, from the motions of the links (and the ground) it acts on.
-Loads take its forces as external forces of the links, :func:`make_applied`.
+Loads take its forces as external forces of the links, :func:`applied_in`.
 """
 from __future__ import annotations
 
@@ -580,26 +580,24 @@ def turns_of(elements: Sequence[Element]) -> int:
     return lcm(*[element.turns for element in elements if isinstance(element, PositionForce)])
 
 
-def make_applied(n: NumberType, mechanism: Mechanism, constants: Constants
-                 ) -> Callable[[NamedFields], Any]:
-    """Return motion -> what acts on each link: its constant force and all elements."""
+def applied_in(n: NumberType, mechanism: Mechanism, constants: Constants, motion: NamedFields
+               ) -> Any:
+    """Return what acts on each link in a motion: its constant force and all elements."""
     # The forces of elements on a link act at the point of its constant force; those on the ground
     # are left out. Numbers are of the type n, and not checked to be finite.
-    loaded, driven = links_of(mechanism.elements), mechanism.input_coordinate
-
-    def applied(motion: NamedFields) -> Any:
-        moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
-        position, rate = getattr(motion, driven.position), getattr(motion, driven.rate)
-        share: Scalar = 1.0     # of forces one way: they fade within the slip speed, (J4)
-        if mechanism.slip_speed:
-            from fourbar_ros.mechanisms.friction import direction_of  # few mechanisms have any
-            share = n.fabs(direction_of(n, rate, mechanism.slip_speed_in(constants)))
-        acting = [force for element in constants.elements
-                  for force in element.forces(n, moving, position, rate, share)]
-        return constants.external._replace(**{link: _sum_of(
-            getattr(constants.external, link, NOT_APPLIED), moving[link],
-            [force for force in acting if force.link == link]) for link in loaded})
-    return applied
+    driven = mechanism.input_coordinate
+    moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
+    position, rate = getattr(motion, driven.position), getattr(motion, driven.rate)
+    share: Scalar = 1.0     # of forces one way: they fade within the slip speed, (J4)
+    if mechanism.slip_speed:
+        from fourbar_ros.mechanisms.friction import direction_of  # few mechanisms have any
+        share = n.fabs(direction_of(n, rate, mechanism.slip_speed_in(constants)))
+    acting = [force for element in constants.elements
+              for force in element.forces(n, moving, position, rate, share)]
+    return constants.external._replace(**{link: _sum_of(
+        getattr(constants.external, link, NOT_APPLIED), moving[link],
+        [force for force in acting if force.link == link])
+        for link in links_of(mechanism.elements)})
 
 
 def _sum_of(constant: Applied, link: LinkMotion, acting: Sequence[ForceOnLink]) -> Applied:

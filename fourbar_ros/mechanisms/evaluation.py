@@ -6,7 +6,7 @@ A mechanism evaluated for one input, by generated Python code: floats, without a
 The code is written from the trace of the formulas (:mod:`fourbar_ros.numerics.trace`), which all
 mechanisms of a structure share. A debugger stops in formulas while they are traced only; to step
 through them in floats, call them by another arithmetic:
-``linkage.motion_formula(REAL, linkage.constants)(theta1, omega1, alpha1)``, with REAL of
+``linkage.motion_in(REAL, linkage.constants, theta1, omega1, alpha1)``, with REAL of
 :mod:`fourbar_ros.numerics.number_types`.
 """
 from __future__ import annotations
@@ -53,15 +53,12 @@ class Formula:
     data: Constants = field(compare=False, repr=False)      # of that mechanism
 
     def make(self, n: NumberType, data: Constants) -> Function:
-        motion_of = self.mechanism.motion_formula(n, data)
-        if not self.with_loads:
-            return motion_of
-        loads_of = self.mechanism.loads_formula(n, data)
+        mechanism = self.mechanism
 
-        def step(*inputs: Scalar) -> tuple[Any, Any]:
-            motion = motion_of(*inputs)
-            return motion, loads_of(motion)
-        return step
+        def formula(*inputs: Scalar) -> Any:
+            motion = mechanism.motion_in(n, data, *inputs)
+            return (motion, mechanism.loads_in(n, data, motion)) if self.with_loads else motion
+        return formula
 
 
 def formula_of(mechanism: Mechanism, with_loads: bool) -> Formula:

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from math import pi, remainder
 from typing import Any, ClassVar, NamedTuple
 
@@ -175,9 +174,6 @@ class Kind(Mechanism):
                 *['driving_force'] * (parts.SLIDE in cls.INPUTS), 'shaking_force_x',
                 'shaking_force_y', 'shaking_force', 'shaking_moment',
                 *[row.name for row in DERIVED])
-
-    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        return partial(self.motion_in, n, constants)
 
     def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
                   acceleration: Scalar) -> parts.NamedFields:

@@ -8,10 +8,7 @@ Manual, message LinkageLoads, services, extrema, pictures, page, FMU and C code 
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any, NamedTuple
-
-from fourbar_ros.errors import FourBarError
 
 
 class Load(NamedTuple):
@@ -51,17 +48,3 @@ LOADS = {row.name: row for row in (
          _driving_power),
 )}
 DERIVED = tuple(row for row in LOADS.values() if row.of)
-
-
-def all_loads(mechanism: Any, constants: Any, motion: Any, joint_loads: Any) -> Any:
-    """Return LOADS: those of the mechanism, and those that follow from them and the motion."""
-    loads = SimpleNamespace(**dict(zip(mechanism.LOADS._fields, joint_loads)))
-    for row in DERIVED:
-        assert row.of
-        try:
-            value = row.of(mechanism, constants, motion, loads)
-        except AttributeError as error:     # a field that other kinds have
-            raise FourBarError(f'load {row.name} of {mechanism.TITLE}: {error}; a row of LOADS '
-                               'holds for every kind of mechanism') from None
-        setattr(loads, row.name, value)
-    return mechanism.LOADS(**vars(loads))

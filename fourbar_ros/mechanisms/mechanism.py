@@ -14,6 +14,7 @@ from dataclasses import replace
 from functools import cache, cached_property
 from math import inf, isfinite, isnan
 from numbers import Real
+from types import SimpleNamespace
 from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros import errors
@@ -21,7 +22,7 @@ from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants, generated, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
-from fourbar_ros.mechanisms.load_table import all_loads
+from fourbar_ros.mechanisms.load_table import DERIVED
 from fourbar_ros.mechanisms.parts import DRIVE, NamedFields, OPEN, Ranges
 from fourbar_ros.notebook import as_html, in_lines, short_repr
 from fourbar_ros.numerics.arguments import finite, NOT_SO_FAR
@@ -73,41 +74,38 @@ class Mechanism(MechanismGeometry):
         """Return the motion of one of its ``LINKS`` by name, from one of its motions."""
         return self.link_motions(motion)[self.link(link).name]
 
-    def loads_formula(self, n: NumberType, constants: Constants,
-                      reports: list[Any] | None = None) -> Function:
-        """Return (fields of MOTION) -> fields of LOADS for constants of a number type."""
-        # reports: a list to which joints with friction append a FrictionReport in each call
-        joint_loads = self.make_joint_loads(n, constants, reports)
+    def loads_in(self, n: NumberType, constants: Constants, motion: NamedFields,
+                 reports: list[Any] | None = None) -> NamedFields:
+        """Return the loads, LOADS of numbers of a type, in a motion of that type."""
+        # reports: a list to which joints with friction append a FrictionReport
+        loads = SimpleNamespace(**dict(zip(
+            self.LOADS._fields, self.joint_loads_in(n, constants, motion, reports))))
+        for row in DERIVED:
+            assert row.of
+            try:
+                value = row.of(self, constants, motion, loads)
+            except AttributeError as error:     # a field that other kinds have
+                raise errors.FourBarError(f'load {row.name} of {self.TITLE}: {error}; a row of '
+                                          'LOADS holds for every kind of mechanism') from None
+            setattr(loads, row.name, value)
+        return self.LOADS(**vars(loads))
 
-        def loads(fields: Iterable[Any]) -> Any:
-            motion = self.MOTION._make(fields)
-            return all_loads(self, constants, motion, joint_loads(motion))
-        return loads
-
-    def make_joint_loads(self, n: NumberType, constants: Constants,
-                         reports: Any = None) -> Function:
-        """Return motion -> the loads that are not DERIVED, with the forces of all elements."""
-        applied = None      # motion -> external loads of the links: constant ones and elements
+    def joint_loads_in(self, n: NumberType, constants: Constants, motion: NamedFields,
+                       reports: Any = None) -> Any:
+        """Return the loads that are not DERIVED, with the forces of all elements."""
         if constants.elements:
-            from fourbar_ros.mechanisms.elements import make_applied  # few mechanisms have any
-            applied = make_applied(n, self, constants)
-
-        def joint_loads(motion: NamedFields) -> Any:
-            acting = constants._replace(external=applied(motion)) if applied else constants
-            return self.joint_loads(n, acting, motion, reports)
-        return joint_loads
+            from fourbar_ros.mechanisms.elements import applied_in  # few mechanisms have any
+            constants = constants._replace(external=applied_in(n, self, constants, motion))
+        return self.joint_loads(n, constants, motion, reports)
 
     def make_coefficients(self, n: NumberType) -> Coefficients:
         """Return position -> coefficients of all links for a number type, as dynamics needs."""
         # Those of a link are its LinkMotion at unit rate and zero acceleration: derivatives with
         # respect to the input, exact. A stroke is no limit here; where the links cannot close it
         # raises ValueError, or gives NaN in arrays.
-        motion_of, as_motion = self.motion_formula(n, self.constants), self.MOTION
-        link_motion, links = self.link_motion, [link.name for link in self.LINKS]
-
         def coefficients(position: Scalar) -> list[LinkMotion]:
-            motion = as_motion._make(motion_of(position, 1.0, 0.0))
-            return [link_motion(motion, link) for link in links]
+            motion = self.motion_in(n, self.constants, position, 1.0, 0.0)
+            return [*self.link_motions(motion).values()]
         return coefficients
 
     def read_coordinate(self, n: NumberType,
@@ -256,7 +254,7 @@ class Mechanism(MechanismGeometry):
     def friction_in(self, n: NumberType, constants: Constants, unit: Scalar,
                     reports: list[Any] | None, rate: Scalar) -> MachineFriction:
         """Return the friction of its joints, for loads at a rate of the input."""
-        # unit: of lengths [m]; reports: of loads_formula(), or OpenForces of motion by torque
+        # unit: of lengths [m]; reports: of loads_in(), or OpenForces of motion by torque
         # few mechanisms have friction
         from fourbar_ros.mechanisms.friction import direction_of
         from fourbar_ros.mechanisms.machine.solve import friction as solve
@@ -423,7 +421,7 @@ class Mechanism(MechanismGeometry):
         fields, driven = self.MOTION._make(motion), self.input_coordinate
         reports = list[Any]()
         if self.friction:
-            self.loads_formula(REAL, self.constants, reports)(fields)
+            self.loads_in(REAL, self.constants, fields, reports)
         for report in reports:
             if isnan(report.locks):
                 # joints have other names in the machine that the mechanism is

@@ -116,13 +116,11 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
     mechanism = formula.mechanism
 
     def make(n: NumberType, constants: Constants) -> Function:
-        motion_of = mechanism.motion_formula(n, constants)
-
         def values(*inputs: Scalar) -> list[Scalar]:
-            motion, reports = mechanism.MOTION._make(motion_of(*inputs)), list[Any]()
+            motion, reports = mechanism.motion_in(n, constants, *inputs), list[Any]()
             moving = {**mechanism.link_motions(motion, constants.lengths), GROUND: FIXED}
             if with_edges:      # for the reports of friction alone
-                mechanism.loads_formula(n, constants, reports)(motion)
+                mechanism.loads_in(n, constants, motion, reports)
             return [*(each.of(n, moving, inputs[0]) for element in constants.elements
                       for each in _coordinates(element)),
                     *(edge for report in reports for edge in report.edges)]

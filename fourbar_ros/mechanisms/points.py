@@ -15,7 +15,7 @@ from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.mechanisms.curves import LinkFields, point_of, PointMotion
 from fourbar_ros.numerics.arguments import finite
-from fourbar_ros.numerics.number_types import ARRAY, Function, NumberType, REAL, Scalar
+from fourbar_ros.numerics.number_types import ARRAY, NumberType, REAL, Scalar
 import numpy as np
 
 if TYPE_CHECKING:
@@ -28,22 +28,18 @@ def link_fields(mechanism: Mechanism, motion: NamedFields, link: str) -> LinkFie
     return LinkFields(atan2(moved.sine, moved.cosine), moved.omega, moved.alpha, *moved[:6])
 
 
-def make_point(n: NumberType, mechanism: Mechanism, link: str, along: float,
-               across: float) -> Function:
-    """Return (a motion of the mechanism) -> the ten fields of PointMotion, of a number type."""
-    hypot, where = n.hypot, n.where
-
-    def point(motion: NamedFields) -> tuple[Scalar, ...]:
-        x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
-        speed = hypot(v_x, v_y)
-        square = speed * speed
-        # Where the point rests, the divisors are NaN: ``where`` computes both sides, so that no
-        # quotient may divide by zero. Below some 1e-162 m/s the square is zero.
-        divisor, of_curvature = where(square > 0.0, (speed, square), (nan, nan))
-        tangential, normal = (a_x * v_x + a_y * v_y) / divisor, (a_y * v_x - a_x * v_y) / divisor
-        curvature = normal / of_curvature
-        return x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, curvature
-    return point
+def point_in(n: NumberType, mechanism: Mechanism, motion: NamedFields, link: str, along: Scalar,
+             across: Scalar) -> PointMotion:
+    """Return the motion of a point of a link in a motion of the mechanism, of a number type."""
+    x, y, v_x, v_y, a_x, a_y = point_of(mechanism.link_motion(motion, link), along, across)
+    speed = n.hypot(v_x, v_y)
+    square = speed * speed
+    # Where the point rests, the divisors are NaN: ``where`` computes both sides, so that no
+    # quotient may divide by zero. Below some 1e-162 m/s the square is zero.
+    divisor, of_curvature = n.where(square > 0.0, (speed, square), (nan, nan))
+    tangential, normal = (a_x * v_x + a_y * v_y) / divisor, (a_y * v_x - a_x * v_y) / divisor
+    curvature = normal / of_curvature
+    return PointMotion(x, y, v_x, v_y, a_x, a_y, speed, tangential, normal, curvature)
 
 
 def with_any_lengths(mechanism: Mechanism, lengths: Sequence[Any]) -> Mechanism:
@@ -77,7 +73,7 @@ def point_motion(mechanism: Mechanism, motion: NamedFields, link: str, along: fl
     along, across = finite('along', along), finite('across', across)
     shape = np.shape(motion[0])
     if not shape:
-        return PointMotion(*make_point(REAL, mechanism, link, along, across)(motion))
+        return point_in(REAL, mechanism, motion, link, along, across)
     with np.errstate(divide='ignore', invalid='ignore'):
-        fields = make_point(ARRAY, mechanism, link, along, across)(motion)
+        fields = point_in(ARRAY, mechanism, motion, link, along, across)
     return PointMotion._make(np.broadcast_to(field, shape) for field in fields)

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, TYPE_CHECKING
 from fourbar_ros.mechanics.bodies import Gravity
 from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.curves import LinkMotion
-from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
+from fourbar_ros.numerics.number_types import NumberType, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.evaluation import Constants
@@ -70,8 +70,9 @@ class StatedMechanism(ABC):
     joint_names: Mapping[str, str]          # {joint: name which pictures show}
 
     @abstractmethod
-    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        """Return (position, rate, acceleration) -> fields of MOTION for a number type."""
+    def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
+                  acceleration: Scalar) -> parts.NamedFields:
+        """Return the motion, MOTION of numbers of a type, as are the constants and the input."""
 
     @abstractmethod
     def joint_loads(self, n: NumberType, constants: Constants, motion: parts.NamedFields,

@@ -23,9 +23,9 @@ def by_formula(mechanism, *given):
     """Return all fields by the formulas on arrays, in one piece."""
     given = [np.asarray(v, float) for v in np.broadcast_arrays(*given)]
     with np.errstate(all='ignore'):
-        motion = mechanism.motion_formula(ARRAY, mechanism.constants)(*given)
+        motion = mechanism.motion_in(ARRAY, mechanism.constants, *given)
         return [np.broadcast_to(field, given[0].shape) for field in motion
-                + mechanism.loads_formula(ARRAY, mechanism.constants)(motion)]
+                + mechanism.loads_in(ARRAY, mechanism.constants, motion)]
 
 
 def with_less(mechanism):

@@ -62,8 +62,8 @@ def test_steps_have_the_bits_of_the_formulas(case, data):
     for one in (mechanism, replace(mechanism, gravity=(0.0, -0.0)),
                 replace(mechanism, bodies=nothing, external=loads[0]),
                 *map(mechanism.with_external, loads)):
-        motion = one.motion_formula(REAL, one.constants)(*its)
-        loads = one.loads_formula(REAL, one.constants)(motion)
+        motion = one.motion_in(REAL, one.constants, *its)
+        loads = one.loads_in(REAL, one.constants, motion)
         found = one.step(*its)
         assert bits(one.motion(*its)) == bits(motion) == bits(found[0])
         assert bits(found[1]) == bits(loads)

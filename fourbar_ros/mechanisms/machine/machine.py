@@ -31,7 +31,7 @@ from fourbar_ros.mechanisms.machine.solve.pairs import shaped
 from fourbar_ros.mechanisms.machine.structure import CYLINDER, DyadLengths, Layout, OF_ONE_MODE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import CRANK, CROSSED, GROUND, NamedFields, OPEN, SLIDE
-from fourbar_ros.numerics.number_types import Function, NumberType, REAL, Scalar
+from fourbar_ros.numerics.number_types import NumberType, REAL, Scalar
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -441,9 +441,11 @@ class Machine(Mechanism):
     def is_driven_by_slide(self) -> bool:
         return self.input != CRANK
 
-    def motion_formula(self, n: NumberType, constants: Constants) -> Function:
-        return partial(motion_of, n, self.layout, shaped(n, self.layout, constants.lengths),
-                       constants.sign)
+    def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
+                  acceleration: Scalar) -> NamedFields:
+        lengths = shaped(n, self.layout, constants.lengths)
+        return self.MOTION._make(motion_of(n, self.layout, lengths, constants.sign, position, rate,
+                                           acceleration))
 
     def joint_loads(self, n: NumberType, constants: Constants, motion: NamedFields,
                     reports: list[Any] | None = None) -> Any:
