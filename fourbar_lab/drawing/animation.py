@@ -8,11 +8,11 @@ from pathlib import Path
 
 from fourbar_lab.drawing.cycles import cycles, usual_points
 from fourbar_lab.drawing.figure import CannotDraw, new_figure, writing
-from fourbar_lab.drawing.mechanism_panel import draw_part, POINT
+from fourbar_lab.drawing.mechanism_panel import draw_diagram, POINT
 from fourbar_lab.drawing.sheet import Sheet
 from fourbar_ros import FourBarError, Mechanism, point_motion
 from fourbar_ros.mechanisms.parts import NamedFields
-from fourbar_ros.mechanisms.picture import diagram_of, picture, Points
+from fourbar_ros.mechanisms.picture import arms_of, diagram_of, Points
 import numpy as np
 
 FRAMES, PER_SECOND = 90, 25
@@ -45,8 +45,7 @@ def animate(mechanism: Mechanism, rate: float, points: Points, path: str | Path)
             for curve in paths:
                 closed = np.vstack([curve, curve[:1]]) if mechanism.turns_fully else curve
                 axes.plot(*closed.T, color=POINT, lw=1.2, zorder=1.5)
-            for part in picture(mechanism, motion, points):
-                draw_part(sheet, part)
+            draw_diagram(sheet, diagram_of(mechanism, motion), arms_of(mechanism, motion, points))
 
         moving = FuncAnimation(figure, draw, frames=poses, blit=False)
         with writing(path):

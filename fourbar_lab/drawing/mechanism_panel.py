@@ -35,8 +35,8 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
                    labels: Labels | None = None, title: str = '') -> Sheet:
     """Draw a pose with points and paths (n, 2) [m]; the caller adds ``extra_points``, finishes."""
     diagram = picture.diagram_of(mechanism, motion)
-    parts = picture.picture(mechanism, motion, points)
-    joints, arms = np.array(list(diagram.joints.values())), picture.of_kind(picture.Arm, parts)
+    arms = picture.arms_of(mechanism, motion, points)
+    joints = np.array(list(diagram.joints.values()))
     every = np.vstack([joints, *paths, *extra_points, *(bar[:2] for bar in diagram.bars),
                        *(arm.end for arm in arms)])
     every = every[np.isfinite(every).all(axis=1)]
@@ -46,8 +46,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
     sheet = Sheet(axes, np.vstack([every, joints - (0.0, 0.06 * size), *guides]), title)
     for path in paths:
         sheet.curve(path, color=POINT, lw=0.9, zorder=1.5)
-    for part in parts:
-        draw_part(sheet, part)
+    draw_diagram(sheet, diagram, arms)
     middle = joints.mean(axis=0)
     for name, point in (labels or labels_of(diagram)).joints.items():
         sheet.label(name, point, point - middle, 'k', point)
@@ -106,28 +105,33 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
 
 # --- strokes -------------------------------------------------------------------------------------
 
-def draw_part(sheet: Sheet, part: picture.Primitive) -> None:
-    """Draw one part, and keep labels off its lines."""
+def draw_diagram(sheet: Sheet, diagram: picture.Diagram, arms: Sequence[picture.Arm]) -> None:
+    """Draw a mechanism and arms of points, from behind; labels keep off its lines."""
     axes = sheet.axes
-    if isinstance(part, picture.Bar):
-        line, width = (part.start, part.end), 4.5 * part.width
-        sheet.line(*line, color=BODY, lw=width, solid_capstyle='round', zorder=2)
-        axes.plot(*zip(*line), color='0.88', lw=width - 1.9, solid_capstyle='round', zorder=3)
-    elif isinstance(part, picture.Arm):
-        for line in (part.start, part.foot), (part.foot, part.end):
-            sheet.line(*line, color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
-        axes.plot(*part.end, 's', ms=4.5, color=POINT, zorder=7)
-    elif isinstance(part, picture.NamedJoint):
-        axes.plot(*part.point, 'o', ms=5, mfc='w', mec='k', zorder=7)
-        sheet.pin(part.point)
-    else:
-        is_block = isinstance(part, picture.Block)
-        corners, ground = picture.outlines(part, sheet.inch)
-        axes.fill(*corners.T, fc='0.95' if is_block else 'w', ec='k', lw=1.2,
-                  zorder=4 if is_block else 1)
+
+    def draw_sign(point: Array, block: picture.Block | None = None) -> None:
+        corners, ground = picture.outlines(point, sheet.inch, block)
+        axes.fill(*corners.T, fc='0.95' if block else 'w', ec='k', lw=1.2,
+                  zorder=4 if block else 1)
         sheet.occupy(np.vstack([corners, corners[:1]]))
         if ground is not None:
-            sheet.line(*ground, color='k', lw=1.4, zorder=2 if is_block else 1)
+            sheet.line(*ground, color='k', lw=1.4, zorder=2 if block else 1)
+
+    for name in diagram.ground:
+        draw_sign(diagram.joints[name])
+    for start, end, width in diagram.bars:
+        sheet.line(start, end, color=BODY, lw=4.5 * width, solid_capstyle='round', zorder=2)
+        axes.plot(*zip(start, end), color='0.88', lw=4.5 * width - 1.9, solid_capstyle='round',
+                  zorder=3)
+    for arm in arms:
+        for line in (arm.start, arm.foot), (arm.foot, arm.end):
+            sheet.line(*line, color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
+        axes.plot(*arm.end, 's', ms=4.5, color=POINT, zorder=7)
+    for block in diagram.blocks:
+        draw_sign(block.point, block)
+    for point in diagram.joints.values():
+        axes.plot(*point, 'o', ms=5, mfc='w', mec='k', zorder=7)
+        sheet.pin(point)
 
 
 def _draw_torque(sheet: Sheet, torque: float, mechanism: Mechanism, motion: NamedFields,

@@ -68,7 +68,7 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
                       named(f'{name}.{end}.across', point.across))
                 for end, point in zip(('first', 'second'), ends)}})
     return {'joints': {name: [*map(stated, at)] for name, at in outline.joints.items()},
-            'bars': [(stated(start), stated(end)) for start, end, _ in outline.rods],
+            'bars': [(stated(start), stated(end)) for start, end, _ in outline.bars],
             'plates': [[*map(stated, plate)] for plate in outline.plates],
             'blocks': [{'joint': block.joint, 'link': block.link, 'direction': block.direction,
                         'isGuided': block.is_guided} for block in outline.blocks],

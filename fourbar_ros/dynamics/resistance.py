@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from fourbar_ros.dynamics.equation import Equation, NO_WRENCHES, Resistance, Wrenches
 from fourbar_ros.mechanics.bodies import Applied, Base, unchecked
@@ -64,8 +65,9 @@ def make_resistance(equation: Equation, n: NumberType, base: Base | None = None,
                 cut = cut + force.generalised(n, moving, value, direction)
         # Loads at a rate and an unknown acceleration are linear forms; they are computed for what
         # joints with friction tell ``rubbing`` of them.
+        acceleration: Any = LinearForm({CHANGE: 1.0})
         mechanism.joint_loads_in(of_forms, constants, mechanism.motion_in(
-            n, constants, position, rate, LinearForm({CHANGE: 1.0})), rubbing)
+            n, constants, position, rate, acceleration), rubbing)
         paid, felt, edges = form_of(rubbing.paid), list[joints.Felt](), list[Scalar]()
         friction = paid.coefficient(CONSTANT)
         if rubbing:

@@ -35,10 +35,6 @@ class LinkMotion(NamedTuple):
     def direction(self) -> Array:
         return vector(self.cosine, self.sine)
 
-    @property
-    def turning(self) -> Direction:
-        return self.cosine, self.sine, self.omega, self.alpha
-
     def at(self, rate: Scalar, acceleration: Scalar) -> LinkMotion:
         """Return the motion at a rate and acceleration of the input, from that at unit rate."""
         square = rate * rate

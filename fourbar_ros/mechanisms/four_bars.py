@@ -31,7 +31,7 @@ dyad:
 """
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import atan2, pi, remainder, sqrt
 from typing import Any, NamedTuple, TYPE_CHECKING
@@ -54,15 +54,6 @@ def two_rods_behind(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Dyad
     """Return the lengths of RRR: rods from p along the driven link and q behind its pivot [m]."""
     # half the angle from one to the other is a right one
     return DyadLengths((p, 0.0), (-q, 0.0), (first, second), (), (p, q, (0.0, 1.0), -1.0, 0.0))
-
-
-def condition_of_rods(fabs: Function, lengths: Sequence[Scalar], cos_c: Scalar,
-                      of_m: Sequence[Scalar], cos_b: Scalar) -> Scalar:
-    """Return the condition, (C1), of p, q, r1, r2; ``of_m``: cosine, sine of m, and more."""
-    (p, q, r1, r2), (cos_m, sin_m, *_) = lengths, of_m
-    condition: Scalar = ((p * fabs(cos_c) + r1 + r2 * fabs(cos_m) + q * fabs(cos_b))
-                         / (r2 * fabs(sin_m) + TINY))                                     # (C1)
-    return condition
 
 
 class DeadPoint(NamedTuple):
@@ -126,6 +117,20 @@ class FourBarLinks(Kind):
         lambda a1, a2, a3, a4: DyadLengths((a1, 0.0), (a4, 0.0), (a2, a3), (),
                                            (a1, a4, (1.0, 0.0), 1.0, 0.0)),
         four_bar_ranges, singular_angles, kind.FORWARD)}
+
+    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+        theta1, theta2, theta3, theta4, beta = [coordinates[each] for each in self.PARTS]
+        p, r1, r2, q = lengths
+        of_c, of_m, cos_b = theta2, theta3, beta[0]
+        if self.input == parts.JOINT_A:
+            q, p, r1, r2 = lengths
+            of_c, of_m, cos_b = theta3, theta4, theta1[0] * theta4[0] + theta1[1] * theta4[1]
+        elif self.input == parts.JOINT_B:
+            r2, q, p, r1 = lengths
+            of_c, of_m = theta4, theta1
+        condition: Scalar = ((p * fabs(of_c[0]) + r1 + r2 * fabs(of_m[0]) + q * fabs(cos_b))
+                             / (r2 * fabs(of_m[1]) + TINY))                               # (C1)
+        return condition
 
     def in_line(self, side: float) -> Iterator[DeadPoint]:
         """
@@ -223,11 +228,6 @@ class FourBar(FourBarLinks):
     INPUTS, OUTPUTS = {CRANK: THETA1}, {CRANK: (parts.Output(THETA4, 'velocity_ratio'),)}
     RATIOS = {'velocity_ratio': THETA4, 'coupler_ratio': BETA}
 
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        a1, a2, a3, a4 = lengths
-        return condition_of_rods(fabs, (a1, a4, a2, a3), coordinates[THETA2][0],
-                                 coordinates[THETA3], coordinates[BETA][0])
-
     @property
     def description(self) -> str:
         return self.classification
@@ -307,14 +307,6 @@ class MovingJointFourBar(FourBarLinks):
             lambda a1, a2, a3, a4: closed_forms.turned_angles(singular_angles(a3, a4, a1, a2)),
             {'f41': '-dyad_inner', 'f21': 'dyad_second', 'f32': '-base', 'f43': '-dyad_first'},
             reversed={'output': 'a3', GROUND: 'a4', 'crank': 'a1'})}
-
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
-        (a1, a2, a3, a4), of_crank, of_output = (lengths, coordinates[THETA1], coordinates[THETA4])
-        if self.input == parts.JOINT_A:
-            return condition_of_rods(fabs, (a2, a1, a3, a4), coordinates[THETA3][0], of_output,
-                                     of_crank[0] * of_output[0] + of_crank[1] * of_output[1])
-        return condition_of_rods(fabs, (a3, a2, a4, a1), of_output[0], of_crank,
-                                 coordinates[BETA][0])
 
     @property
     def description(self) -> str:

@@ -21,7 +21,7 @@ from math import pi, remainder
 from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Bodies, External, NOT_APPLIED
-from fourbar_ros.mechanics.newton_euler import Needs, needs_of
+from fourbar_ros.mechanics.newton_euler import needs_of
 from fourbar_ros.mechanisms import parts
 from fourbar_ros.mechanisms.checks import checked
 from fourbar_ros.mechanisms.curves import Direction, LinkMotion, point_of
@@ -68,8 +68,12 @@ class DrivenMachine(NamedTuple):
     # {link that the machine takes from its other joint on: name of its length}
     reversed: Mapping[str, str] = {}
     sign: float = 1.0       # -1.0 where the dyad has the sign of the other mode
-    # angle whose size the transmission angle is; None: that of the dyad
-    transmission: Coordinate | None = None
+    # lengths, coordinates -> cosine and sine of the transmission angle or its negative, and more;
+    # None: those of the dyad
+    transmission: Callable[[Lengths, Coordinates], Sequence[Scalar]] | None = None
+    # number type, constants, motion, needs of links, loads of the machine -> those of them that
+    # take the place of others, which would lose digits
+    corrected: Callable[..., Mapping[str, Scalar]] | None = None
 
 
 def one_dyad(driver: str, frame: str, driven: str, dyad: str, links: tuple[str, str],
@@ -79,7 +83,7 @@ def one_dyad(driver: str, frame: str, driven: str, dyad: str, links: tuple[str, 
     is_slide = driver == parts.SLIDE
     is_pair = dyad == 'RRR' or dyad in ('RRP', 'RPR') and not is_slide
     return Layout(driver, (frame, driven, *links), (Stage(
-        'dyad', dyad, first, 1 - first, links, 2, Pair(0, is_slide) if is_pair else None),), '')
+        'dyad', dyad, first, 1 - first, links, 2, Pair(0, 1, is_slide) if is_pair else None),), '')
 
 
 class Kind(Mechanism):
@@ -217,19 +221,14 @@ class Kind(Mechanism):
                            unit * (first * a + second * square))
                 ratios[coordinate] = unit * first * per
         of_output = 1.0 if self.outputs[0].coordinate in ANGLES else unit
-        cosine, sine = self.transmission(lengths, coordinates, dyad)
+        cosine, sine, *_ = (drive.transmission(lengths, coordinates) if drive.transmission
+                            else (dyad.cosine, dyad.sine))
         fields += (n.atan2(n.fabs(sine), cosine),
                    *[ratios[each] for each in self.RATIOS.values()],
                    of_output * self.condition(n.fabs, lengths, coordinates), dyad.sine)
         for coordinate in self.DIRECTIONS.values():
             fields += coordinates[coordinate][:2]
         return self.MOTION._make(fields)
-
-    def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: dyads.DyadMotion
-                     ) -> Sequence[Scalar]:
-        """Return cosine and sine of the transmission angle, or its negative."""
-        angle = self.drive.transmission
-        return coordinates[angle][:2] if angle else (moved.cosine, moved.sine)
 
     @abstractmethod
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
@@ -261,7 +260,7 @@ class Kind(Mechanism):
         coupler = LinkMotion(*point_of(crank, lengths[0]),
                              *(turning[self.COUPLER] if self.COUPLER else UP))
         if self.OUTPUT:
-            a4 = lengths[self.length_names.index('a4')]
+            a4 = lengths[self.LENGTHS.index(GROUND_LENGTH)]
             output = LinkMotion(a4, 0.0, 0.0, 0.0, 0.0, 0.0, *turning[self.OUTPUT])
         else:
             velocity, acceleration = rates[TRAVEL]
@@ -297,7 +296,7 @@ class Kind(Mechanism):
                     reports: list[Any] | None = None) -> list[Scalar]:
         drive, unit = self.drive, n.power_of_two(*constants.lengths)
         lengths, per_unit = [length / unit for length in constants.lengths], 1.0 / unit
-        by_name = dict(zip(self.length_names, lengths))
+        by_name = {length.name: value for length, value in zip(self.LENGTHS, lengths)}
         borne = [link for link in ('crank', 'output') if drive.layout.ground]
         needs = {link: needs_of(body, unit, constants.gravity,
                                 getattr(constants.external, link, NOT_APPLIED), moving)
@@ -316,8 +315,8 @@ class Kind(Mechanism):
             force = needs[link].force * side
             x, y = loads[f'{joint}_x'] + force.x, loads[f'{joint}_y'] + force.y
             loads |= {f'{joint}_x': x, f'{joint}_y': y, joint: n.hypot(x, y)}
-        if not self.friction:
-            loads |= self.corrected(n, constants, m, needs, loads)
+        if drive.corrected and not self.friction:
+            loads |= drive.corrected(n, constants, m, needs, loads)
 
         named = list[Scalar]()
         for name in self.LOADS._fields[:-len(DERIVED) or None]:
@@ -330,11 +329,6 @@ class Kind(Mechanism):
                 load = loads[drive.reactions.get(name, name).lstrip('-')]
                 named.append(unit * load if name.endswith(('_couple', '_moment')) else load)
         return named
-
-    def corrected(self, n: NumberType, constants: Constants, m: Any, needs: Mapping[str, Needs],
-                  loads: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
-        """Return loads of the machine in place of those that would lose digits."""
-        return {}
 
 
 CRANK_LENGTH = parts.Length('a1', 'length of the crank O1-A')

@@ -25,12 +25,6 @@ class Load(NamedTuple):
     of: Callable[[Any, Any, Any, Any], Any] | None = None
 
 
-def _driving_power(mechanism: Any, constants: Any, motion: Any, loads: Any) -> Any:
-    """Return the power [W] that the drive puts in: its torque or force times the input's rate."""
-    return (getattr(loads, mechanism.drive_load)
-            * getattr(motion, mechanism.input_coordinate.rate))
-
-
 LOADS = {row.name: row for row in (
     Load('shaking_force', 'N', 'magnitude of the force on the ground'),
     Load('shaking_moment', 'N m', 'moment on the ground about O1', 'shaking moment about O1'),
@@ -45,6 +39,8 @@ LOADS = {row.name: row for row in (
     *(Load(f'{force}_{axis}', 'N') for force in ('f41', 'f21', 'f32', 'f43', 'shaking_force')
       for axis in 'xy'),
     Load('driving_power', 'W', 'power of the drive, positive where it drives', 'driving power',
-         _driving_power),
+         lambda mechanism, constants, motion, loads: (
+             getattr(loads, mechanism.drive_load)       # torque or force
+             * getattr(motion, mechanism.input_coordinate.rate))),
 )}
 DERIVED = tuple(row for row in LOADS.values() if row.of)

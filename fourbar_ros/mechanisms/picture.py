@@ -1,18 +1,17 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """
-The picture of a mechanism as a list of primitives, which matplotlib, SVG and RViz draw.
+What is drawn of a mechanism, by matplotlib, SVG and RViz.
 
-An :class:`Outline` states what is drawn by points of links; a :class:`Diagram` is that in a pose.
-Points are in metres. Blocks and pivots are signs: their outlines are measured in inches of the
-paper. The list begins with what lies farthest behind.
+An :class:`Outline` states it by points of links; a :class:`Diagram` is that in a pose. Points are
+in metres. Blocks and pivots are signs: their outlines are measured in inches of the paper.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import singledispatch
 from math import copysign, hypot
-from typing import Any, cast, NamedTuple, TYPE_CHECKING, TypeVar
+from typing import Any, cast, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.mechanisms.curves import Point, point_of, vector
 from fourbar_ros.mechanisms.four_bars import FourBarLinks
@@ -36,10 +35,10 @@ Points = Mapping[str, tuple[str, float, float]]      # {name: (link, along, acro
 
 
 class Bar(NamedTuple):
-    """A straight part of a link between two points, each of shape (2,) [m]; width 1: usual."""
+    """A straight part of a link between two points; width 1: usual."""
 
-    start: Array
-    end: Array
+    start: Any      # a Point of a link in an outline, of shape (2,) [m] in a diagram
+    end: Any
     width: float = 1.0
 
 
@@ -72,21 +71,13 @@ class Slide(NamedTuple):
     is_guided: bool = False
 
 
-class Rod(NamedTuple):
-    """A straight part of a link between two points of links; width 1: usual."""
-
-    start: Point
-    end: Point
-    width: float = 1.0
-
-
 class Outline(NamedTuple):
     """What is drawn of a mechanism, by points of its links; from it follow diagrams and pages."""
 
     # ground, forces, angles: as of a Diagram
     joints: Mapping[str, tuple[Point, ...]]     # {name: the point of each link there}
     ground: tuple[str, ...]
-    rods: tuple[Rod, ...]
+    bars: tuple[Bar, ...]
     blocks: tuple[Slide, ...]
     forces: Mapping[str, str]
     angles: Mapping[str, str]
@@ -105,19 +96,6 @@ class Diagram(NamedTuple):
     names: Mapping[str, str] = {}   # {joint: name of the point there}
 
 
-class Pivot(NamedTuple):
-    """A joint on the ground, under its :class:`NamedJoint`."""
-
-    point: Array
-
-
-class NamedJoint(NamedTuple):
-    """A joint by its name in the diagram."""
-
-    name: str
-    point: Array
-
-
 class Arm(NamedTuple):
     """A point of a link: first joint of the link, foot of the point on its line, the point."""
 
@@ -125,10 +103,6 @@ class Arm(NamedTuple):
     start: Array
     foot: Array
     end: Array
-
-
-Primitive = Bar | Block | Pivot | NamedJoint | Arm
-Drawn = TypeVar('Drawn', Bar, Block, NamedJoint, Arm)
 
 
 class Force(NamedTuple):
@@ -144,14 +118,10 @@ class Force(NamedTuple):
         return hypot(*self.vector)
 
 
-def picture(mechanism: Mechanism, motion: NamedFields, points: Points | None = None
-            ) -> list[Primitive]:
-    diagram = diagram_of(mechanism, motion)
-    arms = [Arm(name, *(point_motion(mechanism, motion, link, *position).place
+def arms_of(mechanism: Mechanism, motion: NamedFields, points: Points) -> list[Arm]:
+    return [Arm(name, *(point_motion(mechanism, motion, link, *position).place
                         for position in ((0.0, 0.0), (along, 0.0), (along, across))))
-            for name, (link, along, across) in (points or {}).items()]
-    return [*(Pivot(diagram.joints[name]) for name in diagram.ground), *diagram.bars, *arms,
-            *diagram.blocks, *(NamedJoint(*item) for item in diagram.joints.items())]
+            for name, (link, along, across) in points.items()]
 
 
 def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
@@ -160,18 +130,14 @@ def forces_of(diagram: Diagram, loads: NamedFields) -> list[Force]:
             for name, joint in diagram.forces.items()]
 
 
-def of_kind(kind: type[Drawn], primitives: Iterable[Primitive]) -> list[Drawn]:
-    return [primitive for primitive in primitives if isinstance(primitive, kind)]
-
-
-def outlines(sign: Block | Pivot, size: float) -> tuple[Array, Array | None]:
+def outlines(point: Array, size: float, block: Block | None = None) -> tuple[Array, Array | None]:
     """Return the outline of a block or a pivot, (n, 2), and the line of its ground, (2, 2) [m]."""
     # The ground is None of a block that slides on a moving link. size: an inch of the paper [m].
     corners, ground, (x, y) = _TRIANGLE, _GROUND, (1.0, 0.0)
-    if isinstance(sign, Block):
-        corners, ground, (x, y) = _BOX, _GUIDE if sign.is_guided else None, sign.direction
+    if block:
+        corners, ground, (x, y) = _BOX, _GUIDE if block.is_guided else None, block.direction
     axes = size * np.array([(x, y), (-y, x)])
-    return sign.point + corners @ axes, None if ground is None else sign.point + ground @ axes
+    return point + corners @ axes, None if ground is None else point + ground @ axes
 
 
 # in inches: (along, across) of the corners, and of the ends of the line of the ground
@@ -197,7 +163,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
     # the points of all links at a joint coincide
     joints = {name: locate(points[0]) for name, points in outline.joints.items()}
     # each corner with the first and with the next: triangles, so that a plate looks rigid
-    sides = [Rod(start, end) for first, *rest in outline.plates
+    sides = [Bar(start, end) for first, *rest in outline.plates
              for start, end in (*((first, corner) for corner in rest), *zip(rest, rest[1:]))]
     blocks = []
     for joint, link, direction, is_guided in outline.blocks:
@@ -205,7 +171,7 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         blocks.append(Block(joints[joint], turned, is_guided))
     return Diagram(joints, outline.ground, tuple([
         Bar(locate(start), locate(end), width)
-        for start, end, width in dict.fromkeys((*outline.rods, *sides))]),
+        for start, end, width in dict.fromkeys((*outline.bars, *sides))]),
         tuple(blocks), outline.forces, outline.angles, {
             joint: mechanism.joint_names[name] for joint in joints
             if (name := joint.replace('O_', 'O')) in mechanism.joint_names})
@@ -217,15 +183,10 @@ RODS = {'RRR': {'first': 0, 'second': 1}, 'RRP': {'first': 0}, 'RPR': {'second':
         'RPP': {'second': 1}, 'PRP': {}}
 
 
-class DyadPoints(NamedTuple):
-    """Points of a dyad's links at its joints, with lengths that know their parameters."""
-
-    first: tuple[Point, Point]      # of its link there, of the link on which that hangs
-    inner: tuple[Point, ...]        # of its first link, of its second; of a slide of the block
-    second: tuple[Point, Point]
-
-
-def points_of_dyad(stage: Stage, dyad: Dyad) -> DyadPoints:
+def points_of_dyad(stage: Stage, dyad: Dyad) -> dict[str, tuple[Point, ...]]:
+    """Return the points of a dyad's links at its joints, by lengths that know their parameters."""
+    # first, second: of its link there, of the link on which that hangs; inner: of its first link,
+    # of its second; of a slide of the block
     group, ends = f'dyads.{dyad.name}', ('first', 'second')
     if stage.name == CYLINDER:
         group, ends = 'cylinder', ('pin', 'base')
@@ -237,7 +198,8 @@ def points_of_dyad(stage: Stage, dyad: Dyad) -> DyadPoints:
     first, second = [Point(link) for link in stage.links]
     inner = {'RRR': (first._replace(along=length_1), second._replace(along=length_2)),
              'RRP': (first._replace(along=length_1), second), 'PRP': (first, second)}
-    return DyadPoints((first, held[0]), inner.get(stage.kind, (first,)), (second, held[1]))
+    return {'first': (first, held[0]), 'inner': inner.get(stage.kind, (first,)),
+            'second': (second, held[1])}
 
 
 @singledispatch
@@ -250,7 +212,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     base = Point(layout.driven)
     is_pinned = machine.input != SLIDE and ground == 0
     joints: dict[str, tuple[Point, ...]] = {BASE: (base, Point(GROUND)) if is_pinned else (base,)}
-    pivots, rods, blocks = [BASE] * is_pinned, list[Rod](), list[Slide]()
+    pivots, bars, blocks = [BASE] * is_pinned, list[Bar](), list[Slide]()
     # {link: its corners, each by the point that is drawn, of any link there, and by its own}
     corners: dict[str, list[tuple[Point, Point]]] = {link: [] for link in layout.links}
 
@@ -264,21 +226,22 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     for stage, dyad in zip(layout.stages, machine.stages):
         names, slides = dict(stage.joints()), SLIDES[stage.kind]
         points = points_of_dyad(stage, dyad)
-        joints |= {name: getattr(points, joint)[:1 if joint in slides else 2]
+        joints |= {name: points[joint][:1 if joint in slides else 2]
                    for joint, name in names.items()}
         pivots += [names[joint] for joint in ('first', 'second', 'inner')
                    if joint not in slides and ground in stage.ends(joint)]
         for joint, carrier in (('first', dyad.first), ('second', dyad.second)):
-            drawn, held = getattr(points, joint)
+            drawn, held = points[joint]
             if joint in slides:
                 drawn = held        # where the slide begins on the link that carries it
             else:
                 add_corner(drawn, drawn.link)
             add_corner(drawn, carrier.link, carrier.along, carrier.across)
         if 'inner' not in slides:
-            for point in points.inner[:2 if stage.kind == 'RRR' else 1]:
+            for point in points['inner'][:2 if stage.kind == 'RRR' else 1]:
                 add_corner(point, point.link, point.along)
-        rods += [Rod(joints[names[joint]][0], points.inner[i % len(points.inner)])
+        inner = points['inner']
+        bars += [Bar(joints[names[joint]][0], inner[i % len(inner)])
                  for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
         blocks += [Slide(names[joint], stage.links[i],
                          is_guided=joint != 'first' and ground in stage.ends(joint))
@@ -287,13 +250,13 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         blocks.append(Slide(BASE, layout.driven, is_guided=True))
     del corners[GROUND]
     plates = [tuple([drawn for drawn, _ in of_link]) for of_link in corners.values()]
-    rods += [Rod(*plate) for plate in plates if len(plate) == 2]
+    bars += [Bar(*plate) for plate in plates if len(plate) == 2]
     first_joints = {link.name: BASE if link.first_joint == 'O1' else link.first_joint
                     for link in machine.LINKS}
     angles = {coordinate.position: first_joints.get(
         coordinate.position.removeprefix('theta_'), BASE)
         for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
-    return Outline(joints, ground=tuple(pivots), rods=tuple(dict.fromkeys(rods)),
+    return Outline(joints, ground=tuple(pivots), bars=tuple(dict.fromkeys(bars)),
                    blocks=tuple(blocks), forces={name: name for name in joints}, angles=angles,
                    plates=tuple([plate for plate in plates if len(plate) > 2]))
 
@@ -315,7 +278,7 @@ def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
         'B': (Point('output', a3), Point('coupler', a2)),
         'O_4': (Point(GROUND, a4), OUTPUT)}
     a, b = joints['A'][0], joints['B'][0]
-    return Outline(joints, ground=('O_1', 'O_4'), rods=(Rod(CRANK, a), Rod(a, b), Rod(OUTPUT, b)),
+    return Outline(joints, ground=('O_1', 'O_4'), bars=(Bar(CRANK, a), Bar(a, b), Bar(OUTPUT, b)),
                    blocks=(), forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
                    angles={'theta1': 'O_1', 'theta4': 'O_4'})
 
@@ -324,7 +287,7 @@ def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
 def _slider_crank(mechanism: SliderCrank, motion: Any) -> Outline:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     a = joints['A'][0]
-    return Outline(joints, ground=('O_1',), rods=(Rod(CRANK, a), Rod(a, OUTPUT)),
+    return Outline(joints, ground=('O_1',), bars=(Bar(CRANK, a), Bar(a, OUTPUT)),
                    blocks=(Slide('B', GROUND, is_guided=True),),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'},
                    angles={'theta1': 'O_1'})
@@ -335,8 +298,8 @@ def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     # the slot of the yoke reaches over the whole travel of the block, and to the guide
     low, _, high = sorted((0.0, *(end * mechanism.a1 - mechanism.offset for end in (-1.1, 1.1))))
-    slot = Rod(Point('output', 0.0, low), Point('output', 0.0, high))
-    return Outline(joints, ground=('O_1',), rods=(slot, Rod(CRANK, joints['A'][0])),
+    slot = Bar(Point('output', 0.0, low), Point('output', 0.0, high))
+    return Outline(joints, ground=('O_1',), bars=(slot, Bar(CRANK, joints['A'][0])),
                    blocks=(Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'},
                    angles={'theta1': 'O_1'})
@@ -348,17 +311,17 @@ def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
     joints = _crank(mechanism) | {
         'O_4': (Point(GROUND, SceneLength('linkage.a4', mechanism.a4)), OUTPUT)}
     a, foot = joints['A'][0], Point('output', 0.0, mechanism.offset)
-    rods, blocks = [Rod(CRANK, a), Rod(OUTPUT, foot)], []
+    bars, blocks = [Bar(CRANK, a), Bar(OUTPUT, foot)], []
     # a cylinder: the tube from O4, the thin rod out of it to A, in proportions that look like one
     if mechanism.is_driven_by_slide:
         low, high = sorted(map(abs, mechanism.input_ranges[-1]))
         tube = max(0.9 * low, 0.45 * high)      # as long as it can be with the rod in
         length, width = min(tube, 0.98 * abs(motion.slide)), 2.4
-        rods.append(Rod(foot, a, 0.7))
+        bars.append(Bar(foot, a, 0.7))
     else:
         length, width = (1.0 + BEYOND) * (mechanism.a1 + mechanism.a4), 1.0
         blocks.append(Slide('A', 'output'))
-    rods.append(Rod(foot, foot._replace(along=copysign(length, motion.slide)), width))
-    return Outline(joints, ground=('O_1', 'O_4'), rods=tuple(rods), blocks=tuple(blocks),
+    bars.append(Bar(foot, foot._replace(along=copysign(length, motion.slide)), width))
+    return Outline(joints, ground=('O_1', 'O_4'), bars=tuple(bars), blocks=tuple(blocks),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
                    angles={'theta1': 'O_1', 'theta4': 'O_4'})

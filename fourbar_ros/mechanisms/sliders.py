@@ -36,7 +36,6 @@ from fourbar_ros.mechanisms import closed_forms, kind, parts
 from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
-from fourbar_ros.mechanisms.machine.solve.dyads import DyadMotion
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics import number_types
@@ -158,7 +157,8 @@ class SliderCrank(Kind):
             lambda a1, a2, offset: rods_of_slide(offset, a2, a1),
             closed_forms.slide_ranges, closed_forms.singular_slides,
             {'f41': 'dyad_second', 'f21': '-dyad_inner', 'f32': 'dyad_first', 'f43': 'base',
-             **OF_DRIVEN_SLIDER}, reversed={'coupler': 'a2'}, transmission=THETA2)}
+             **OF_DRIVEN_SLIDER}, reversed={'coupler': 'a2'},
+            transmission=lambda _, coordinates: coordinates[THETA2])}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         a1, a2, offset = lengths
@@ -190,6 +190,27 @@ class InvertedDeadPoint(NamedTuple):
 
     theta1: float     # [rad]
     theta4: float     # [rad]
+
+
+def angle_at_pin(lengths: Lengths, coordinates: Coordinates) -> Sequence[Scalar]:
+    """Return cosine and sine of the angle at A from O1 to O4, times a length."""
+    (a1, a4, _), (cosine, sine, *_) = lengths, coordinates[THETA1]
+    return a1 - a4 * cosine, a4 * sine
+
+
+def guide_force_by_moments(n: NumberType, constants: Constants, m: parts.NamedFields,
+                           needs: Mapping[str, Needs], loads: Mapping[str, Scalar]
+                           ) -> Mapping[str, Scalar]:
+    (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)
+    per_unit = 1.0 / n.power_of_two(*constants.lengths)
+    s, h = m.slide * per_unit, constants.lengths[2] * per_unit
+    on_crank = Vector(loads['dyad_first_x'], loads['dyad_first_y'])
+    p = on_crank.dot(bar * s + bar.normal * h)                                             # (I1)
+    guide = (h * (h * bar.cross(f) + s * f.dot(bar) + p)
+             - s * (m_block + m_bar)) / (s * s + h * h)                                    # (I2)
+    force = bar * loads['driving_force'] + bar.normal * guide
+    return {'base_x': force.x, 'base_y': force.y, 'base': n.hypot(force.x, force.y),
+            'base_normal': guide}
 
 
 @dataclass(frozen=True, repr=False)
@@ -274,7 +295,8 @@ class InvertedSlider(Kind):
             lambda a1, a4, offset: rods_of_slide(offset, a1, a4),
             closed_forms.slide_ranges, closed_forms.singular_slides,
             {'f41': 'dyad_inner', 'f21': 'dyad_first', 'f32': 'base', 'f43': '-dyad_second',
-             **OF_DRIVEN_SLIDER}, reversed={'crank': 'a1', parts.GROUND: 'a4'}, sign=-1.0)}
+             **OF_DRIVEN_SLIDER}, reversed={'crank': 'a1', parts.GROUND: 'a4'}, sign=-1.0,
+            transmission=angle_at_pin, corrected=guide_force_by_moments)}
 
     def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         (a1, a4, offset), (cosine, sine, *_) = lengths, coordinates[THETA1]
@@ -287,14 +309,6 @@ class InvertedSlider(Kind):
             size = a1 * a4 * fabs(sine)
         condition: Scalar = error / (size + TINY)                                         # (C3)
         return condition
-
-    def transmission(self, lengths: Lengths, coordinates: Coordinates, moved: DyadMotion
-                     ) -> Sequence[Scalar]:
-        """Return that of the dyad, of a driven slide that at A from O1 to O4, times a length."""
-        if self.input == CRANK:
-            return super().transmission(lengths, coordinates, moved)
-        (a1, a4, _), (cosine, sine, *_) = lengths, coordinates[THETA1]
-        return a1 - a4 * cosine, a4 * sine
 
     def stalls(self, side: float) -> Iterator[InvertedDeadPoint | CrankDeadPoint]:
         a1, a4, h = number_types.scaled(self.lengths)
@@ -309,21 +323,6 @@ class InvertedSlider(Kind):
             if run > 0.0:
                 cosine, sine = -side * sqrt(run), rise
                 yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
-
-    def corrected(self, n: NumberType, constants: Constants, m: parts.NamedFields,
-                  needs: Mapping[str, Needs], loads: Mapping[str, Scalar]) -> Mapping[str, Scalar]:
-        if self.input == CRANK:
-            return {}
-        (f, m_block), (_, m_bar), bar = needs['coupler'], needs['output'], Vector(m.cos_y, m.sin_y)
-        per_unit = 1.0 / n.power_of_two(*constants.lengths)
-        s, h = m.slide * per_unit, constants.lengths[2] * per_unit
-        on_crank = Vector(loads['dyad_first_x'], loads['dyad_first_y'])
-        p = on_crank.dot(bar * s + bar.normal * h)                                         # (I1)
-        guide = (h * (h * bar.cross(f) + s * f.dot(bar) + p)
-                 - s * (m_block + m_bar)) / (s * s + h * h)                                # (I2)
-        force = bar * loads['driving_force'] + bar.normal * guide
-        return {'base_x': force.x, 'base_y': force.y, 'base': n.hypot(force.x, force.y),
-                'base_normal': guide}
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
@@ -423,7 +422,7 @@ class ScotchYoke(Kind):
             lambda a1, _: ((-a1, a1),), lambda a1, _: [complex(-a1), complex(a1)],
             {'f41': 'dyad_first', 'f21': 'dyad_inner', 'f32': 'dyad_second', 'f43': 'base',
              **OF_DRIVEN_SLIDER, 'slot_couple': 'dyad_second_couple'},
-            slides=(parts.SLOT,), transmission=THETA1)}
+            slides=(parts.SLOT,), transmission=lambda _, coordinates: coordinates[THETA1])}
     MARGIN_SIGNS, CLASSES = ((1, 0),), {(1,): 'harmonic motion'}
 
     @property

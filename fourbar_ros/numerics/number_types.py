@@ -196,21 +196,18 @@ def converted(record: Any, convert: Callable[[Any], Any]) -> Any:
 
 def numbers_of(record: Any) -> list[float]:
     """Return the numbers of a nested record in the order in which :func:`converted` meets them."""
-    values: list[float] = []
-
-    def collect(piece: Any) -> None:
-        """Append the numbers of a record, or a number that is none of a record."""
+    values, left = list[float](), [record]
+    while left:
+        piece = left.pop()
         kind: Any = type(piece)
-        names = _names_of(kind)
-        if isinstance(piece, tuple) or names:
-            for inner in piece if isinstance(piece, tuple) else [getattr(piece, n) for n in names]:
-                if type(inner) is float:       # most are
-                    values.append(inner)
-                else:
-                    collect(inner)
+        if kind is float:       # most are
+            values.append(piece)
+        elif isinstance(piece, tuple):
+            left += reversed(piece)
+        elif names := _names_of(kind):
+            left += [getattr(piece, name) for name in reversed(names)]
         elif not (piece is None or isinstance(piece, (str, bool)) or callable(piece)):
             values.append(piece)
-    collect(record)
     return values
 
 

@@ -275,8 +275,8 @@ class _Branch:
         for output in scene.layout.groups:
             family, _, name = output.partition('/')
             if family == 'points':
-                self._of_motion[output] = points.make_point(REAL, scene.linkage,
-                                                            *scene.points[name])
+                self._of_motion[output] = partial(points.point_in, REAL, scene.linkage,
+                                                  **scene.points[name]._asdict())
             elif family == 'links':
                 self._of_motion[output] = partial(points.link_fields, scene.linkage, link=name)
             elif output == 'equation':

@@ -11,7 +11,7 @@ from fourbar_lab.export.fmu import build
 from fourbar_lab.export.model import GeneratedModel, word
 from fourbar_ros.dynamics.node_step import DriveValues, Mover
 from fourbar_ros.mechanisms.curves import PointMotion
-from fourbar_ros.mechanisms.points import make_point
+from fourbar_ros.mechanisms.points import point_in
 from fourbar_ros.numerics.number_types import REAL
 from fourbar_ros.pipeline.stepper import (
     evaluate,
@@ -168,13 +168,12 @@ def of_python(mechanism, points, inputs):
     the rate: components of vectors are rounded as the angles are, and as these times the rate.
     """
     with_loads = mechanism.bodies is not None
-    parts = [make_point(REAL, mechanism, *point) for point in points.values()]
     statuses, rows = [], []
     for given in inputs.tolist():
         status, motion, loads = evaluate(mechanism, *given, with_loads)
         values = [*motion]
-        for part in parts:
-            values += part(motion)
+        for point in points.values():
+            values += point_in(REAL, mechanism, motion, *point)
         statuses.append(status)
         rows.append(values + [*loads] * with_loads)
     statuses, rows = np.array(statuses), np.array(rows)

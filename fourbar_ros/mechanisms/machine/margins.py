@@ -48,6 +48,7 @@ class PairRange:
         assert stage.pair is not None
         # the angle of RRP counts from the normal of its line, so that its sine is a cosine
         self.slides, self.is_sine = stage.pair.slides, stage.kind == 'RRP'
+        self._moving = stage.pair.moving
         # what the relative slide or angle of both links, as Ends give it, is counted from: sigma
         # where the slide is zero, or twice the half angle as (cosine, sine)
         self._start: Any = (lengths.shape[0] if self.slides
@@ -103,16 +104,16 @@ class PairRange:
         # law of cosines: (|a| - |g|)^2 cos^2(x/2) + (|a| + |g|)^2 sin^2(x/2)
         return (a - g)**2 / (a + g)**2 * cc + ss
 
-    def inputs(self, is_moving: bool, limits: Sequence[Any]) -> list[float]:
+    def inputs(self, limits: Sequence[Any]) -> list[float]:
         """Return the inputs within limits where a pair of frame and driven link lies flat."""
-        # is_moving: whether the driven link, not the frame, moves in the frame of the pair;
         # limits: the two ends of each range, None of a full turn
         if self.slides:
             flats, turns = [float(0.0 - self._start)] * len(self.flats), [0.0]
         else:
             turned = [atan2(*((flat, 0.0) if self.is_sine else (0.0, flat)))
                       - atan2(*self._start[::-1]) for flat in self.flats]
-            folded = [remainder(turn if is_moving else -turn, 2.0 * pi) for turn in turned]
+            # the angle of the driven link, as the frame of the pair or the other one sees it
+            folded = [remainder(turn if self._moving == 1 else -turn, 2.0 * pi) for turn in turned]
             flats = [pi if x == -pi else x + 0.0 for x in folded]
             turns = [-2.0 * pi, 0.0, 2.0 * pi]
         return [x for x in flats if any(bound is None or bound[0].x < x + turn < bound[1].x

@@ -124,7 +124,7 @@ def find_ranges(layout: Layout, dyad_lengths: Sequence[DyadLengths], signs: Sequ
                 return DyadRanges((), stage.name, layout=search.layout)
         inputs: list[float] = []
         if pair_range and pair_range.flats:
-            inputs = (pair_range.inputs(stage.moving == 1, limits) if is_driven
+            inputs = (pair_range.inputs(limits) if is_driven
                       else search.flats(pair_range, limits, i, turns))
             if not inputs:
                 search.without_branch(i)

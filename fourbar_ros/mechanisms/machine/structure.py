@@ -52,6 +52,7 @@ class Pair(NamedTuple):
     """That the two links on which a dyad hangs are joined to each other, see :mod:`.pairs`."""
 
     frame: int          # index of the carrier from which the motion of the dyad is seen
+    moving: int         # ... of the one that moves in it
     slides: bool        # whether a slide joins the carriers, else a pin
     # whether its branch goes on through flat positions; False if its lengths are those of a change
     # point, but it lies flat nowhere in the ranges: then its side is its mode, as of any dyad
@@ -68,20 +69,6 @@ class Stage(NamedTuple):
     links: tuple[str, str]      # names of its own links
     link: int                   # index of the first of them; the second is the next
     pair: Pair | None = None    # of a dyad between links that are joined to each other
-
-    @property
-    def turns_first(self) -> bool:
-        """Return whether its first link hangs on the one of a pair that moves in the frame."""
-        return self.pair is not None and self.pair.frame == self.second
-
-    @property
-    def can_lie_flat(self) -> bool:
-        return self.pair is not None and self.pair.can_lie_flat
-
-    @property
-    def moving(self) -> int:
-        """Return the index of the one of a pair that moves in the frame."""
-        return self.first if self.turns_first else self.second
 
     def slides(self) -> list[str]:
         return [self.links[i] for i in SLIDES[self.kind].values()]

@@ -62,18 +62,18 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
 def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     """Return the markers of links, joints, blocks and points in a pose, a record of MOTION."""
     frame, width = scene.frame_id, WIDTH * size_of(scene.linkage)
-    shapes = pictures.picture(scene.linkage, motion, scene.points)
+    diagram = pictures.diagram_of(scene.linkage, motion)
     markers = [lines(frame, 'links', i, [bar[:2]], width * bar.width, LINK)
-               for i, bar in enumerate(pictures.of_kind(pictures.Bar, shapes))]
-    joints = [joint.point for joint in pictures.of_kind(pictures.NamedJoint, shapes)]
+               for i, bar in enumerate(diagram.bars)]
+    joints = [*diagram.joints.values()]
     markers.append(spheres(frame, 'joints', 0, joints, 1.8 * width, JOINT))
-    for i, block in enumerate(pictures.of_kind(pictures.Block, shapes)):
+    for i, block in enumerate(diagram.blocks):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
         box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
-    if arms := pictures.of_kind(pictures.Arm, shapes):
+    if arms := pictures.arms_of(scene.linkage, motion, scene.points):
         markers += [lines(frame, 'arms', 0, [(arm.start, arm.end) for arm in arms], 0.5 * width,
                           LINK, 0.6),
                     spheres(frame, 'points', 0, [arm.end for arm in arms], 2.0 * width, POINT)]

@@ -13,7 +13,7 @@ EPS = 2.0**-52
 def test_a_small_change_of_a_length_is_a_small_change_of_the_pose(name):
     """Exactly at the change point of its lengths, and a part in 1e7 beside it, in both senses."""
     machine = load_scene(ROOT / 'config/classics' / f'{name}.yaml').linkage
-    assert any(stage.pair and not stage.can_lie_flat for stage in machine.layout.stages)
+    assert any(stage.pair and not stage.pair.can_lie_flat for stage in machine.layout.stages)
     assert machine.flat_inputs == () and machine.change_point_margin > 0.0
     inputs = [low + part * (high - low) for low, high in machine.input_ranges
               for part in (0.13, 0.5, 0.8)]

@@ -67,11 +67,12 @@ def hangings(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths],
     for stage, lengths, sign in zip(layout.stages, dyad_lengths, signs):
         both, pair = (stage.first, stage.second), stage.pair
         links = next((link for link in (both, both[::-1]) if link in joints.slides), None)
-        joint = (joints.slides[links] if links else joints.pin(stage.moving, pair.frame) if pair
+        joint = (joints.slides[links] if links else joints.pins[pair.moving, pair.frame] if pair
                  else (FIRST_JOINT, FIRST_JOINT))
         motion: Callable[[Ends], DyadMotion] = (
             pairs.rod_of_cylinder if stage.name == CYLINDER else
-            partial(pairs.PAIRS[stage.kind, pair.slides], n, sign, stage, lengths) if pair else
+            partial(pairs.PAIRS[stage.kind, pair.slides], n, sign, stage, pair, lengths)
+            if pair else
             partial(dyads.DYADS[stage.kind], n, sign, lengths.sizes))
         hanging.append(Hanging(
             stage, lengths.p, lengths.q, pair.frame if pair else links[1] if links else 0, joint,
@@ -172,8 +173,8 @@ class Poses:
     def __init__(self, hanging: Sequence[Hanging], driven: Driven) -> None:
         self._hanging, self._of_cylinder, self._half = hanging, driven.of_cylinder, driven.half
         self.curves, self.dyads = {0: FIXED, 1: driven.curve}, dict[int, DyadMotion]()
-        # {(link, link it is pinned to): direction of the first seen from the second}
-        self._relations: dict[tuple[int, int], Direction] = {}
+        # {(link, frame or link it is pinned to): direction of the first seen from the second}
+        self._relations: dict[tuple[int, int], Direction] = {(1, 0): driven.curve[6:]}
         # {(link that slides, its carrier): slide, first and second derivative}
         self._slides: dict[tuple[int, int], Sequence[Scalar]] = (
             {(1, 0): driven.slide} if driven.slide else {})
@@ -195,7 +196,7 @@ class Poses:
         if stage.pair:
             if self._half and {stage.first, stage.second} == {0, 1}:
                 c, s = self._half
-                half = (c, s) if stage.moving == 1 else (c, -s)
+                half = (c, s) if stage.pair.moving == 1 else (c, -s)
             return Ends(p, q, None, relative, half, first, second)
         if stage.name == CYLINDER:
             return Ends(p, q, None, self._of_cylinder, None, first, second)
@@ -203,16 +204,14 @@ class Poses:
 
     def relation(self, link: int, seen_from: int) -> Direction:
         """Return the direction of a link, with derivatives, seen from a link it is pinned to."""
-        known, ground = self._relations, 0
+        known = self._relations
         if (link, seen_from) in known:
             return known[link, seen_from]
-        if seen_from == ground:
-            return self.curves[link].turning
-        if (seen_from, link) in known or link == ground:
-            c, s, turn, bend = known.get((seen_from, link), self.curves[seen_from].turning)
+        if (seen_from, link) in known:
+            c, s, turn, bend = known[seen_from, link]
             return c, -s, -turn, -bend
-        c0, s0, turn0, bend0 = self.curves[seen_from].turning
-        c, s, turn, bend = self.curves[link].turning
+        c0, s0, turn0, bend0 = self.curves[seen_from][6:]
+        c, s, turn, bend = self.curves[link][6:]
         return c0 * c + s0 * s, c0 * s - s0 * c, turn - turn0, bend - bend0
 
     def carry(self, index: int) -> Ends:
@@ -237,7 +236,8 @@ class Poses:
             curves = (composed(self.curves[frame], moved.first),
                       composed(self.curves[frame], moved.second))
         self.dyads[index] = moved
-        self._relations.update(moved.relations)
+        self._relations |= {(2 * index + 2, 0): curves[0][6:], (2 * index + 3, 0): curves[1][6:],
+                            **moved.relations}
         for k, (link, (carrier, _, _)) in enumerate(slides):
             self._slides[link, carrier] = moved.slides[3 * k:3 * k + 3]
         # last, as another thread takes a dyad with curves for one that has been added
@@ -259,10 +259,8 @@ class Poses:
 
     def _joined_to(self, link: int, joints: Joints) -> Iterator[tuple[int, LinkMotion]]:
         """Yield (index, curve as ``link`` sees it) of the links that are joined to it."""
-        for pair, points in joints.pins.items():
-            if link in pair:
-                neighbour, there, here = ((pair[0], *points) if pair[1] == link
-                                          else (pair[1], *points[::-1]))
+        for (neighbour, of_pin), (there, here) in joints.pins.items():
+            if of_pin == link:
                 yield neighbour, pinned(there, here, self.relation(neighbour, link))
         for pair, (start, (c, s)) in joints.slides.items():
             if pair[1] == link:

@@ -137,7 +137,14 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
             forces = solve(held[i], held[i + 1])
             if stage.name == CYLINDER:
                 forces = with_drive_along(forces, e[i] * drive)
-        fields = [*fields_of(n, stage, forces), *fields]
+        of_dyad, sliding = list[Scalar](), list(structure.SLIDES[stage.kind])
+        for joint in structure.JOINTS:
+            force = getattr(forces, joint)
+            of_dyad += (force.x, force.y, n.hypot(force.x, force.y))
+            if joint in sliding:
+                of_dyad += (forces.normals[sliding.index(joint)],
+                            getattr(forces, f'{joint}_couple'))
+        fields = [*of_dyad, *fields]
         for which, carrier, force, couple in (
                 (0, stage.first, forces.first, forces.first_couple),
                 (1, stage.second, forces.second, forces.second_couple)):
@@ -200,17 +207,6 @@ def with_drive_along(forces: DyadForces, push: Vector) -> DyadForces:
     return forces._replace(first=forces.first - push, first_couple=0.0,
                            second=forces.second + push, second_couple=0.0,
                            inner=forces.inner + push)
-
-
-def fields_of(n: NumberType, stage: Stage, forces: DyadForces) -> list[Scalar]:
-    """Return x, y and size at each joint, and normal force and couple of one that slides."""
-    fields, slides = list[Scalar](), list(structure.SLIDES[stage.kind])
-    for joint in structure.JOINTS:
-        force: Vector = getattr(forces, joint)
-        fields += (force.x, force.y, n.hypot(force.x, force.y))
-        if joint in slides:
-            fields += (forces.normals[slides.index(joint)], getattr(forces, f'{joint}_couple'))
-    return fields
 
 
 def rrr_forces(sizes: Sequence[Scalar], e1: Vector, e2: Vector, _slides: Sequence[Scalar],

@@ -72,42 +72,43 @@ def slides_of(stage: Stage, lengths: DyadLengths) -> list[tuple[int, Slide]]:
 class Joints:
     """All joints of a machine, by the indices of their links."""
 
-    # pins: {(a link, the link it is pinned to): (point of the first, of the second)}, slides:
-    # {(a link, its carrier): (start of the slide, its direction), both on the carrier}.
+    # pins: {(a link, a link it is pinned to): (point of the first, of the second)}, each pin both
+    # ways; slides: {(a link, its carrier): (start of the slide, its direction), on the carrier}.
 
     def __init__(self, driver: str, stages: Sequence[Stage], dyad_lengths: Sequence[DyadLengths]
                  ) -> None:
-        self.pins, self.slides = dict[Joined, OnBoth](), dict[Joined, OnBoth]()
+        pins, self.slides = dict[Joined, OnBoth](), dict[Joined, OnBoth]()
         if driver == 'slide':
             self.slides[1, 0] = FIRST_JOINT, (1.0, 0.0)
         else:
-            self.pins[1, 0] = FIRST_JOINT, FIRST_JOINT
+            pins[1, 0] = FIRST_JOINT, FIRST_JOINT
         for stage, lengths in zip(stages, dyad_lengths):
             first, second = stage.link, stage.link + 1
             if stage.kind == 'PRP':
-                self.pins[second, first] = FIRST_JOINT, FIRST_JOINT
+                pins[second, first] = FIRST_JOINT, FIRST_JOINT
             else:
-                self.pins[first, stage.first] = FIRST_JOINT, lengths.p
+                pins[first, stage.first] = FIRST_JOINT, lengths.p
             if stage.kind in ('RRR', 'RPR'):
-                self.pins[second, stage.second] = FIRST_JOINT, lengths.q
+                pins[second, stage.second] = FIRST_JOINT, lengths.q
             elif stage.kind == 'RRP':
-                self.pins[second, first] = FIRST_JOINT, (lengths.sizes[0], 0.0)
+                pins[second, first] = FIRST_JOINT, (lengths.sizes[0], 0.0)
             if stage.kind == 'RRR':         # the far ends of both rods
-                self.pins[second, first] = (lengths.sizes[1], 0.0), (lengths.sizes[0], 0.0)
+                pins[second, first] = (lengths.sizes[1], 0.0), (lengths.sizes[0], 0.0)
             for link, (carrier, start, direction) in slides_of(stage, lengths):
                 self.slides[link, carrier] = start, direction
-
-    def pin(self, link: int, frame: int) -> OnBoth:
-        return (self.pins[link, frame] if (link, frame) in self.pins
-                else self.pins[frame, link][::-1])
+        self.pins = {both: points for (a, b), (of_a, of_b) in pins.items()
+                     for both, points in (((a, b), (of_a, of_b)), ((b, a), (of_b, of_a)))}
 
     def pair_of(self, stage: Stage) -> Pair | None:
         """Return the :class:`Pair` of a dyad, None where its links are not joined."""
+        if (stage.first, stage.second) in self.pins and stage.kind in ('RRR', 'RRP', 'RPR'):
+            # of a pin the link that was there before, of RRP that with the line
+            frame, moving = ((stage.second, stage.first) if stage.kind == 'RRP'
+                             else sorted((stage.first, stage.second)))
+            return Pair(frame, moving, False)
         for link, carrier in ((stage.first, stage.second), (stage.second, stage.first)):
-            if (link, carrier) in self.pins and stage.kind in ('RRR', 'RRP', 'RPR'):
-                return Pair(stage.second if stage.kind == 'RRP' else carrier, False)
             if (link, carrier) in self.slides and stage.kind in ('RRR', 'RPR'):
-                return Pair(carrier, True)
+                return Pair(carrier, link, True)
         return None
 
 
@@ -134,17 +135,16 @@ def turned_by(first: Sequence[Scalar], second: Sequence[Scalar]) -> tuple[Scalar
     return c * cosine - s * sine, s * cosine + c * sine
 
 
-def _shape(n: NumberType, stage: Stage, lengths: DyadLengths, joints: Joints) -> tuple[Any, ...]:
+def _shape(n: NumberType, stage: Stage, pair: Pair, lengths: DyadLengths, joints: Joints
+           ) -> tuple[Any, ...]:
     """Return the loop of a pair besides sizes of the dyad: ``shape``, as shaped() says."""
     # The frame has the point Q, or the line of RRP; on the link that moves in it is P.
-    assert stage.pair is not None
-    frame, moving = stage.pair.frame, stage.moving
-    (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if stage.turns_first
+    (p_x, p_y), (q_x, q_y) = ((lengths.p, lengths.q) if pair.moving == stage.first
                               else (lengths.q, lengths.p))
-    if stage.pair.slides:
-        (x, y), (c, s) = joints.slides[moving, frame]
+    if pair.slides:
+        (x, y), (c, s) = joints.slides[pair.moving, pair.frame]
         return (p_x + (x - q_x) * c + (y - q_y) * s, p_y + (y - q_y) * c - (x - q_x) * s, c, s)
-    (o_x, o_y), (x, y) = joints.pin(moving, frame)
+    (o_x, o_y), (x, y) = joints.pins[pair.moving, pair.frame]
     a_x, a_y, g_x, g_y = p_x - o_x, p_y - o_y, q_x - x, q_y - y
     if stage.kind == 'RRP':
         t_x, t_y = lengths.sizes[1:]
@@ -183,7 +183,7 @@ def shaped(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLengths]
     joints, with_shapes = Joints(layout.driver, layout.stages, dyad_lengths), []
     for stage, lengths in zip(layout.stages, dyad_lengths):
         reach = n.hypot(*lengths.p), n.hypot(*lengths.q)
-        shape = (_shape(n, stage, lengths, joints) if stage.pair
+        shape = (_shape(n, stage, stage.pair, lengths, joints) if stage.pair
                  else reach if stage.name == CYLINDER else ())
         with_shapes.append(lengths._replace(reach=reach, shape=shape))
     return with_shapes
@@ -202,13 +202,13 @@ def in_frame(direction: Direction, axis: Sequence[Scalar], relative: Sequence[Sc
     return *turned_by((cosine, sine), axis), *by_input(relative, first, second)
 
 
-def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
     """Return how RRR moves as coupler and output link of a 4R linkage."""
     # The angle is from g to a, the arms of the pin that joins the links the dyad hangs on.
     angle = ends.relative
     a1, a4, half_0, *of_g = lengths.shape
-    first, of_0 = stage.turns_first, turned_by(half_0, half_0)      # of_0: from g to a at 0
+    first, of_0 = pair.moving == stage.first, turned_by(half_0, half_0)     # of_0: g to a at 0
     # where the dyad's second link hangs on the one that moves, all is mirrored
     side, (a2, a3) = (1.0, lengths.sizes) if first else (-1.0, lengths.sizes[::-1])
     of_a = turned_by(of_0, of_g)
@@ -216,7 +216,7 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     # of a flat position at x = pi, sin(x/2) keeps its sign there
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), is_zero(n, n.exact_sum((a1, -a2, -a3, a4))))
-    bars = loop(n, (a1, a2, a3, a4), side * sign, half, stage.can_lie_flat)
+    bars = loop(n, (a1, a2, a3, a4), side * sign, half, pair.can_lie_flat)
     coupler, output = in_frame(bars.b, of_g, angle), in_frame(bars.y, of_g, angle)
     on_moving = in_frame(bars.theta2, of_a, angle)
     cos_mu, sin_mu, d_mu, dd_mu = bars.mu
@@ -224,11 +224,11 @@ def rrr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     between: Direction = (cos_mu, sine, *by_input(angle, side * d_mu, side * dd_mu))
     directions = (coupler, output) if first else (output, coupler)
     return DyadMotion(LinkMotion(*ends.p, *directions[0]), LinkMotion(*ends.q, *directions[1]), (),
-                      sine, cos_mu, {(rod_1 if first else rod_2, stage.moving): on_moving,
+                      sine, cos_mu, {(rod_1 if first else rod_2, pair.moving): on_moving,
                                      (rod_2, rod_1): between})
 
 
-def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
     """Return how RRP moves as rod and block of a slider-crank."""
     # The frame has the line of the block; the crank is a, from the pin O to P on the moving link.
@@ -236,7 +236,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     (a1, e, half_0, start, o_x, o_y), (a2, *line) = lengths.shape, lengths.sizes
     unit, of_0 = n.power_of_two(a1, a2, e), turned_by(half_0, half_0)
     of_a, (t_x, t_y) = turned_by(of_0, line), line
-    rod_link, moving = stage.link, stage.first
+    rod_link, moving = stage.link, pair.moving
     foot_x, foot_y = o_x - e * t_y, o_y + e * t_x       # of O on the line
     cos_x, sin_x = turned_by(angle[:2], of_0)
     if ends.half:       # v = x/2 + pi/4, with 2 v from -pi to pi or from 0 to 2 pi
@@ -245,7 +245,7 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
         of_2v = half_angle(n, -sin_x, cos_x, is_zero(n, n.exact_sum((a2, e, -a1))))
         sin_v, cos_v = of_2v.sine, of_2v.cosine
     slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
-                                cos_v, stage.can_lie_flat)
+                                cos_v, pair.can_lie_flat)
     s, first, second = [unit * value for value in slider.s]
     d_s, dd_s = by_input(angle, first, second)
     rod = LinkMotion(*ends.p, *in_frame(slider.b, line, angle))
@@ -258,17 +258,17 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
                       {(rod_link, moving): on_moving})
 
 
-def _bar(stage: Stage, ends: Ends, direction: Direction, slide: tuple[Scalar, ...],
+def _bar(is_first: bool, ends: Ends, direction: Direction, slide: tuple[Scalar, ...],
          sine: Scalar, cosine: Scalar, relations: dict[Joined, Direction]) -> DyadMotion:
     """Return the motion of RPR by the direction of its bar, seen from the end on the frame."""
     c, s, turn, bend = direction
-    if not stage.turns_first:
+    if not is_first:
         c, s = -c, -s
     return DyadMotion(LinkMotion(*ends.p, c, s, turn, bend), LinkMotion(*ends.q, c, s, turn, bend),
                       slide, sine, cosine, relations)
 
 
-def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: DyadLengths,
              ends: Ends) -> DyadMotion:
     """Return how RPR moves as block and bar of an inverted slider-crank."""
     angle = ends.relative
@@ -276,29 +276,30 @@ def rpr_pair(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     unit, of_0 = n.power_of_two(a1, a4, h), turned_by(half_0, half_0)
     h, of_a = h / unit, turned_by(of_0, of_g)
     # theta2 is of the bar as the crank sees it; where the bar hangs on the crank it points back
-    side, link = (1.0, stage.link) if stage.turns_first else (-1.0, stage.link + 1)
+    is_first = pair.moving == stage.first
+    side, link = (1.0, stage.link) if is_first else (-1.0, stage.link + 1)
     half = HalfAngle.of(*turned_by(ends.half, half_0)) if ends.half else half_angle(
         n, *turned_by(angle[:2], of_0), False)
-    block = slides.block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, stage.can_lie_flat)
+    block = slides.block_on_bar(n, a1 / unit, a4 / unit, h, sign, half, pair.can_lie_flat)
     bar, (cos_2, sin_2, *changes) = in_frame(block.y, of_g, angle), block.theta2
     on_moving: Direction = (*turned_by((side * cos_2, side * sin_2), of_a),
                             *by_input(angle, *changes))
     slide, first, second = [unit * value for value in block.slide]
-    return _bar(stage, ends, bar, (slide, *by_input(angle, first, second)), block.sine,
-                block.cosine, {(link, stage.moving): on_moving})
+    return _bar(is_first, ends, bar, (slide, *by_input(angle, first, second)), block.sine,
+                block.cosine, {(link, pair.moving): on_moving})
 
 
-def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: DyadLengths,
               ends: Ends) -> DyadMotion:
     """Return how RRR moves as crank and coupler of a slider-crank."""
     # Its slider drives: that link on which the dyad hangs that slides in the second one.
     slide = ends.relative
-    (shift, e, *line), first = lengths.shape, stage.turns_first
+    (shift, e, *line), first = lengths.shape, pair.moving == stage.first
     on_moving, on_frame = lengths.sizes if first else lengths.sizes[::-1]
     unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
     per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
     sides = slides.triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
-                            (slide[0] + shift) * per, stage.can_lie_flat)
+                            (slide[0] + shift) * per, pair.can_lie_flat)
     scaled = slide[1] * per, slide[2] * per
     (cos_b, sin_b, *changes), (cos_2, sin_2, d_2, dd_2) = sides.b, sides.theta2
     of_frame = in_frame(sides.x, line, scaled)
@@ -310,7 +311,7 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
                       sine, cosine, {(rod_2, rod_1): between})
 
 
-def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
+def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: DyadLengths,
               ends: Ends) -> DyadMotion:
     """Return how RPR moves whose block, or bar, hangs on a slider, (P3), (P4)."""
     slide = ends.relative
@@ -319,8 +320,8 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     per, where = 1.0 / unit, n.where
     shift, e, h = shift * per, e * per, h * per
     k = n.difference_of_squares(e, 0.0, h, 0.0)
-    passes_foot = stage.can_lie_flat and is_zero(n, k)
-    meets = stage.can_lie_flat and is_zero(n, n.fabs(e) + n.fabs(h))     # P, Q at sigma = 0
+    passes_foot = pair.can_lie_flat and is_zero(n, k)
+    meets = pair.can_lie_flat and is_zero(n, n.fabs(e) + n.fabs(h))     # P, Q at sigma = 0
     x = slide[0] * per + shift      # sigma
     # where the block passes the foot, x is left out of l and x: what is left of both, times it
     factor, x_left = where(passes_foot, (x, 1.0), (1.0, x))
@@ -336,8 +337,8 @@ def rpr_slide(n: NumberType, sign: Scalar, stage: Stage, lengths: DyadLengths,
     toward = where(meets, (l_left, 0.0), ((l * x + h * e) * per_q, (l * e - h * x) * per_q))
     bar: Direction = (*turned_by(toward, line), *by_input(scaled, d_y, dd_y))
     d_l, dd_l = by_input(scaled, unit * d_l, unit * dd_l)
-    return _bar(stage, ends, bar, (unit * l, d_l, dd_l), where(meets, l_left, l * root), h * root,
-                {})
+    return _bar(pair.moving == stage.first, ends, bar, (unit * l, d_l, dd_l),
+                where(meets, l_left, l * root), h * root, {})
 
 
 # {(kind, whether a slide, not a pin, joins the links it hangs on): how it moves}
