@@ -97,7 +97,7 @@ class AngleEquation(NamedTuple):
 def equations_of_slides(lengths: Sequence[float]) -> dict[int, AngleEquation]:
     """Return {number of the equation: :class:`AngleEquation`} for a1 to a4 [m]."""
     a1, a2, a3, a4 = lengths
-    factors, equations = bilinear_factors(a1, a2, a3, a4)._asdict(), {}
+    factors, equations = bilinear_factors(a1, a2, a3, a4), {}
     for name, (i, j, products, factor, sides) in SLIDES.items():
         both, first, second, constant = (prod(factors[letter] for letter in product.split())
                                          for product in products.split(', '))

@@ -231,8 +231,7 @@ class Sampler:
     def exact(self, x: Array, row: Array) -> Array:
         """Return quantity ``row[i]`` at x[i] in many digits, ms for each x; NaN of 0/0."""
         # and of functions that do more than a trace records
-        recorded = (self.linkage.record_with_loads if self._has_loads
-                    else self.linkage.record_of_motion)
+        recorded = self.linkage.record(self._has_loads)
         data = numbers_of(formula_of(self.linkage, self._has_loads).data)
         results, traces = flat(recorded.trace.results), dict[int, Trace]()
         for i in set(row.tolist()):

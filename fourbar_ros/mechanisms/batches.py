@@ -37,8 +37,7 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
     if is_known is not None:
         arrays[0] = np.where(is_known, position, np.nan)
     with np.errstate(all='ignore'):
-        trace, constants, zeros = (mechanism.record_with_loads if with_loads
-                                   else mechanism.record_of_motion)
+        trace, constants, zeros = mechanism.record(with_loads)
         wanted = range_of(trace) if wanted is None else wanted
         is_complex = any(v.dtype.kind == 'c' for v in arrays)
         flattened = [np.broadcast_to(v.astype(complex) if is_complex else v, shape).reshape(-1)
@@ -116,7 +115,7 @@ def step_of_arrays(mechanism: Mechanism, with_loads: bool, data: Constants | Non
     # columns for the constants of many mechanisms like this. wanted: indices of the fields, by
     # default all; the rest is not computed, it is NaN.
     keep_memory()
-    trace, known, _ = (mechanism.record_with_loads if with_loads else mechanism.record_of_motion)
+    trace, known, _ = mechanism.record(with_loads)
     count = len(range_of(trace))
     wanted = range_of(trace) if wanted is None else tuple(wanted)
     if data is not None:

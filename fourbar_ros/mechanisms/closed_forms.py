@@ -11,20 +11,15 @@ from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.numerics.number_types import exact_sum, power_of_two, REAL, scaled
 
 
-def discriminant_of_loop(a1: float, a2: float, a3: float, a4: float) -> tuple[float, ...]:
-    """Return s1, c1, s2, c2 of (M3) in :mod:`fourbar_ros.mechanisms.loop`, of scaled lengths."""
-    squares = REAL.difference_of_squares
-    return (squares(a2, a3, a1, a4), squares(a2, a3, a1, -a4),
-            squares(a1, -a4, a2, -a3), squares(a1, a4, a2, -a3))
-
-
 def singular_angles(a1: float, a2: float, a3: float, a4: float) -> list[complex]:
     """Return the complex angles from a4 to a1 at which a2 and a3 are in line, or A meets O4."""
     # Real ones are the ends of the ranges, to the last bit: cos^2(x/2) = -s1 / (4 a1 a4),
     # sin^2(x/2) = -s2 / (4 a1 a4); the last is q = 0.
     a1, a2, a3, a4 = scaled((a1, a2, a3, a4))
-    root = 2.0 * sqrt(a1 * a4)
-    s1, c1, s2, c2 = discriminant_of_loop(a1, a2, a3, a4)
+    root, squares = 2.0 * sqrt(a1 * a4), REAL.difference_of_squares
+    # (M3) in loop.py
+    s1, c1 = squares(a2, a3, a1, a4), squares(a2, a3, a1, -a4)
+    s2, c2 = squares(a1, -a4, a2, -a3), squares(a1, a4, a2, -a3)
     outer, inner = sqrt(abs(s1)) / root, sqrt(abs(s2)) / root
     far = (complex(pi, 2.0 * asinh(outer)) if s1 >= 0.0 else
            complex(2.0 * atan2(sqrt(max(c1, 0.0)), sqrt(-s1))))
@@ -37,12 +32,10 @@ def four_bar_ranges(a1: float, a2: float, a3: float, a4: float) -> Ranges:
     """Return the ranges (low, high) of the angle between a1 and a4 [rad]."""
     # One range (-pi, pi) when a1 turns fully, one through 0 or one through pi (high > pi), or two.
     # At an end that is no full turn, a2 and a3 are in line (toggle).
-    s1, c1, s2, c2 = discriminant_of_loop(*scaled((a1, a2, a3, a4)))
-    far = 2.0 * atan2(sqrt(c1), sqrt(-s1)) if s1 < 0.0 else pi
-    near = 2.0 * atan2(sqrt(-s2), sqrt(c2)) if s2 < 0.0 else 0.0
-    if s1 >= 0.0:
-        return ((-pi, pi),) if s2 >= 0.0 else ((near, 2.0 * pi - near),)
-    return ((-far, far),) if s2 >= 0.0 else ((-far, -near), (near, far))
+    far, _, near, *_ = [z.real for z in singular_angles(a1, a2, a3, a4)]
+    if far == pi:
+        return ((near, 2.0 * pi - near),) if near else ((-pi, pi),)
+    return ((-far, -near), (near, far)) if near else ((-far, far),)
 
 
 def turned_ranges(ranges: Iterable[tuple[float, float]]) -> Ranges:

@@ -34,7 +34,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from math import atan2, pi, remainder, sqrt
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
@@ -54,23 +54,6 @@ def two_rods_behind(p: Scalar, q: Scalar, first: Scalar, second: Scalar) -> Dyad
     """Return the lengths of RRR: rods from p along the driven link and q behind its pivot [m]."""
     # half the angle from one to the other is a right one
     return DyadLengths((p, 0.0), (-q, 0.0), (first, second), (), (p, q, (0.0, 1.0), -1.0, 0.0))
-
-
-class DeadPoint(NamedTuple):
-    """Crank and coupler in line, one behind the other (stretched) or folded; angles in [rad]."""
-
-    theta1: float
-    theta4: float
-    stretched: bool
-
-
-class MovingJointDeadPoint(NamedTuple):
-    """The same of a drive at A or B, whose angle is the input; angles in [rad]."""
-
-    input: float
-    theta4: float
-    theta1: float
-    stretched: bool
 
 
 class FourBarLinks(Kind):
@@ -132,12 +115,12 @@ class FourBarLinks(Kind):
                              / (r2 * fabs(of_m[1]) + TINY))                               # (C1)
         return condition
 
-    def in_line(self, side: float) -> Iterator[DeadPoint]:
+    def in_line(self, side: float) -> Iterator[tuple[float, float, bool]]:
         """
-        Yield the poses, up to two, of crank and coupler in line, sin(mu) of the sign ``side``.
+        Yield theta1, theta4 [rad], whether stretched, of crank and coupler in line: up to two.
 
-        mu is the angle from coupler to output link. Whichever link is driven, the output link
-        stands still there and turns back.
+        ``side`` is the sign of sin(mu), of the angle from coupler to output link. Whichever link is
+        driven, the output link stands still there and turns back.
 
         Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
         a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the
@@ -162,7 +145,7 @@ class FourBarLinks(Kind):
                 theta4 = sign * 2.0 * atan2(                                           # (DP2)
                     sqrt(REAL.difference_of_squares(a3, a4, a1, coupler)),
                     sqrt(REAL.difference_of_squares(a1, coupler, a4, -a3)))
-                yield DeadPoint(theta1, theta4, stretched)
+                yield theta1, theta4, stretched
 
     def _require_closing(self) -> None:
         lengths = self.lengths
@@ -239,7 +222,7 @@ class FourBar(FourBarLinks):
         return closed_forms.turned_ranges([         # seen from O4, of pi - theta4
             (-high, -low) for low, high in four_bar_ranges(a3, a2, a1, a4)])
 
-    def stalls(self, side: float) -> Iterator[DeadPoint]:
+    def stalls(self, side: float) -> Iterator[tuple[float, float, bool]]:
         return self.in_line(side)
 
     def driven_otherwise(self) -> tuple[SeenFromLink, ...]:
@@ -316,14 +299,17 @@ class MovingJointFourBar(FourBarLinks):
     def TORQUE(self) -> str:        # type: ignore[override]  # of each input  # noqa: N802
         return 'T_{12}' if self.input == parts.JOINT_A else 'T_{23}'
 
-    def stalls(self, side: float) -> Iterator[MovingJointDeadPoint]:
-        for point in (*self.in_line(1.0), *self.in_line(-1.0)):
-            beta = point.theta1 + pi * (not point.stretched)
-            angle, of_mode = ((pi * (not point.stretched), point.theta4)
-                              if self.input == parts.JOINT_A else
-                              (remainder(point.theta4 - beta + pi, 2.0 * pi), point.theta1))
+    @property
+    def dead_point_fields(self) -> tuple[str, ...]:
+        return ('input', *super().dead_point_fields[1:])
+
+    def stalls(self, side: float) -> Iterator[tuple[float, float, float, bool]]:
+        for theta1, theta4, stretched in (*self.in_line(1.0), *self.in_line(-1.0)):
+            beta = theta1 + pi * (not stretched)
+            angle, of_mode = ((pi * (not stretched), theta4) if self.input == parts.JOINT_A else
+                              (remainder(theta4 - beta + pi, 2.0 * pi), theta1))
             if of_mode * side > 0.0:        # sin(theta4), or that of theta1
-                yield MovingJointDeadPoint(angle, point.theta4, point.theta1, point.stretched)
+                yield angle, theta4, theta1, stretched
 
     def driven_otherwise(self) -> tuple[FourBar, ...]:
         """Return the same links driven at the crank, which goes on at toggles of this drive."""

@@ -319,28 +319,28 @@ class MechanismGeometry(StatedMechanism):
 
     def with_external(self: _Self, external: External) -> _Self:
         """Return the same mechanism with other external loads, sharing ranges and traces."""
-        return self._copy(**self._geometry, external=external)
+        return self._with(external=external)
 
     def with_elements(self: _Self, *elements: Element) -> _Self:
         """Return the same mechanism with these springs, dampers and forces over a position."""
-        copied = self._copy(**self._geometry, elements=elements)
+        copied = self._with(elements=elements)
         copied._check_fit()
         return copied
 
     def with_friction(self: _Self, friction: Any) -> _Self:
         """Return the same mechanism with friction of joints and drive, {name: its friction}."""
-        copied = self._copy(**self._geometry, friction=friction)
-        return copied._copy(**self._geometry, friction=checks.friction_of(copied))
+        copied = self._with(friction=friction)
+        return copied._with(friction=checks.friction_of(copied))
 
     def with_base(self: _Self, base: Base) -> _Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""
-        return self._copy(**self._geometry, gravity=checks.checked_gravity(base))
+        return self._with(gravity=checks.checked_gravity(base))
 
-    @property
-    def _geometry(self) -> dict[str, object]:
-        """Return what is known and follows from geometry alone."""
-        return {name: value for name, value in list(self.__dict__.items())
-                if isinstance(getattr(type(self), name, None), cached_by_lengths)}
+    def _with(self: _Self, **loads: object) -> _Self:
+        """Return an unchecked copy with other loads, and with what follows from geometry alone."""
+        return self._copy(**{
+            name: value for name, value in list(self.__dict__.items())
+            if isinstance(getattr(type(self), name, None), cached_by_lengths)}, **loads)
 
     def _copy(self: _Self, **changed: object) -> _Self:
         """Return a copy with other fields, unchecked and without any cached property."""

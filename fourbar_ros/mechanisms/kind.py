@@ -129,9 +129,15 @@ class Kind(Mechanism):
             return 'change point'
         return self.CLASSES[tuple([1 if margin > 0.0 else -1 for margin in self.margins])]
 
-    def stalls(self, side: float) -> Iterable[Any]:
+    def stalls(self, side: float) -> Iterable[tuple[Any, ...]]:
         """Return the dead points in which the dyad is on a side, +1 or -1, within a turn."""
+        # Input and outputs [rad], [m], and of two links in line: are they stretched, not folded.
         return ()
+
+    @property
+    def dead_point_fields(self) -> tuple[str, ...]:
+        coordinates = self.input_coordinate, *[output.coordinate for output in self.outputs]
+        return (*[coordinate.position for coordinate in coordinates], 'stretched')
 
     @cached_by_lengths
     def dead_points(self) -> tuple[Any, ...]:
@@ -139,28 +145,28 @@ class Kind(Mechanism):
         # Records of the input, of angles from -pi on, and the output there; for a change point
         # whose branch changes its side, those of either side through which its motion goes in a
         # period. Those of a machine have no closed form, see dead_points() in extrema.over_input.
-        near = AT_END_OF_STROKE * self.input_unit
+        near, output = AT_END_OF_STROKE * self.input_unit, self.outputs[0].coordinate
+        points = [*self.stalls(self.sign)]
 
         def is_inside(x: float) -> bool:
             return self.is_in_stroke(x) and all(abs(self.distance(x, end)) > near
                                                 for end in self.cut or ())
 
-        if not self.flat_inputs:
-            return tuple(sorted(point for point in self.stalls(self.sign) if is_inside(point[0])))
-
         def is_passed(point: Any) -> bool:
             """Return whether the motion has the output of a point there: on its own branch."""
-            motion = self.motion(point[0])
-            apart = getattr(motion, self.outputs[0].coordinate.position) - point[1]
-            if self.outputs[0].coordinate.unit == 'rad':
+            apart = getattr(self.motion(point[0]), output.position) - point[1]
+            if output.unit == 'rad':
                 return abs(remainder(apart, 2.0 * pi)) < NEAR_DEAD_POINT
             return bool(abs(apart) < NEAR_DEAD_POINT * power_of_two(*self.lengths))
 
-        turns = 1 if self.is_driven_by_slide else round(self.period / (2.0 * pi))
-        points = [type(point)(point[0] + 2.0 * pi * turn, *point[1:])
-                  for side in (1.0, -1.0) for point in self.stalls(side) for turn in range(turns)]
-        return tuple(sorted(point for point in points
-                            if is_inside(point[0]) and is_passed(point)))
+        if self.flat_inputs:
+            turns = 1 if self.is_driven_by_slide else round(self.period / (2.0 * pi))
+            points = [(point[0] + 2.0 * pi * turn, *point[1:]) for side in (1.0, -1.0)
+                      for point in self.stalls(side) for turn in range(turns)]
+        return tuple([
+            parts.record_type('DeadPoint', self.dead_point_fields[:len(point)])._make(point)
+            for point in sorted(points)
+            if is_inside(point[0]) and (not self.flat_inputs or is_passed(point))])
 
     @classmethod
     def motion_fields(cls) -> tuple[str, ...]:

@@ -85,26 +85,14 @@ from fourbar_ros.numerics.number_types import exact_sum, Function, is_zero, Numb
 # Near a change point one of them cancels; as exact sums they keep all digits, and so do products.
 
 
-class Factors(NamedTuple):
-    """The eight sums by the lectures' letters [m]; the paper gives these letters to other sums."""
-
-    A1: Scalar
-    A2: Scalar
-    B1: Scalar
-    B2: Scalar
-    C1: Scalar
-    C2: Scalar
-    D1: Scalar
-    D2: Scalar
-
-
 def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
-                     exact_sum: Function = exact_sum) -> Factors:
-    """Return the eight sums of four lengths [m], rounded once: at a change point one is 0.0."""
-    return Factors(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
-                   B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
-                   C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
-                   D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
+                     exact_sum: Function = exact_sum) -> dict[str, Scalar]:
+    """Return the eight sums of four lengths [m] by the lectures' letters, each rounded once."""
+    # At a change point one is 0.0. The paper gives these letters to other sums.
+    return dict(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
+                B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
+                C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
+                D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
 
 
 class HalfAngle(NamedTuple):
@@ -149,7 +137,8 @@ def loop(n: NumberType, lengths: Sequence[Scalar], sign: Scalar, half: HalfAngle
     # whatever the lengths.
     fabs, where, unit = n.fabs, n.where, n.power_of_two(*lengths)
     a1, a2, a3, a4 = [length / unit for length in lengths]
-    A1, A2, B1, B2, C1, C2, D1, D2 = bilinear_factors(a1, a2, a3, a4, n.exact_sum)
+    A1, A2, B1, B2, C1, C2, D1, D2 = bilinear_factors(
+        a1, a2, a3, a4, n.exact_sum).values()
     A, B, C, D = A1 * A2, B1 * B2, C1 * C2, D1 * D2                                     # of y
     A_bx, B_bx, C_bx, D_bx = A1 * B1, A2 * B2, C1 * D2, C2 * D1                         # of b - x
     f, q_near, q_far = (a2 - a3) * (a2 + a3), (a1 - a4)**2, (a1 + a4)**2

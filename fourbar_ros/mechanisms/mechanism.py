@@ -119,12 +119,15 @@ class Mechanism(MechanismGeometry):
         return n.atan2(crank.sine, crank.cosine), crank.omega, crank.alpha
 
     @cached_by_lengths
-    def record_of_motion(self) -> Recorded:
+    def _record_of_motion(self) -> Recorded:
         return recorded(self, False)
 
     @cached_property
-    def record_with_loads(self) -> Recorded:
+    def _record_with_loads(self) -> Recorded:
         return recorded(self, True)
+
+    def record(self, with_loads: bool) -> Recorded:
+        return self._record_with_loads if with_loads else self._record_of_motion
 
     @cached_property
     def pieces(self) -> Pieces | None:
@@ -248,8 +251,7 @@ class Mechanism(MechanismGeometry):
     def weightless(self: _Self) -> _Self:
         """Return the same mechanism without all that acts on it: masses alone."""
         external = self.EXTERNAL._make([NOT_APPLIED] * len(self.EXTERNAL._fields))
-        return self._copy(**self._geometry, gravity=(0.0, 0.0), external=external, elements=(),
-                          friction=())
+        return self._with(gravity=(0.0, 0.0), external=external, elements=(), friction=())
 
     def friction_in(self, n: NumberType, constants: Constants, unit: Scalar,
                     reports: list[Any] | None, rate: Scalar) -> MachineFriction:
@@ -331,7 +333,7 @@ class Mechanism(MechanismGeometry):
 
     @cached_property
     def without_friction(self: _Self) -> _Self:
-        return self._copy(**self._geometry, friction=()) if self.friction else self
+        return self._with(friction=()) if self.friction else self
 
     @property
     def drive_load(self) -> str:

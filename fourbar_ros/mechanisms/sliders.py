@@ -27,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import atan2, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Bodies, External, Gravity
@@ -62,21 +62,6 @@ def require_reach(linkage: Kind) -> None:
     if exact_sum((p, r, -abs(e))) <= 0.0:
         raise InvalidParameter('offset', e, 'the links cannot close: it must be shorter than '
                                f'{p_name} + {r_name} ({p + r:.12g})')
-
-
-class SliderDeadPoint(NamedTuple):
-    """Crank and coupler in line, stretched or folded: the slider turns back."""
-
-    theta1: float     # [rad]
-    slide: float      # [m]
-    stretched: bool
-
-
-class CrankDeadPoint(NamedTuple):
-    """A driven slide turns the crank no farther: square to the coupler, or pin A at the foot."""
-
-    slide: float      # [m]
-    theta1: float     # [rad]
 
 
 @dataclass(frozen=True, repr=False)
@@ -167,7 +152,8 @@ class SliderCrank(Kind):
             (fabs(cos_b) if self.input == CRANK else a1 * fabs(sin_2)) + TINY)
         return condition
 
-    def stalls(self, side: float) -> Iterator[SliderDeadPoint | CrankDeadPoint]:
+    def stalls(self, side: float) -> Iterator[tuple[Any, ...]]:
+        """Yield where coupler and crank are in line, or driven by a slide square to each other."""
         unit = number_types.power_of_two(*self.lengths)
         a1, a2, e = (length / unit for length in self.lengths)
         if self.input == SLIDE:         # the coupler points along y, up or down
@@ -175,21 +161,14 @@ class SliderCrank(Kind):
                 rise, run = e - up * a2, REAL.difference_of_squares(a1, 0.0, e, -up * a2)
                 if run > 0.0:
                     x = up * side * sqrt(run)
-                    yield CrankDeadPoint(unit * x, atan2(rise, x))
+                    yield unit * x, atan2(rise, x)
             return
         folded, stretched = closed_forms.reach(a1, a2, e)
         for is_stretched, r, square in ((True, a1 + a2, stretched), (False, a1 - a2, folded)):
             if square > 0.0:
                 x = side * sqrt(square) if is_stretched else -side * sqrt(square)       # of A
                 sign = -1.0 if r < 0.0 else 1.0     # B is on the other side of O1
-                yield SliderDeadPoint(atan2(sign * e, x), unit * sign * x, is_stretched)
-
-
-class InvertedDeadPoint(NamedTuple):
-    """Crank square to the bar: the bar turns back."""
-
-    theta1: float     # [rad]
-    theta4: float     # [rad]
+                yield atan2(sign * e, x), unit * sign * x, is_stretched
 
 
 def angle_at_pin(lengths: Lengths, coordinates: Coordinates) -> Sequence[Scalar]:
@@ -310,19 +289,20 @@ class InvertedSlider(Kind):
         condition: Scalar = error / (size + TINY)                                         # (C3)
         return condition
 
-    def stalls(self, side: float) -> Iterator[InvertedDeadPoint | CrankDeadPoint]:
+    def stalls(self, side: float) -> Iterator[tuple[float, float]]:
+        """Yield where the crank is square to the bar, or driven by the slide A at its foot."""
         a1, a4, h = number_types.scaled(self.lengths)
         if self.input == SLIDE:         # A is as near to O4 as on any crank
             near, far = closed_forms.reach(a1, a4, h)
             if near < 0.0:
-                yield CrankDeadPoint(0.0, side * 2.0 * atan2(sqrt(-near), sqrt(far)))
+                yield (0.0, side * 2.0 * atan2(sqrt(-near), sqrt(far)))
             return
         for sign in (1.0, -1.0):                       # A = +-i a1 e^{iy}
             rise = h - sign * a1        # a4 sin y
             run = REAL.difference_of_squares(a4, 0.0, h, -sign * a1)
             if run > 0.0:
                 cosine, sine = -side * sqrt(run), rise
-                yield InvertedDeadPoint(atan2(sign * cosine, -sign * sine), atan2(sine, cosine))
+                yield atan2(sign * cosine, -sign * sine), atan2(sine, cosine)
 
     def read_coordinate(self, n: NumberType,
                         curves: Sequence[LinkMotion]) -> tuple[Scalar, Scalar, Scalar]:
@@ -339,13 +319,6 @@ class InvertedSlider(Kind):
         acceleration = (block.a_x * cosine + block.a_y * sine + 2.0 * turn * v_across
                         + block.alpha * across - turn * turn * along)
         return along, velocity, acceleration
-
-
-class YokeDeadPoint(NamedTuple):
-    """Crank along the guide: the yoke turns back."""
-
-    theta1: float     # [rad]
-    slide: float      # [m]
 
 
 @dataclass(frozen=True, repr=False)
@@ -435,9 +408,8 @@ class ScotchYoke(Kind):
                              else fabs(cosine / sine))
         return condition
 
-    def stalls(self, side: float) -> tuple[YokeDeadPoint, ...]:
-        return ((YokeDeadPoint(0.0, self.a1), YokeDeadPoint(pi, -self.a1)) if self.input == CRANK
-                else ())
+    def stalls(self, side: float) -> tuple[tuple[float, float], ...]:
+        return ((0.0, self.a1), (pi, -self.a1)) if self.input == CRANK else ()
 
 
 kind.results(SliderCrank, 'SliderCrankMotion', 'SliderLoads')

@@ -225,8 +225,8 @@ def test_extrema_beside_scans(count):
 
 def test_without_friction_all_is_as_if_there_were_none():
     """The same trace, the same constants, and no module of friction is imported."""
-    assert PRESS.with_friction({}).record_with_loads.trace is PRESS.record_with_loads.trace
-    assert RUBBING.record_of_motion.trace is PRESS.record_of_motion.trace
+    assert PRESS.with_friction({}).record(True).trace is PRESS.record(True).trace
+    assert RUBBING.record(False).trace is PRESS.record(False).trace
     assert RUBBING.without_friction.loads(1.0, 12.0, 3.0) == PRESS.loads(1.0, 12.0, 3.0)
     code = ('import sys; from fourbar_ros import load_scene; '
             'load_scene("engine").linkage.loads(0.3, 2.0); load_scene("paper").linkage.loads(0.3);'

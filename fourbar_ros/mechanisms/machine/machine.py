@@ -198,7 +198,7 @@ class Machine(Mechanism):
 
     def with_loads(self, **loads: Any) -> Machine:
         """Return the same with other bodies, gravity and external loads, sharing geometry."""
-        machine = self._copy(**self._geometry, **loads)
+        machine = self._with(**loads)
         machine.__post_init__()
         return machine
 

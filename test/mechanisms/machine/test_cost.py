@@ -28,7 +28,7 @@ def chain(count):
 
 def operations(machine):
     """Return how many operations of motion and loads depend on the input."""
-    trace = machine.record_with_loads.trace
+    trace = machine.record(True).trace
     return len(trace.varies) - trace.count
 
 
