@@ -119,8 +119,8 @@ class FourBarLinks(Kind):
         """
         Yield theta1, theta4 [rad], whether stretched, of crank and coupler in line: up to two.
 
-        ``side`` is the sign of sin(mu), of the angle from coupler to output link. Whichever link is
-        driven, the output link stands still there and turns back.
+        ``side`` is the sign of sin(mu), of the angle from coupler to output link. Whichever link
+        is driven, the output link stands still there and turns back.
 
         Crank and coupler are in line there: O1 B along the crank is r = a1 + a2 (stretched) or
         a1 - a2 (folded), negative where B lies behind O1. In the triangle of |r|, a3 and a4 the

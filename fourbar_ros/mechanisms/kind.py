@@ -103,8 +103,7 @@ class Kind(Mechanism):
     BODIES, EXTERNAL, INPUTS = Bodies, External, {parts.CRANK: THETA1, parts.SLIDE: TRAVEL}
 
     def __post_init__(self) -> None:
-        for name, value in checked(self).items():
-            object.__setattr__(self, name, value)
+        self._set(**checked(self))
         self._require_closing()
         self._check_fit()
 
@@ -168,23 +167,6 @@ class Kind(Mechanism):
             for point in sorted(points)
             if is_inside(point[0]) and (not self.flat_inputs or is_passed(point))])
 
-    @classmethod
-    def motion_fields(cls) -> tuple[str, ...]:
-        """Return the names of the fields of a motion; those from ``sine`` on are not shown."""
-        return (*[name for coordinate in cls.PARTS for name in coordinate], 'transmission_angle',
-                *cls.RATIOS, 'condition', 'sine',
-                *[f'{axis}_{name}' for name in cls.DIRECTIONS for axis in ('cos', 'sin')])
-
-    @classmethod
-    def load_fields(cls) -> tuple[str, ...]:
-        forces = ('f41', 'f21', 'f32', 'f43')
-        reactions = next(iter(cls.DRIVES.values())).reactions
-        return (*[f'{force}_{axis}' for force in forces for axis in 'xy'], *forces,
-                *[name for name in reactions if name not in forces], 'driving_torque',
-                *['driving_force'] * (parts.SLIDE in cls.INPUTS), 'shaking_force_x',
-                'shaking_force_y', 'shaking_force', 'shaking_moment',
-                *[row.name for row in DERIVED])
-
     def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,
                   acceleration: Scalar) -> parts.NamedFields:
         """Return the motion from the pose of the machine, with lengths of about one."""
@@ -211,7 +193,7 @@ class Kind(Mechanism):
                 c, s = -c, -s       # one of both links points the other way in the machine
             coordinates[coordinate] = c, s, first, second
 
-        # in the order of motion_fields()
+        # in the order of the fields that results() gives
         square, fields, ratios = v * v, list[Scalar](), {self.input_coordinate: 1.0}
         for coordinate in self.PARTS:
             *value, first, second = coordinates[coordinate]
@@ -348,9 +330,17 @@ FORWARD = {'f41': 'base', 'f21': '-dyad_first', 'f32': 'dyad_inner', 'f43': 'dya
 
 def results(kind: Any, motion: str, loads: str) -> tuple[Any, Any]:
     """Give a kind the types of its motion and its loads, of these names, and return them."""
-    fields = kind.motion_fields()       # from the sine on they are for this package
+    forces, drives = ('f41', 'f21', 'f32', 'f43'), kind.DRIVES.values()
+    fields = (*[name for coordinate in kind.PARTS for name in coordinate], 'transmission_angle',
+              *kind.RATIOS, 'condition',
+              'sine',       # from here on they are for this package, and are not shown
+              *[f'{axis}_{name}' for name in kind.DIRECTIONS for axis in ('cos', 'sin')])
     kind.MOTION = parts.record_type(motion, fields)
-    kind.LOADS = parts.record_type(loads, kind.load_fields())
+    kind.LOADS = parts.record_type(loads, (
+        *[f'{force}_{axis}' for force in forces for axis in 'xy'], *forces,
+        *[name for name in next(iter(drives)).reactions if name not in forces], 'driving_torque',
+        *['driving_force'] * (parts.SLIDE in kind.INPUTS), 'shaking_force_x', 'shaking_force_y',
+        'shaking_force', 'shaking_moment', *[row.name for row in DERIVED]))
     from fourbar_ros.mechanisms.quantities import fields_of  # it imports mechanisms
     meanings = fields_of(kind, next(iter(kind.INPUTS.values()))) | {
         name: parts.Quantity(name, '', f'{coordinate.rate} over the rate of the input', False)

@@ -89,10 +89,10 @@ def bilinear_factors(a1: Scalar, a2: Scalar, a3: Scalar, a4: Scalar,
                      exact_sum: Function = exact_sum) -> dict[str, Scalar]:
     """Return the eight sums of four lengths [m] by the lectures' letters, each rounded once."""
     # At a change point one is 0.0. The paper gives these letters to other sums.
-    return dict(A1=exact_sum((a1, -a2, -a3, a4)), A2=exact_sum((a1, a2, -a3, a4)),
-                B1=exact_sum((a1, -a2, a3, a4)), B2=exact_sum((a1, a2, a3, a4)),
-                C1=exact_sum((a1, -a2, a3, -a4)), C2=exact_sum((a1, a2, a3, -a4)),
-                D1=exact_sum((a1, a2, -a3, -a4)), D2=exact_sum((a1, -a2, -a3, -a4)))
+    return {'A1': exact_sum((a1, -a2, -a3, a4)), 'A2': exact_sum((a1, a2, -a3, a4)),
+            'B1': exact_sum((a1, -a2, a3, a4)), 'B2': exact_sum((a1, a2, a3, a4)),
+            'C1': exact_sum((a1, -a2, a3, -a4)), 'C2': exact_sum((a1, a2, a3, -a4)),
+            'D1': exact_sum((a1, a2, -a3, -a4)), 'D2': exact_sum((a1, -a2, -a3, -a4))}
 
 
 class HalfAngle(NamedTuple):

@@ -102,32 +102,26 @@ class Dyad:
             end: checked_point(f'{where}.{end}', getattr(self, end))
             for end in ('first', 'second')}
         checked['links'] = checked_links(f'{where}.links', self.links)
-        checked.update(self._checked_dimensions(where))
-        checked['mode'] = checked_mode(f'{where}.mode', self.mode,
-                                       self.kind in structure.OF_ONE_MODE)
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
-        self._require_directions(where)
-
-    def _checked_dimensions(self, where: str) -> dict[str, float]:
         wanted = DIMENSIONS[self.kind]
         for field in fields(self):
             value, is_dimension = getattr(self, field.name), field.default is None
             if is_dimension and field.name not in wanted and value is not None:
                 raise InvalidParameter(f'{where}.{field.name}', value, f'a dyad {self.kind} has '
                                        f'{", ".join(wanted)} only')
-        values = {name: getattr(self, name) for name in wanted}
-        if values.get('offset', 0.0) is None:
-            values['offset'] = 0.0
-        for name, value in values.items():
+        for name in wanted:
+            value = getattr(self, name)
             if value is None:
-                raise InvalidParameter(f'{where}.{name}', value, f'a dyad {self.kind} needs it')
-            values[name] = (finite(f'{where}.{name}', value) if name in ANGLES
-                            else checked_length(f'{where}.{name}', value, name == 'offset'))
-        return values
-
-    def _require_directions(self, where: str) -> None:
-        """Refuse slides that are parallel on links that do not turn to each other."""
+                if name != 'offset':
+                    raise InvalidParameter(f'{where}.{name}', value,
+                                           f'a dyad {self.kind} needs it')
+                value = 0.0
+            checked[name] = (finite(f'{where}.{name}', value) if name in ANGLES
+                             else checked_length(f'{where}.{name}', value, name == 'offset'))
+        checked['mode'] = checked_mode(f'{where}.mode', self.mode,
+                                       self.kind in structure.OF_ONE_MODE)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        # slides must not be parallel on links that do not turn to each other
         if self.slot is not None and abs(sin(self.slot)) < PARALLEL:
             raise InvalidParameter(f'{where}.slot', self.slot, 'must not be parallel to the '
                                    'direction in which the yoke slides: not a multiple of pi')

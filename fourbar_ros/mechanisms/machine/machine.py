@@ -408,19 +408,15 @@ class Machine(Mechanism):
         # Within a range all dyads close: one is so near to its toggle that floats cannot solve it.
         if self.is_in_stroke(position) and any(
                 low <= x + turn <= high for low, high in self.closing_ranges for turn in turns):
-            return Toggle(name, position, unit, self._unsolved_dyad(x))
-        return error
-
-    def _unsolved_dyad(self, position: float) -> str:
-        """Return the name of the first dyad that cannot be solved at an input; one cannot."""
-        machine = self.layout, self.dyad_lengths, self.signs
-        poses = Poses(hangings(REAL, *machine), driven_link(REAL, *machine, position))
-        for i, dyad in enumerate(self.stages[:-1]):
+            machine = self.layout, self.dyad_lengths, self.signs
+            poses = Poses(hangings(REAL, *machine), driven_link(REAL, *machine, x))
             try:
-                poses.add(i)
+                for unsolved in range(len(self.stages)):
+                    poses.add(unsolved)
             except (ValueError, ZeroDivisionError):
-                return dyad.name
-        return self.stages[-1].name         # all others can be solved
+                pass        # if none has it, it is the last
+            return Toggle(name, position, unit, self.stages[unsolved].name)
+        return error
 
     @property
     def structure(self) -> tuple[object, ...]:

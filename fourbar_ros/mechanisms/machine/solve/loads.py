@@ -137,21 +137,27 @@ def solve_loads(n: NumberType, layout: Layout, dyad_lengths: Sequence[DyadLength
             forces = solve(held[i], held[i + 1])
             if stage.name == CYLINDER:
                 forces = with_drive_along(forces, e[i] * drive)
-        of_dyad, sliding = list[Scalar](), list(structure.SLIDES[stage.kind])
+        of_dyad, sliding = list[Scalar](), slides_of(stage, lengths)
+        normals = dict(zip(structure.SLIDES[stage.kind], forces.normals))
         for joint in structure.JOINTS:
             force = getattr(forces, joint)
             of_dyad += (force.x, force.y, n.hypot(force.x, force.y))
-            if joint in sliding:
-                of_dyad += (forces.normals[sliding.index(joint)],
-                            getattr(forces, f'{joint}_couple'))
+            if joint in normals:
+                of_dyad += (normals[joint], getattr(forces, f'{joint}_couple'))
         fields = [*of_dyad, *fields]
-        for which, carrier, force, couple in (
-                (0, stage.first, forces.first, forces.first_couple),
-                (1, stage.second, forces.second, forces.second_couple)):
-            if carrier:                     # not the frame
-                r = Vector(*arm_of(stage, lengths, which, of_stage)).along(e[carrier])
-                held[carrier] = Needs(held[carrier].force + force, held[carrier].moment + couple
-                                      + r.x * force.y - r.y * force.x)
+        for member, carrier, arm, force, couple in (
+                (i, stage.first, lengths.p, forces.first, forces.first_couple),
+                (i + 1, stage.second, lengths.q, forces.second, forces.second_couple)):
+            if not carrier:     # the frame
+                continue
+            # where the member begins on its carrier, from the first joint of that: differences of
+            # places on the ground would lose digits far from O1
+            for slide, (block, (rail, (x, y), (c, s))) in zip(of_stage, sliding):
+                if (block, rail) == (member, carrier):
+                    arm = x + slide * c, y + slide * s
+            r = Vector(*arm).along(e[carrier])
+            held[carrier] = Needs(held[carrier].force + force, held[carrier].moment + couple
+                                  + r.x * force.y - r.y * force.x)
     (force, moment), of_slide = held[1], list[Scalar]()
     if layout.driver == 'slide':            # normal force and couple, and the drive along it
         of_slide = [e[0].cross(force), moment]
@@ -177,17 +183,6 @@ def borne_at(layout: Layout, stage: Stage, forces: Mapping[str, Vector]) -> dict
         elif loaded == GROUND and acting in forces:
             borne[name] = -forces[acting]
     return borne
-
-
-def arm_of(stage: Stage, lengths: DyadLengths, which: int, slides: Sequence[Scalar]
-           ) -> tuple[Scalar, Scalar]:
-    """Return the arm of a force of a dyad: where a link of it begins on the link it hangs on."""
-    # (along, across) from the first joint of that one. Differences of places on the ground would
-    # lose digits far from O1. which: 0 the first of its links, 1 the second.
-    for k, (link, (carrier, start, (c, s))) in enumerate(slides_of(stage, lengths)):
-        if (link, carrier) == (stage.link + which, (stage.first, stage.second)[which]):
-            return start[0] + slides[k] * c, start[1] + slides[k] * s
-    return (lengths.p, lengths.q)[which]
 
 
 class DyadForces(NamedTuple):
