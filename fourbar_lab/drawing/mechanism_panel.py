@@ -41,7 +41,7 @@ def draw_mechanism(axes: Axes, mechanism: Mechanism, motion: NamedFields, points
                        *(arm.end for arm in arms)])
     every = every[np.isfinite(every).all(axis=1)]
     size = max(np.ptp(every, axis=0))
-    guides = [block.point + share * size * np.asarray(block.direction)
+    guides = [diagram.joints[block.joint] + share * size * block.direction
               for block in diagram.blocks if block.is_guided for share in (-0.17, 0.17)]
     sheet = Sheet(axes, np.vstack([every, joints - (0.0, 0.06 * size), *guides]), title)
     for path in paths:
@@ -128,7 +128,7 @@ def draw_diagram(sheet: Sheet, diagram: picture.Diagram, arms: Sequence[picture.
             sheet.line(*line, color=POINT, lw=0.9, ls=(0, (4, 2)), zorder=4)
         axes.plot(*arm.end, 's', ms=4.5, color=POINT, zorder=7)
     for block in diagram.blocks:
-        draw_sign(block.point, block)
+        draw_sign(diagram.joints[block.joint], block)
     for point in diagram.joints.values():
         axes.plot(*point, 'o', ms=5, mfc='w', mec='k', zorder=7)
         sheet.pin(point)

@@ -3,8 +3,8 @@
 """
 What is drawn of a mechanism, by matplotlib, SVG and RViz.
 
-An :class:`Outline` states it by points of links; a :class:`Diagram` is that in a pose. Points are
-in metres. Blocks and pivots are signs: their outlines are measured in inches of the paper.
+A :class:`Diagram` states it by points of links, or in a pose. Points are in metres. Blocks and
+pivots are signs: their outlines are measured in inches of the paper.
 """
 from __future__ import annotations
 
@@ -37,17 +37,9 @@ Points = Mapping[str, tuple[str, float, float]]      # {name: (link, along, acro
 class Bar(NamedTuple):
     """A straight part of a link between two points; width 1: usual."""
 
-    start: Any      # a Point of a link in an outline, of shape (2,) [m] in a diagram
+    start: Any      # a Point of a link; in a pose of shape (2,) [m]
     end: Any
     width: float = 1.0
-
-
-class Block(NamedTuple):
-    """A block at a point [m] that slides along a unit vector; ``is_guided``: on the ground."""
-
-    point: Array
-    direction: Array
-    is_guided: bool = False
 
 
 class SceneLength(float):
@@ -62,38 +54,27 @@ class SceneLength(float):
         return length
 
 
-class Slide(NamedTuple):
+class Block(NamedTuple):
     """A block at a joint that slides along a direction of a link; ``is_guided``: on the ground."""
 
     joint: str
     link: str
-    direction: tuple[float, float] = (1.0, 0.0)
+    direction: Any = (1.0, 0.0)     # from that of the link; in a pose a unit vector, shape (2,)
     is_guided: bool = False
 
 
-class Outline(NamedTuple):
-    """What is drawn of a mechanism, by points of its links; from it follow diagrams and pages."""
-
-    # ground, forces, angles: as of a Diagram
-    joints: Mapping[str, tuple[Point, ...]]     # {name: the point of each link there}
-    ground: tuple[str, ...]
-    bars: tuple[Bar, ...]
-    blocks: tuple[Slide, ...]
-    forces: Mapping[str, str]
-    angles: Mapping[str, str]
-    plates: tuple[tuple[Point, ...], ...] = ()       # links of three points and more
-
-
 class Diagram(NamedTuple):
-    """A mechanism in one pose, as a textbook draws it."""
+    """A mechanism as a textbook draws it, by points of its links or in a pose."""
 
-    joints: Mapping[str, Array]     # {name: point of shape (2,) [m]}, in order along the chain
+    # in order along the chain {name: the Point of each link there}; in a pose of shape (2,) [m]
+    joints: Mapping[str, Any]
     ground: tuple[str, ...]         # those joints that the ground holds
     bars: tuple[Bar, ...]
     blocks: tuple[Block, ...]
     forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
     angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
     names: Mapping[str, str] = {}   # {joint: name of the point there}
+    plates: tuple[tuple[Point, ...], ...] = ()      # links of more points; none in a pose
 
 
 class Arm(NamedTuple):
@@ -165,16 +146,14 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
     # each corner with the first and with the next: triangles, so that a plate looks rigid
     sides = [Bar(start, end) for first, *rest in outline.plates
              for start, end in (*((first, corner) for corner in rest), *zip(rest, rest[1:]))]
-    blocks = []
-    for joint, link, direction, is_guided in outline.blocks:
-        turned = locate(Point(link, *direction)) - locate(Point(link))
-        blocks.append(Block(joints[joint], turned, is_guided))
-    return Diagram(joints, outline.ground, tuple([
-        Bar(locate(start), locate(end), width)
-        for start, end, width in dict.fromkeys((*outline.bars, *sides))]),
-        tuple(blocks), outline.forces, outline.angles, {
-            joint: mechanism.joint_names[name] for joint in joints
-            if (name := joint.replace('O_', 'O')) in mechanism.joint_names})
+    return outline._replace(
+        joints=joints, plates=(),
+        bars=tuple([Bar(locate(start), locate(end), width)
+                    for start, end, width in dict.fromkeys((*outline.bars, *sides))]),
+        blocks=tuple([block._replace(direction=locate(Point(block.link, *block.direction))
+                                     - locate(Point(block.link))) for block in outline.blocks]),
+        names={joint: mechanism.joint_names[name] for joint in joints
+               if (name := joint.replace('O_', 'O')) in mechanism.joint_names})
 
 
 # {kind of dyad: {joint: index of the link that is drawn from there to the inner joint}}, rods and
@@ -203,7 +182,7 @@ def points_of_dyad(stage: Stage, dyad: Dyad) -> dict[str, tuple[Point, ...]]:
 
 
 @singledispatch
-def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
+def outline_of(mechanism: Mechanism, motion: Any) -> Diagram:
     """Return what is drawn of a mechanism; only the side of a bar with a block is of the pose."""
     # Each kind has a function below. This one draws machines: bars from joint to joint of each
     # link, plates of links with three joints and more, blocks on slides.
@@ -212,7 +191,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     base = Point(layout.driven)
     is_pinned = machine.input != SLIDE and ground == 0
     joints: dict[str, tuple[Point, ...]] = {BASE: (base, Point(GROUND)) if is_pinned else (base,)}
-    pivots, bars, blocks = [BASE] * is_pinned, list[Bar](), list[Slide]()
+    pivots, bars, blocks = [BASE] * is_pinned, list[Bar](), list[Block]()
     # {link: its corners, each by the point that is drawn, of any link there, and by its own}
     corners: dict[str, list[tuple[Point, Point]]] = {link: [] for link in layout.links}
 
@@ -243,11 +222,11 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
         inner = points['inner']
         bars += [Bar(joints[names[joint]][0], inner[i % len(inner)])
                  for joint, i in RODS[stage.kind].items() if stage.links[i] != GROUND]
-        blocks += [Slide(names[joint], stage.links[i],
+        blocks += [Block(names[joint], stage.links[i],
                          is_guided=joint != 'first' and ground in stage.ends(joint))
                    for joint, i in slides.items()]
     if machine.input == SLIDE:
-        blocks.append(Slide(BASE, layout.driven, is_guided=True))
+        blocks.append(Block(BASE, layout.driven, is_guided=True))
     del corners[GROUND]
     plates = [tuple([drawn for drawn, _ in of_link]) for of_link in corners.values()]
     bars += [Bar(*plate) for plate in plates if len(plate) == 2]
@@ -256,7 +235,7 @@ def outline_of(mechanism: Mechanism, motion: Any) -> Outline:
     angles = {coordinate.position: first_joints.get(
         coordinate.position.removeprefix('theta_'), BASE)
         for coordinate in machine.DRAWN if coordinate.unit == 'rad'}
-    return Outline(joints, ground=tuple(pivots), bars=tuple(dict.fromkeys(bars)),
+    return Diagram(joints, ground=tuple(pivots), bars=tuple(dict.fromkeys(bars)),
                    blocks=tuple(blocks), forces={name: name for name in joints}, angles=angles,
                    plates=tuple([plate for plate in plates if len(plate) > 2]))
 
@@ -271,42 +250,42 @@ def _crank(mechanism: Any) -> dict[str, tuple[Point, ...]]:
 
 
 @outline_of.register(FourBarLinks)
-def _four_bar(mechanism: FourBarLinks, motion: Any) -> Outline:
+def _four_bar(mechanism: FourBarLinks, motion: Any) -> Diagram:
     a2, a3, a4 = (SceneLength(f'linkage.{name}', getattr(mechanism, name))
                   for name in ('a2', 'a3', 'a4'))
     joints = _crank(mechanism) | {
         'B': (Point('output', a3), Point('coupler', a2)),
         'O_4': (Point(GROUND, a4), OUTPUT)}
     a, b = joints['A'][0], joints['B'][0]
-    return Outline(joints, ground=('O_1', 'O_4'), bars=(Bar(CRANK, a), Bar(a, b), Bar(OUTPUT, b)),
+    return Diagram(joints, ground=('O_1', 'O_4'), bars=(Bar(CRANK, a), Bar(a, b), Bar(OUTPUT, b)),
                    blocks=(), forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'O_4'},
                    angles={'theta1': 'O_1', 'theta4': 'O_4'})
 
 
 @outline_of.register(SliderCrank)
-def _slider_crank(mechanism: SliderCrank, motion: Any) -> Outline:
+def _slider_crank(mechanism: SliderCrank, motion: Any) -> Diagram:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     a = joints['A'][0]
-    return Outline(joints, ground=('O_1',), bars=(Bar(CRANK, a), Bar(a, OUTPUT)),
-                   blocks=(Slide('B', GROUND, is_guided=True),),
+    return Diagram(joints, ground=('O_1',), bars=(Bar(CRANK, a), Bar(a, OUTPUT)),
+                   blocks=(Block('B', GROUND, is_guided=True),),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'B', 'f43': 'B'},
                    angles={'theta1': 'O_1'})
 
 
 @outline_of.register(ScotchYoke)
-def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Outline:
+def _scotch_yoke(mechanism: ScotchYoke, motion: Any) -> Diagram:
     joints = _crank(mechanism) | {'B': (OUTPUT,)}
     # the slot of the yoke reaches over the whole travel of the block, and to the guide
     low, _, high = sorted((0.0, *(end * mechanism.a1 - mechanism.offset for end in (-1.1, 1.1))))
     slot = Bar(Point('output', 0.0, low), Point('output', 0.0, high))
-    return Outline(joints, ground=('O_1',), bars=(slot, Bar(CRANK, joints['A'][0])),
-                   blocks=(Slide('B', 'output', is_guided=True), Slide('A', 'output', (0.0, 1.0))),
+    return Diagram(joints, ground=('O_1',), bars=(slot, Bar(CRANK, joints['A'][0])),
+                   blocks=(Block('B', 'output', is_guided=True), Block('A', 'output', (0.0, 1.0))),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'B'},
                    angles={'theta1': 'O_1'})
 
 
 @outline_of.register(InvertedSlider)
-def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
+def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Diagram:
     """Return the outline of a bar with its block at A, or of a cylinder with its rod."""
     joints = _crank(mechanism) | {
         'O_4': (Point(GROUND, SceneLength('linkage.a4', mechanism.a4)), OUTPUT)}
@@ -320,8 +299,8 @@ def _inverted_slider(mechanism: InvertedSlider, motion: Any) -> Outline:
         bars.append(Bar(foot, a, 0.7))
     else:
         length, width = (1.0 + BEYOND) * (mechanism.a1 + mechanism.a4), 1.0
-        blocks.append(Slide('A', 'output'))
+        blocks.append(Block('A', 'output'))
     bars.append(Bar(foot, foot._replace(along=copysign(length, motion.slide)), width))
-    return Outline(joints, ground=('O_1', 'O_4'), bars=tuple(bars), blocks=tuple(blocks),
+    return Diagram(joints, ground=('O_1', 'O_4'), bars=tuple(bars), blocks=tuple(blocks),
                    forces={'f41': 'O_1', 'f21': 'A', 'f32': 'A', 'f43': 'O_4'},
                    angles={'theta1': 'O_1', 'theta4': 'O_4'})

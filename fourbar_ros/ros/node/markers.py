@@ -70,7 +70,8 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
     for i, block in enumerate(diagram.blocks):
         box = marker(frame, 'blocks', i, Marker.CUBE, BLOCK,
                      (5.0 * width, 3.0 * width, 2.0 * width))
-        box.pose.position, half = point(*block.point), 0.5 * atan2(*block.direction[::-1])
+        box.pose.position = point(*diagram.joints[block.joint])
+        half = 0.5 * atan2(*block.direction[::-1])
         box.pose.orientation.z, box.pose.orientation.w = sin(half), cos(half)
         markers.append(box)
     if arms := pictures.arms_of(scene.linkage, motion, scene.points):
