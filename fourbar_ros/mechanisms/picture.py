@@ -73,7 +73,7 @@ class Diagram(NamedTuple):
     blocks: tuple[Block, ...]
     forces: Mapping[str, str]       # {field of the loads: joint at which the arrow starts}
     angles: Mapping[str, str]       # {field of the motion: joint about which its arc is drawn}
-    names: Mapping[str, str] = {}   # {joint: name of the point there}
+    names: Mapping[str, str] = {}   # in a pose {joint: name of the point there}
     plates: tuple[tuple[Point, ...], ...] = ()      # links of more points; none in a pose
 
 
