@@ -657,7 +657,7 @@ def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state
 
     def edges_at(time: float, state: Sequence[float]) -> Sequence[float]:
         try:
-            return tuple(resisting(time, state)[1])
+            return resisting(time, state).edges
         except (FourBarError, ArithmeticError):      # no step of the integrator ends there
             return ()
     # the start may be such an event itself: the signs are read a little ahead, and an edge that

@@ -13,8 +13,9 @@ acts (not if nothing of the kind acts):
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import inf
+from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.sources import Answer, Drive
@@ -27,6 +28,13 @@ from fourbar_ros.numerics.number_types import Function
 State = Sequence[float]
 SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
 NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
+
+
+class Resisted(NamedTuple):
+    """A derivative with friction, and where it is not smooth."""
+
+    change: tuple[float, ...]       # d state / dt
+    edges: Sequence[float]          # of Resistance: where one of them is zero
 
 
 class System:
@@ -135,7 +143,7 @@ class System:
         terms_of, is_input = coordinate.equation.fields_of_terms, coordinate.is_input
         if self.equation.has_resistance:
             resisting = self.make_resisting(coordinate)
-            return lambda time, state: resisting(time, state)[0]
+            return lambda time, state: resisting(time, state).change
 
         def conservative(time: float, state: State) -> tuple[float, ...]:
             position, rate = state
@@ -154,22 +162,24 @@ class System:
                     (torque + couples) * rate)                                              # (E6)
         return conservative if self.is_conservative else driven
 
-    def make_resisting(self, coordinate: MotionCoordinate) -> Function:
-        """Return (time, state) -> d state / dt with friction, ``edges`` of R; it raises Locked."""
+    def make_resisting(self, coordinate: MotionCoordinate
+                       ) -> Callable[[float, State], Resisted]:
+        """Return (time, state) -> :class:`Resisted`; it raises Locked."""
         terms_of, resistance = coordinate.equation.fields_of_terms, coordinate.equation.resistance
 
-        def resisting(time: float, state: State) -> tuple[tuple[float, ...], Sequence[float]]:
+        def resisting(time: float, state: State) -> Resisted:
             position, rate = state[:2]
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque - damping * rate
             push = force + torque - half_slope * rate * rate
-            effort, friction, _, edges = resistance(position, rate, push, inertia)
-            if friction != friction:
+            resisted = resistance(position, rate, push, inertia)
+            if resisted.friction != resisted.friction:
                 driven = self.mechanism.input_coordinate
                 raise Locked(driven.position, position, driven.unit, [
                     name for name, law in self.mechanism.friction
                     if getattr(law, 'coefficient', 0.0)])
-            return (rate, (push - effort) / inertia, *change, friction * rate,              # (E9)
-                    (torque + couples - effort) * rate), edges                              # (E6)
+            effort, friction = resisted.effort, resisted.friction
+            return Resisted((rate, (push - effort) / inertia, *change, friction * rate,     # (E9)
+                             (torque + couples - effort) * rate), resisted.edges)           # (E6)
         return resisting
