@@ -12,13 +12,20 @@ from typing import NamedTuple
 
 from fourbar_lab.studies.block import Designs, in_groups, NEAR, search
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, MAXIMUM
+from fourbar_ros.extrema.find import (
+    CONSTANT,
+    Extremum,
+    find_extrema,
+    MAXIMUM,
+    relative_error,
+    TRUSTED,
+)
 from fourbar_ros.mechanisms.four_bars import FourBar
 from fourbar_ros.mechanisms.parts import CROSSED, OPEN
 from fourbar_ros.mechanisms.quantities import QUANTITIES
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import array, FASTEST
-from fourbar_ros.numerics.arrays import Array, EPS
+from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,8 +33,8 @@ from numpy.typing import ArrayLike
 RATES = 'omega4', 'alpha4'
 # Linkages searched together: of two quantities the samples of so many stay in the cache.
 TOGETHER = 512
-# Values nearer to each other than this part of them may be equal, as far as their conditions tell.
-NEARLY = 1e-8
+# Two values nearer to each other than this part of them may be equal, as their conditions tell.
+NEARLY = 2.0 * relative_error(TRUSTED)
 # A four-bar whose crank turns fully: its lengths are replaced by those of the designs.
 SCENE = {'linkage.a1': 0.4, 'linkage.a2': 1.2, 'linkage.a3': 0.8, 'linkage.a4': 1.0,
          'outputs': ['state']}
@@ -128,5 +135,5 @@ def _compared(values: Array, counts: Array) -> tuple[Array, Array, Array]:
     best = np.where(is_maximum, np.fmax.reduce(values, axis=1, initial=-np.inf)[:, None],
                     np.fmin.reduce(values, axis=1, initial=np.inf)[:, None])
     beyond, size = np.abs(best - values), np.abs(best)
-    is_global = beyond <= 64 * EPS * size
+    is_global = beyond <= relative_error() * size
     return is_maximum, is_global, ((beyond <= NEARLY * size) & ~is_global).any(axis=1)

@@ -40,8 +40,8 @@ SAMPLES = 256       # points of a full turn, at least
 
 # A condition larger than this is that of a linkage that is nearly a change point.
 TRUSTED = 1e6
-# Values that differ by more than this, times eps, are told apart, whatever their condition.
-MOST_ALIKE = 4000.0
+# Values that differ by more than the error of this condition are told apart, whatever theirs is.
+MOST_ALIKE = 1e3
 # A rate of the output that is smaller than this, over its largest, only touches zero.
 TOUCHES = 64.0 * EPS
 
@@ -338,7 +338,7 @@ def _of_drive(quantity: OfDrive, linkage: Mechanism, rate: float,
     for sense in (-1, 1):
         values = {i: sense * extremum.value for i, extremum in enumerate(inverse)
                   if extremum.kind in (_KINDS[sense], CONSTANT)}
-        greatest = _greatest(values, MOST_ALIKE) if values else set()
+        greatest = _greatest(values, relative_error(MOST_ALIKE)) if values else set()
         inverse = [extremum._replace(is_global=i in greatest)
                    if extremum.kind == _KINDS[sense] else extremum
                    for i, extremum in enumerate(inverse)]
@@ -422,7 +422,7 @@ def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
     best = max(values, key=values.__getitem__)
     least = values[best] - _error(extrema[best])
     near = {i: value for i, value in values.items() if value + _error(extrema[i]) >= least}
-    tolerance = 64.0 + min(4.0 * _condition(extrema[best]), MOST_ALIKE)
+    tolerance = relative_error(min(_condition(extrema[best]), MOST_ALIKE))
     greatest = _greatest(near, tolerance)
     if len(greatest) == len(near):
         return greatest, set()
@@ -433,17 +433,22 @@ def _most_extreme(extrema: Sequence[PathExtremum], sense: int,
     return _greatest(exactly, tolerance), set()
 
 
+def relative_error(condition: float = 0.0) -> float:
+    """Return the part of a value by which its last bits, and errors of lengths, may change it."""
+    return 4.0 * EPS * (16.0 + condition)
+
+
 def _greatest(values: dict[int, float], tolerance: float) -> set[int]:
-    """Return the keys of the greatest values, and of those that are equal to ``tolerance`` eps."""
+    """Return the keys of the greatest values, and of those that are less by a part of them."""
     greatest = max(values.values())
-    least = greatest - tolerance * EPS * abs(greatest) if isfinite(greatest) else greatest
+    least = greatest - tolerance * abs(greatest) if isfinite(greatest) else greatest
     return {i for i, value in values.items() if value >= least}
 
 
 def _error(extremum: PathExtremum) -> float:
     if not isfinite(extremum.value):
         return 0.0
-    return max(extremum.noise, 4 * EPS * (16 + _condition(extremum)) * abs(extremum.value))
+    return max(extremum.noise, relative_error(_condition(extremum)) * abs(extremum.value))
 
 
 def _condition(extremum: PathExtremum) -> float:

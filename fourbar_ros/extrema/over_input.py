@@ -34,7 +34,7 @@ import numpy as np
 
 # Extrema whose values differ by less than this part of the largest are equal: the first of them,
 # by input, is the largest or the least. An output at a dead point may come there twice.
-EQUAL = 1e-12
+EQUAL = find.relative_error(find.MOST_ALIKE)
 FEW = 8         # inputs at which a quantity's size is looked up, before its squares are added
 NEAR_END = 2.0**-33      # of a range: the distance at which growth towards its end is looked at
 
@@ -89,7 +89,7 @@ class OverInput:
 
     @cached_property
     def mean(self) -> float:
-        """Return the mean; NaN too if its integral diverges in both directions."""
+        """Return the mean; NaN if its integral diverges both ways, of an angle over a turn."""
         if self._is_constant:
             return self.extrema[0].value
         # beside an end where it is infinite it is a power of the root of the distance d: only one
@@ -153,7 +153,7 @@ class OverInput:
         least, most = self.least, self.most
         if (not least or not most or most.value - least.value >= tau
                 or _turns_on(self._linkage, self._quantity)):
-            return nan      # it turns on: what its mean is depends on where that begins
+            return nan      # what its mean is depends on the turn in which each range begins
         return 0.5 * (least.value + most.value)
 
     @cached_property

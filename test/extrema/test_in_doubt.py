@@ -4,6 +4,7 @@
 from contextlib import suppress
 from math import inf, isfinite, isinf, nan
 
+from fourbar_lab.studies.many import _compared
 from fourbar_ros import (
     Bodies,
     Body,
@@ -15,7 +16,8 @@ from fourbar_ros import (
     SliderCrank,
 )
 from fourbar_ros.errors import FourBarError, InvalidParameter
-from fourbar_ros.extrema.find import _most_extreme
+from fourbar_ros.extrema.find import _most_extreme, MOST_ALIKE
+from fourbar_ros.extrema.over_input import are_equal
 from fourbar_ros.extrema.path_search import PathExtremum
 from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
@@ -349,6 +351,20 @@ def test_many_digits_decide_between_values_within_their_errors_or_nobody_does(er
                                     ([1.0, 1.0 + 10 * EPS], {0, 1}, set())):
         result = _most_extreme(found, 1, lambda x, values=values: np.array(values))
         assert result == (first, in_doubt)
+
+
+@pytest.mark.parametrize('condition', [0.0, 10.0, 1e3, 1e5])
+@pytest.mark.parametrize('part, are_alike', [(0.9, True), (1.1, False)])
+def test_one_rule_tells_which_values_are_equal(condition, part, are_alike):
+    values = np.array([1.0, 1.0 - part * 4.0 * EPS * (16.0 + min(condition, MOST_ALIKE))])
+    extrema = [PathExtremum(0, x, value, 1, value_condition=condition)
+               for x, value in zip((0.1, 0.2), values.tolist())]
+    first, in_doubt = _most_extreme(extrema, 1, lambda x: values[[x.index(0.1), x.index(0.2)]])
+    assert (len(first), in_doubt) == (1 + are_alike, set())
+    _, is_global, has_ties = _compared(np.array([[*values, 0.0]]), np.array([3]))
+    assert is_global[0, 1] == (are_alike and not condition) and (is_global[0, 1] or has_ties[0])
+    if condition >= MOST_ALIKE:
+        assert are_equal(values[1], 1.0, 1.0) == are_alike
 
 
 # --- what is refused -----------------------------------------------------------------------------
