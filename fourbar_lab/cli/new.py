@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 from fourbar_ros.cli.common import add_output, add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
+from fourbar_ros.scene.settings import LENGTHS
 from fourbar_ros.scene.units import of, UNITS
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
 BAR = re.compile(r'([\d.]+)x([\d.]+)([a-z]*)')
-NAMES = tuple(dict.fromkeys(length.name for kind in KINDS.values() for length in kind.LENGTHS))
 SCENE = """\
 # A {title}. Lengths in m, angles in rad, masses in kg.
 /**:
@@ -61,7 +61,7 @@ def add(verbs: Verbs) -> None:
     add_output(new, 'file', metavar='FILE', suffix='.yaml', help='scene to write, e.g. my.yaml')
     new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
                      help=f'{", ".join(KINDS)} (default four_bar)')
-    for name in NAMES:
+    for name in LENGTHS:
         texts = dict.fromkeys(length.text for kind in KINDS.values() for length in kind.LENGTHS
                               if length.name == name)
         new.add_argument(f'--{name}', type=of('m'), metavar='LENGTH',
@@ -114,7 +114,7 @@ def _new(arguments: Namespace) -> None:
     path = arguments.file
     if path.suffix not in ('.yaml', '.yml'):
         raise InvalidParameter('FILE', str(path), 'must end in .yaml')
-    lengths = {name: value for name in NAMES if (value := getattr(arguments, name)) is not None}
+    lengths = {name: value for name in LENGTHS if (value := getattr(arguments, name)) is not None}
     # speed, section and density, of scene_text() and text_of_points() alike
     options = arguments.speed, arguments.bar or arguments.rod or '', arguments.material
     if arguments.points and lengths or arguments.links and not arguments.points:

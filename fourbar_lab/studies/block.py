@@ -16,13 +16,7 @@ from fourbar_lab.studies import measures as kinds
 from fourbar_lab.studies.measures import Extent, Measure, Measures
 from fourbar_lab.studies.study import first_scene, Study
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.full_turns import (
-    ColumnFunction,
-    inputs,
-    search_turns,
-    turn_fully,
-    Turns,
-)
+from fourbar_ros.extrema import full_turns
 from fourbar_ros.extrema.over_input import are_equal, settled, time_ratio
 from fourbar_ros.extrema.turns_by_pieces import search_pieces
 from fourbar_ros.mechanisms.batches import are_switched, step_of_arrays
@@ -123,7 +117,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
                                                                      group.many)
         most = np.isfinite(cuts.inputs[rows]).sum(axis=1).max()
         cut = PieceEnds(*[table[rows, :most] for table in cuts]) if most else None
-        is_right, searched = np.ones(rows.size, bool), dict[str, tuple[Turns, int]]()
+        is_right, searched = np.ones(rows.size, bool), dict[str, tuple[full_turns.Turns, int]]()
         for ends in (None,) if cut is None else (None, cut):
             names = [name for name in needed
                      if cut is None or known[name].is_load == (ends is not None)]
@@ -149,7 +143,8 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
     return is_done
 
 
-def _measured(measure: Measure, turns: Turns, row: int, cycle: Array) -> tuple[Array, Array]:
+def _measured(measure: Measure, turns: full_turns.Turns, row: int, cycle: Array
+              ) -> tuple[Array, Array]:
     """Return a measure of the quantity in a row of turns, and for which designs it is right."""
     # cycle: after how much of the input all repeats [rad], negative where it goes backward.
     inputs, values = turns.inputs[row], turns.values[row]
@@ -193,14 +188,14 @@ def in_groups(rows: Array, work: Callable[[Array, int], Array], together: int = 
 
 
 def search(designs: Designs, quantities: Sequence[Asked], acceleration: float, count: int,
-           ends: PieceEnds | None = None) -> Turns:
+           ends: PieceEnds | None = None) -> full_turns.Turns:
     """Return the extrema of quantities of all designs; ``ends``: as of :meth:`Designs.ends`."""
     is_angle = np.array([is_position(quantity) and quantity.unit == 'rad'
                          for quantity in quantities], bool)
     evaluate = designs.function_of(quantities, acceleration)
     if ends is not None:
         return search_pieces(evaluate, ends, count, designs.cycle)
-    return search_turns(evaluate, designs.size, count, is_angle)
+    return full_turns.search_turns(evaluate, designs.size, count, is_angle)
 
 
 class Designs:
@@ -251,12 +246,13 @@ class Designs:
         sines = [Quantity(name, '', '', False) for name in linkage.MOTION._fields
                  if name.startswith('sine')]
         samples = self.function_of(sines, 0.0)(
-            np.broadcast_to(inputs(count), (self.size, count)), np.arange(self.size))
+            np.broadcast_to(full_turns.inputs(count), (self.size, count)), np.arange(self.size))
         # the branch of a change point depends on where it lies flat
         is_known = ~np.broadcast_to(are_switched(linkage, self._constants), (self.size, 1))[:, 0]
-        return is_known & turn_fully(samples)
+        return is_known & full_turns.turn_fully(samples)
 
-    def function_of(self, quantities: Sequence[Asked], acceleration: float) -> ColumnFunction:
+    def function_of(self, quantities: Sequence[Asked], acceleration: float
+                    ) -> full_turns.ColumnFunction:
         """Return inputs of some designs -> their quantities; of no other field than is needed."""
         linkage, speed = self.scene.linkage, self.values['drive.speed']
         with_loads = linkage.has_loads and any(quantity.is_load for quantity in quantities)

@@ -189,11 +189,9 @@ class Stepper:
         """
         if mode is None:
             mode = self.mode
-        try:
-            branch = self._branches[mode]
-        except KeyError:
+        if mode not in self._branches:
             self.prepare([mode])
-            branch = self._branches[mode]
+        branch = self._branches[mode]
         mechanism, with_loads = branch.mechanism, wanted.with_loads
         status, motion, loads = evaluate(mechanism, position, rate, acceleration,
                                          with_loads and not branch.loads_unknown)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import hypot, inf, isfinite, nan
 from typing import Any, cast, NamedTuple, Union
 
-from fourbar_ros.mechanics.bodies import Applied, Base, External
+from fourbar_ros.mechanics.bodies import Applied, Base, External, UNKNOWN_BASE
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.pipeline.rate_estimator import Estimate, NANOSECOND
 from fourbar_ros.scene import base, message_fields, topics
@@ -27,7 +27,6 @@ class Wrench(NamedTuple):
 
 
 UNKNOWN = Wrench(nan, nan, nan)
-UNKNOWN_BASE = Base(nan, nan, nan, nan)
 LONGER = 2.5         # steps between two messages of an IMU: one may be lost
 ActingInput = Union[Wrench, Base]      # on a link, or the motion of the base
 
