@@ -70,6 +70,7 @@ const url = 'data:text/javascript,' + encodeURIComponent(structure.module);
 const engine = new Engine(structure, await import(url), { ...structure.values, ...changed });
 const { ranges } = engine;
 console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? engine.turns : 0,
+  atPi: engine.at(Math.PI) && [engine.status, engine.get('driving_torque')],
   inputs: engine.sweep.inputs, samples: names.map(name => engine.samples(name)),
   rows: names.flatMap(name => engine.extremes(name)),
   largest: largestForces(structure,
@@ -161,6 +162,12 @@ def test_extremes_of_samples_are_those_of_python_or_none(name, changed):
         assert row['value'] == pytest.approx(peak, rel=0.2 / 8)
     if name == 'press':         # whose force steps
         assert not found['largest']
+
+
+@needs_node
+def test_the_pose_of_a_flat_position_has_no_loads():
+    """They are 0/0, or rounding that stood there under a good status."""
+    assert by_engine(load_scene('parallelogram'), {})['atPi'] == [2, None]
 
 
 def test_motion_of_a_four_stroke_has_its_extrema_in_both_turns():
