@@ -31,14 +31,14 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import LARGEST_MODE, mode_number
 
 KEY = 'integrator'         # key in a bag: the integrator of its motion
-NAME = 'steps of the node, version 7'      # only the same version steps a bag again
+NAME = 'steps of the node, version 8'      # only the same version steps a bag again
 # The same numbers as the STATUS_ constants of fourbar_msgs/DriveState (a test compares them).
 OK, SILENT, OUT_OF_BUDGET, AT_LIMIT, NOT_FINITE = range(5)
 STATUS_NAMES = ('ok', 'no torque comes', 'budget of the step used up', 'held at a limit',
                 'held: not finite')
 # evaluations of the equation of motion: at a state, of a step by RODAS, of one by implicit Euler
 LINEARIZE, ATTEMPT, EULER = 1, 6, 1
-LATE = 1e-2                          # share of a step by which a bend of a law may be passed
+LATE = 1e-4                          # share of a step by which a bend may be passed
 SHORTEST, BISECTIONS = 1e-3, 40      # share of a step, in the search for a point of a table
 NEAREST = 1e-9                       # distance beyond a point of a table, in the size of it
 LEAST = 1.01 * SMALLEST              # of a step over the next one, where the budget is used up
@@ -328,7 +328,7 @@ class Mover:
             new = None
             while new is None:
                 longest = min(h, left)
-                h = min(longest, max(linear.to_bend, latest))  # not far beyond a bend of the law
+                h = min(longest, max(linear.to_bend, latest))  # not far beyond a bend
                 if excess:
                     h = h * _share_to_table(excess, position, h * rate,
                                             0.5 * h * h * linear.change.rate)

@@ -214,6 +214,8 @@ class StepFormulas:
             speed = v if self._shaft else terms.ratio * u
             to_bend = self._to_bend(n, command, (speed, z), (slope, change.source))
             if self._equation.has_resistance:
+                leaving = self._to_slip(n, u, change.rate)
+                to_bend = n.where(leaving < to_bend, leaving, to_bend)
                 terms = self._with_resistance(n, terms, resists, p, u, torque, felt)
             return Linearization(
                 room, next_position, next_ratio, to_bend, acceleration, torque, motor_torque,
@@ -269,6 +271,15 @@ class StepFormulas:
             whole = n.where(n.fabs(start.change.rate) < HUGE, 1.0, nan)
             return _plus(start.state, whole, solve(start.change))
         return euler
+
+    def _to_slip(self, n: NumberType, rate: Scalar, acceleration: Scalar) -> Scalar:
+        """Return the time [s] in which a rate within the slip speed gains as much, else NEVER."""
+        # The steep friction in there, of which the Jacobian at the start tells, holds down the
+        # estimate of the error too: a step that leaves it would pass as one that stays.
+        slip_speed = self._equation.mechanism.slip_speed
+        time: Scalar = n.where(n.fabs(rate) < slip_speed,
+                               slip_speed / _larger(n, n.fabs(acceleration), 1e-300), NEVER)
+        return time
 
     def _to_bend(self, n: NumberType, command: Scalar, values: tuple[Scalar, Scalar],
                  slopes: tuple[Scalar, Scalar]) -> Scalar:

@@ -229,6 +229,24 @@ def test_steps_of_the_node(drive):
     assert values.velocity == pytest.approx(end.rate, abs=1e3 * count * tolerance)
 
 
+@pytest.mark.parametrize('length', [1e-2, 1e-3])
+@pytest.mark.parametrize('excess', [0.05, 1.0, 30.0, 1000.0])
+def test_a_step_of_the_node_breaks_away_from_rest(excess, length):
+    """Its first step goes with the acceleration that dry friction leaves."""
+    friction, tolerance = 0.3, 1e-6
+    system = System(PARALLEL.with_friction({'drive': DriveFriction(torque=friction)}), 0.3, 0.0,
+                    Drive(ConstantTorque((1.0 + excess) * friction)))
+    mover = Mover(system, tolerance, 60)
+    status, values = mover.next(mover.start(), length)
+    rate = excess * friction / INERTIA * length
+    # within the slip speed friction is less, so the rate may be that much larger
+    slip = system.mechanism.slip_speed * min(1.0 / excess, rate / system.mechanism.slip_speed)
+    assert status == OK
+    assert values.velocity == pytest.approx(rate, abs=slip + tolerance / length)
+    assert values.position == pytest.approx(0.3 + 0.5 * rate * length,
+                                            abs=slip * length + tolerance)
+
+
 def test_flywheel():
     """A run of a turn with it comes back to its rate, and fluctuates as asked."""
     most, press = 0.05, PRESS.with_external(External()).with_friction(RUBS)
