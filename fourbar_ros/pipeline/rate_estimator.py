@@ -110,7 +110,7 @@ class _Sample(NamedTuple):
     step: float = nan
 
 
-KEY, VERSION = 'estimator', 4      # bags keep the version of the estimator that made their rates
+KEY, VERSION = 'estimator', 5      # bags keep the version of the estimator that made their rates
 
 
 class RateEstimator:
@@ -168,15 +168,16 @@ class RateEstimator:
         return (self.noise > TOO_NOISY * sqrt(self._size.value)
                 and self._scatter.value > self._resolution**2)
 
-    def update(self, time: int, position: float, velocity: float = nan) -> tuple[float, float]:
+    def update(self, time: int, position: float, velocity: float = nan,
+               acceleration: float = nan) -> tuple[float, float]:
         """
         Return (velocity, acceleration) at a new sample; NaN for what is not known yet.
 
         ``time`` is its stamp [ns]; ``position`` an angle [rad], wrapped or not, or a slide [m];
-        ``velocity`` NaN if the stream has none. A sample that comes again keeps its rates.
-        Another one with the same stamp is late, as is one that goes back: it leaves the memory as
-        it is. If a stamp goes back by more than ``gap``, or the next one follows it there, the
-        clock was set and the estimate starts afresh.
+        ``velocity`` and ``acceleration`` NaN where it has none. A sample that comes again keeps
+        its rates. Another one with the same stamp is late, as is one that goes back: it leaves the
+        memory as it is. If a stamp goes back by more than ``gap``, or the next one follows it
+        there, the clock was set and the estimate starts afresh.
         """
         if not isfinite(position) or isinf(velocity):
             return velocity, nan                 # nothing to remember
@@ -191,7 +192,10 @@ class RateEstimator:
             return velocity, nan
         self._late_sample = None
         self._append(sample)
-        self._estimate = self._fitted(velocity)
+        if isfinite(velocity) and isfinite(acceleration):      # nothing to estimate this time
+            self._fit, self._estimate = None, (velocity, acceleration)
+        else:
+            self._estimate = self._fitted(velocity)
         return self._estimate
 
     def _is_set_back(self, sample: _Sample) -> bool:

@@ -95,6 +95,26 @@ def test_an_acceleration_that_is_given_is_not_estimated_and_a_stamp_ahead_is_sai
     client.until(lambda: 's ahead of the clock' in drive.node.said, 'the warning')
 
 
+def test_missing_rates_are_those_of_all_inputs_before_also_of_complete_ones(drive, client):
+    """Once in a period of a swing they are missing: those inputs alone would be at rest."""
+    send, _ = drive({}, source='motion')
+    count, size, speed, step = 40, 0.3, math.tau * 10.0, SECOND // 400       # 10 Hz at 400 Hz
+    began = client.node.get_clock().now().nanoseconds - SECOND
+    jerk, h = size * speed**3, step * 1e-9
+    for period in range(3):
+        sent = []
+        for k in range(period * count + 1, (period + 1) * count + 1):
+            angle = speed * k * h
+            sent.append(stamped(Motion(
+                position=size * math.sin(angle), velocity=size * speed * math.cos(angle),
+                acceleration=-size * speed**2 * math.sin(angle)), began + k * step))
+        sent[-1].velocity = sent[-1].acceleration = math.nan
+        state = answers(client, send, sent)[-1]
+        assert state.status == LinkageState.STATUS_OK
+        assert state.omega1 == pytest.approx(size * speed, abs=1.5 * jerk * h**2)  # as documented
+        assert state.alpha1 == pytest.approx(0.0, abs=2.1 * jerk * h)       # for a window of 5
+
+
 def test_after_a_timeout_the_estimate_starts_afresh(drive, client):
     """On simulated time: while it stands no input can come, and that is no timeout."""
     clock = SimulatedClock(client, 100 * SECOND, repeats=True)

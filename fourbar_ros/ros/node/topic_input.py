@@ -168,6 +168,8 @@ class TopicInput:
         self._estimated = isnan(velocity) or isnan(acceleration)
         if self._estimated:
             velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
+        else:                                # the next one may lack its rates
+            self._estimator.update(nanoseconds, position, velocity, acceleration)
         self._stream.step(stamp, position, velocity, acceleration)
 
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
