@@ -17,8 +17,6 @@ sum |u_k| <= 1 no design p' within M and the radii has less than
 
 where s is the least derivative of sum u_k . load_k per kilogram at any place.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple

@@ -16,8 +16,6 @@ a convex cone, spanned by points at distances r <= R in directions f:
 Springs and forces over a position add to a load what no mass changes: one more column of A, and 1
 as the last entry of p. Weight and constant forces stay as they are, and are left out here.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property

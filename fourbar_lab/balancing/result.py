@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The result of balancing: loads before and after, the scene with counterweights, figures."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import inf, isfinite
 from pathlib import Path

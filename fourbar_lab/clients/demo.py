@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Run a scene on a real node: live table, extrema by service, a bag, and its recomputation."""
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from functools import partial

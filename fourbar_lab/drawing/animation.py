@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A mechanism moving through a cycle, as an animated GIF."""
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

@@ -27,8 +27,6 @@ docs/extrema.md derives both.
 2.6810 deg: 90.000000 deg
 138.9638 deg: 90.000000 deg
 """
-from __future__ import annotations
-
 from functools import partial
 from typing import Any, NamedTuple
 

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Letters of joints, symbols of forces and rates, and numbers, for pictures; in mathtext."""
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from itertools import count
 from math import degrees, hypot, pi, remainder

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Figures of matplotlib that a notebook shows by themselves, and that fit the column of a page."""
-from __future__ import annotations
-
 from io import StringIO
 from textwrap import wrap
 from typing import Any

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The velocity and acceleration polygon of a mechanism in one pose, as arrows."""
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
 import re

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """One pose of a linkage, for ``fourbar show`` and ``fourbar draw``: angles in degrees."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import degrees, hypot, radians
 import re

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Tables of a linkage's properties and of extrema; words for class, mode and units."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import degrees, isfinite, pi, tau

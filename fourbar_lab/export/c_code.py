@@ -5,8 +5,6 @@ A model as C99: one header, one source; one statement per operation, so none is 
 
 ``NAME_prepare`` computes once all that depends on parameters alone.
 """
-from __future__ import annotations
-
 from math import inf
 from textwrap import wrap
 

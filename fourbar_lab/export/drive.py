@@ -6,8 +6,6 @@ The torque-driven step of a scene as C, with the bits of the node's.
 The formulas of a step are written from the traces of which the node's are written too. The
 decisions between them (length of steps, which coordinate, limits) are C of this package.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from math import tau

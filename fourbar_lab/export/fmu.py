@@ -6,8 +6,6 @@ A model as an FMU of FMI 2.0: description, sources, binary of this platform.
 The input and, of links that topics load, the external forces are inputs; parameters are tunable.
 A sample out of range is no error: its outputs are NaN, and ``status`` says why.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi

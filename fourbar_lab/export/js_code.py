@@ -7,8 +7,6 @@ Lengths, masses, springs, forces, friction and assembly modes can be changed; ro
 exact sums of lengths follow. Another list of dyads, a further spring or a spring without a free
 length that gets one is another structure: another module.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace

@@ -8,8 +8,6 @@ much stiffer than its own (a time constant of two steps instead of 20 ms). The k
 pose in which the loops are closed. The mechanism lies in x-y of its base, which ``frame.parent``
 may carry; gravity is the scene's, turned with it.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The page of a scene as one HTML file: styles, scripts and data stand in it."""
-from __future__ import annotations
-
 from collections.abc import Callable
 import json
 from pathlib import Path

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The server of the page: for browsers of this machine, and for no other page or machine."""
-from __future__ import annotations
-
 from contextlib import suppress
 import json
 import os

@@ -6,8 +6,6 @@ What a page draws of a scene: the outline of its mechanism with springs, loads a
 A point is (link, along, across); a coordinate is a number [m] or the name of the parameter of the
 scene that it follows.
 """
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -5,8 +5,6 @@ Printed numbers and equations beside computed ones, and whether each verdict on 
 
 A verdict that does not explain the difference, or explains one that is not there, becomes DIFFERS.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple

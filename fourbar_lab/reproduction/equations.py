@@ -12,8 +12,6 @@ tan(theta/2) each is
 with products of two bilinear factors for coefficients. Angles and v are
 floats or arrays of one shape.
 """
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import prod
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ What the paper prints, item by item: its unit, the printed value, ours, and the 
 
 Our copy garbles some cells of its tables.
 """
-from __future__ import annotations
-
 from math import degrees, pi, tau
 from typing import Any
 

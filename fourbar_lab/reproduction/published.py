@@ -5,8 +5,6 @@ The linkages of both documents, and values of them that several items need.
 
 Examples given in inches, feet and degrees are computed in SI units and converted back in the rows.
 """
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi, radians
 from typing import NamedTuple

@@ -5,8 +5,6 @@ What the lecture slides print, item by item: its unit, the printed value, ours, 
 
 Links have the numbers of the slides: crank 2, coupler 3, output 4. Our copy lacks some pages.
 """
-from __future__ import annotations
-
 from cmath import phase
 from collections.abc import Sequence
 from math import atan, degrees, hypot, nan, pi, sqrt

@@ -5,8 +5,6 @@ A chunk of a study: its designs drawn and computed, and why each design is left 
 
 A pure function of the study and the index of the chunk: the same bits wherever it runs.
 """
-from __future__ import annotations
-
 from collections import Counter
 from typing import Any, NamedTuple
 

@@ -14,8 +14,6 @@ has no derivative (a count, a text, an infinite value, an end of the input that 
 position) has NaN. Where two inputs or two dyads tie for an extremum it has a kink, and NaN for the
 parameters that move them apart.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import copysign, degrees, isfinite, isnan, nan, pi

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The arithmetic of arrays with their exact derivatives by any number of parameters."""
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 

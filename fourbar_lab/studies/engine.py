@@ -6,8 +6,6 @@ Run a study: a folder of Parquet files, one part a chunk, computed by processes 
 A part stands under its name only when it is whole, and carries the study and the versions that
 made it. So whatever was killed, parts that exist are right, and missing ones are computed again.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent import futures
 from contextlib import AbstractContextManager, contextmanager

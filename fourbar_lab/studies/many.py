@@ -6,8 +6,6 @@ Extrema of the output's rate and acceleration of many four-bars, given as arrays
 They are designs of a study: :mod:`fourbar_lab.studies.block` searches together those whose cranks
 turn fully. Rockers and four-bars in doubt are searched one by one.
 """
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fourbar_lab.studies.block import Designs, in_groups, NEAR, search

@@ -6,8 +6,6 @@ The measures that a study can compute, by name, and their values for a design of
 A quantity that can be searched for extrema has parts behind a dot: ``shaking_force.max``.
 The mechanism as a whole has measures without a dot: ``swing``.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

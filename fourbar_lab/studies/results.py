@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The results of a study: ranges, best designs, front of two objectives, a design as a scene."""
-from __future__ import annotations
-
 from collections import Counter
 from math import nan
 from pathlib import Path

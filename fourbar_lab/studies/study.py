@@ -7,8 +7,6 @@ Read from YAML and checked as a whole before anything is computed. In the checks
 name of an entry in the study, ``value`` its value in YAML; InvalidParameter names the entry and
 says what is allowed.
 """
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import inf, isfinite, prod
 from pathlib import Path

@@ -6,8 +6,6 @@ How bad tolerances make a design: by the first order, and in the corners of thei
 The box is centre +- size of every parameter that varies with ``uniform``, three deviations of
 ``normal``, all of a ``range``. The command draws designs from it besides: Monte Carlo.
 """
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import replace
 from itertools import product

@@ -24,8 +24,6 @@ A parameter has a distribution of scipy.stats; its value is the quantile of its 
 The centre is the value of the scene if it is not given. Ranges may have ``levels``: how many
 values of them a grid takes.
 """
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """One scene in one of the formats: URDF here, MJCF by fourbar_lab."""
-from __future__ import annotations
-
 from fourbar_ros.description.model import model_of, NoDescription
 from fourbar_ros.description.urdf import urdf
 from fourbar_ros.errors import InvalidParameter

@@ -8,8 +8,6 @@ URDF and MJCF are written from it. Frames are the same as the node's: the root i
 names, senses and zeros of ``joint_states``. URDF knows trees only: every link hangs on one joint,
 and each joint beyond that closes a loop.
 """
-from __future__ import annotations
-
 from cmath import rect
 from collections.abc import Sequence
 from math import isnan, nan, remainder, tau

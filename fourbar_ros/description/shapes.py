@@ -6,8 +6,6 @@ Solids to draw links with: rods between their joints, pins, blocks on rails.
 They follow from the connections alone, so mechanisms of any kind have them. Sizes are in
 proportion to the radius of the rods.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from math import atan2, hypot, pi
 from typing import NamedTuple

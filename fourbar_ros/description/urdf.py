@@ -12,8 +12,6 @@ proposed for urdfdom, ``transmission`` the drive, and ``group_state``, as in SRD
 start of the scene, in which the loops are closed. Zeros of joints are those of ``joint_states``,
 where the loops are mostly open. ``fourbar import`` reads all three.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fourbar_ros.description.model import inertia_of, RobotModel

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """XML for robot descriptions: elements, numbers with all their digits, colours."""
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 Element = ElementTree.Element

@@ -39,8 +39,6 @@ X', X'', theta', theta'' are the motion at unit rate and zero acceleration: exac
 differences. Sources: Eksergian, Dynamical analysis of machines, J. Franklin Institute 209-211
 (1930-31); Paul, Kinematics and Dynamics of Planar Machinery (1979), chapter 12.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
 from math import remainder, tau

@@ -18,8 +18,6 @@ with G the integral in (W1). The smallest I at which the largest lower bound mee
 upper one is exact; the textbook's I = (largest change of energy) / (f r^2) leaves out that J
 varies.
 """
-from __future__ import annotations
-
 from math import tau
 from typing import NamedTuple
 

@@ -19,8 +19,6 @@ a number.
 Within the slip speed of the input the direction is smooth, (J4): where Coulomb's friction would
 hold the mechanism, it creeps at a part of that speed.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -31,8 +31,6 @@ linear in both:
 
     T = T_0 + T_w w + T_z z,    dz/dt = d_0 + d_w w + d_z z                                (A9)
 """
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Sequence

@@ -22,8 +22,6 @@ A crank that goes round has u = +-q; an input that swings between turning points
 Either way dt/du is a smooth periodic function of u: its mean over equal samples converges
 exponentially.
 """
-from __future__ import annotations
-
 from math import inf, nan, pi, sqrt, tau
 from typing import Any, NamedTuple
 

@@ -9,8 +9,6 @@ The search is :mod:`fourbar_ros.extrema.path_search`. The ends of the input rang
 toggles, where quantities are unbounded, as joint reactions are at the flat positions of change
 points. Quantities that go on there are searched through them.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from math import inf, isfinite, isnan, nan

@@ -14,8 +14,6 @@ root that does not converge. It is 30 to 40 times as fast as that search.
 Sampled functions are arrays of shape (samples, m), a column for each; the first sample follows
 the last.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import pi
 from typing import NamedTuple

@@ -12,8 +12,6 @@ not samples; means are integrals that settle to 1e-12.
 >>> f'peak {torque.peak:.4f} N m, root mean square {torque.rms:.4f} N m'
 'peak 720.4716 N m, root mean square 217.2600 N m'
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import copysign, inf, isfinite, isinf, nan, pi, remainder, sqrt, tau

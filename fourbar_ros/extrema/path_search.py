@@ -14,8 +14,6 @@ Conditions. With F = dQ/dtheta1 at an extremum, its input moves by -sum (dF/da_i
 value by sum (dQ/da_i) da_i. For lengths that are each wrong by a relative eps, eps times the sums
 of the absolute terms bounds both.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import comb, inf, isfinite, isnan, nan, pi

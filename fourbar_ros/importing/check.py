@@ -7,8 +7,6 @@ MuJoCo keeps constraints by springs when it simulates; here Newton's method solv
 their own Jacobian, from beside the scene's answer. The drive follows by virtual work from the
 forces that all joints of the tree need, at a rate and an acceleration.
 """
-from __future__ import annotations
-
 from collections.abc import Collection
 from math import pi, tau
 from pathlib import Path

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A planar loop of a robot as a scene: what drives it, dyad after dyad, masses, joints, frame."""
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from math import atan2, hypot, tau
 from typing import NamedTuple

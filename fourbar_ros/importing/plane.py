@@ -7,8 +7,6 @@ Points and directions are complex numbers, x + iy, in the file's pose. Each link
 itself, so its lengths and the zeros of its joints are right where the file leaves the loop open.
 The pose says the assembly modes alone: of both, the nearest, if there is no doubt.
 """
-from __future__ import annotations
-
 from cmath import phase
 from collections.abc import Sequence
 from math import degrees, pi, tau

@@ -5,8 +5,6 @@ A robot as its file has it: bodies and joints in one pose, all in the frame of i
 
 Readers make it (:mod:`.mjcf`, :mod:`.urdf`); :mod:`.loops` and :mod:`.machine` take it apart.
 """
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import radians

@@ -6,8 +6,6 @@ URDF, which is a tree, with the ways in which files say where its loops are cut.
 They are ``<constraint>`` (proposed for urdfdom, and written by ``fourbar describe``), a
 ``<joint>`` in ``<gazebo>``, ``loop_closures.yaml`` of jsk's exporter, and frames that coincide.
 """
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Masses and loads of a link in its own frame: origin at its first joint, x to its second."""
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, fields, KW_ONLY
 from math import nan, pi

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Where the kinds close and where their formulas have poles, in closed form."""
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import asin, asinh, atan2, atanh, log1p, pi, sqrt
 

@@ -10,8 +10,6 @@ stands twice it jumps, and each side is a curve by itself.
 
 The coefficients are those of scipy's object to the bit, whose import takes longer than all else.
 """
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -7,8 +7,6 @@ The drive gives T = J alpha + b, with the inertia J and the bias b at the input.
 single motions: J is the drive at unit acceleration and at rest, without weight and other forces;
 half its slope dJ/dtheta is the drive at unit rate. No digit cancels.
 """
-from __future__ import annotations
-
 from math import hypot
 from typing import Any, NamedTuple
 

@@ -13,8 +13,6 @@ is the frame. Links that the machine takes from their other joint on are *revers
 
 Lengths are scaled by a power of two, so that no square of one overflows.
 """
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import pi, remainder

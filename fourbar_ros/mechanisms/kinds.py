@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The kinds of mechanisms by the names that they have in scenes."""
-from __future__ import annotations
-
 from fourbar_ros.mechanisms.four_bars import FourBar, MovingJointFourBar
 from fourbar_ros.mechanisms.kind import Kind
 from fourbar_ros.mechanisms.sliders import InvertedSlider, ScotchYoke, SliderCrank

@@ -5,8 +5,6 @@ The table of the loads that mechanisms have.
 
 Manual, message LinkageLoads, services, extrema, pictures, page, FMU and C code read its rows.
 """
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

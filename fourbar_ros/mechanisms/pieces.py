@@ -8,8 +8,6 @@ deflection has made half a turn. So the input is cut where the position s of a t
 of its points, or an angle comes round. Springs besides have branch points where their length is
 zero: those at complex inputs near the real ones are given too, as quantities change fast there.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from math import inf, pi, tau

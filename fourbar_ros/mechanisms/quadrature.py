@@ -7,8 +7,6 @@ Over a full period the trapezoidal rule, which is spectral there. Else Gauss's r
 phi of x = middle + half sin(phi): roots of the distance to a toggle at an end, as angles have, are
 smooth in phi. Ranges are cut at the flat positions of a change point, where reactions have poles.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import pi, sqrt

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The measured rounding errors of a mechanism: its formulas with floats beside many digits."""
-from __future__ import annotations
-
 from collections.abc import Sequence
 from decimal import Decimal, localcontext
 import re

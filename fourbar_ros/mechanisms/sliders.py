@@ -22,8 +22,6 @@ each about its own joint,
     (I1)  p = F . (A - O4)
     (I2)  guide force = (h (h f_across + s f_along + p) - s m) / (s^2 + h^2)
 """
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import atan2, pi, sqrt

@@ -7,8 +7,6 @@ A triangle driven by a side that slides; a rod that a crank moves along a line; 
 block on a crank. The triangle is a slider-crank driven by its slider, and, for an observer on its
 bar, an inverted one driven by its cylinder.
 """
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from fourbar_ros.mechanisms.curves import Direction

@@ -5,8 +5,6 @@ Arguments of callers, as doubles.
 
 Every public function converts or refuses here, with the name and what is allowed.
 """
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import field, fields, MISSING
 from math import inf, isfinite

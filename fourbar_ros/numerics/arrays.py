@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The type of numpy arrays in annotations, and how finely floats are spaced."""
-from __future__ import annotations
-
 from math import pi
 from typing import Any, TypeVar, Union
 

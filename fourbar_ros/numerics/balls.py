@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """The arithmetic of balls by the optional package python-flint (Arb): series for proofs."""
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 import operator

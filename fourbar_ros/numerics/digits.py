@@ -8,8 +8,6 @@ there. A little beside it such numbers are small, and with :data:`DIGITS` digits
 keep enough. A sum of which nothing is left but its rounding is exactly zero: so the data of a
 mechanism, taken to the last bit, decide what vanishes.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from decimal import Context, Decimal, localcontext
 from functools import cache, lru_cache

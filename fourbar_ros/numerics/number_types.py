@@ -14,8 +14,6 @@ numbers all have.
 ``RECORDED``               writes down what is done: :mod:`fourbar_ros.numerics.trace`
 =========================  ==================================================================
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass

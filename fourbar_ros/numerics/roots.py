@@ -6,8 +6,6 @@ All sign changes of sampled functions, many at once, and roots in brackets to th
 Zero counts as positive. Angles are given in order; a smaller one after a larger one is a turn
 later.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import nan, pi
 

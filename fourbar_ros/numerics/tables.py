@@ -6,8 +6,6 @@ Arithmetics as tables of operations: what evaluates a trace in other numbers tha
 A table is {name of an operation of :data:`.trace.OPERATIONS`: function}. :func:`run` is all that
 evaluates a trace with one.
 """
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any

@@ -10,8 +10,6 @@ division by zero) does so here, even where the result does not need it. A traceb
 that was written, and names the formula. Operations, their order and so their results are those of
 the formula. :mod:`.write_arrays` does the same for arrays.
 """
-from __future__ import annotations
-
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Sequence
 from functools import lru_cache

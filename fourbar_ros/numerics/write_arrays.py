@@ -6,8 +6,6 @@ A trace as the text of calls of numpy that write into buffers, which stay in the
 A buffer is used again when nothing needs its content any more. Operations, their order and so
 their results are those of the formula.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 import re

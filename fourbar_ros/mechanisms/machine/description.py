@@ -7,8 +7,6 @@ A dyad (Assur group of class II) is two links and three joints, each a pin (R) o
 letters name the outer joint on the link of ``first``, the inner joint, and the outer joint on the
 link of ``second``.
 """
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from copy import copy

@@ -1,8 +1,6 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A machine from the coordinates of its joints in one pose, as public linkages are given."""
-from __future__ import annotations
-
 from cmath import phase, rect
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -11,8 +11,6 @@ others
     (X2)  RRP: (r1 - h)(r1 + h) / r1^2        RPR: (|d|^2 - h^2) / (|d|^2 + (a length)^2)
     (X3)  PRP: t1 x t2, which may have either sign: a range ends where the lines are parallel
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import atan2, pi, remainder

@@ -11,8 +11,6 @@ a loop of four rods (:mod:`..loop`) with the ground line from Q to O1, and P the
 
 All other dyads hang as before.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import hypot
 from typing import NoReturn

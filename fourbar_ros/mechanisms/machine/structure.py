@@ -7,8 +7,6 @@ How long the links are is in the :class:`DyadLengths` of each dyad. The records 
 (motion, loads, bodies) are NamedTuple types that are made at run time; their values pass from
 process to process.
 """
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from types import SimpleNamespace

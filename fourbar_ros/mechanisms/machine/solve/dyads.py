@@ -52,8 +52,6 @@ A dyad is at a toggle where the sine of its transmission angle vanishes: the ang
 rods (RRR), the rod and the normal of the slide (RRP), the bar and the line P Q (RPR), the slot and
 the slide (RPP), the two lines (PRP).
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

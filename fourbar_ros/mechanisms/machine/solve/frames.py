@@ -27,8 +27,6 @@ seen from O1, from Q on:
 which gives its rod as well. The transmission angle of a cylinder is that of its rod and the arm
 from O1 to its pin.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from math import cos, sin

@@ -36,8 +36,6 @@ The drive pays for all efforts by virtual power. It is felt at the joints of a c
 dyad is so solved together with the pin of the crank; the joint of any other driven link
 is the last, as nothing feels its effort but the drive.
 """
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import combinations

@@ -15,8 +15,6 @@ of P and Q,
 
 and (K3) of :mod:`.frames` of a crank that a cylinder turns.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from fourbar_ros.mechanisms.machine import structure

@@ -31,8 +31,6 @@ and where k = 0 the block passes the foot: l = +-sigma, sigma is left out of the
 Lengths that are not given, as |a|, are rounded once, as floats, and are data from there on: for
 every type of numbers a change point is one, or none.
 """
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
