@@ -317,6 +317,12 @@ class MechanismGeometry(StatedMechanism):
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         return self.constants._replace(lengths=tuple(lengths))
 
+    def with_loads(self: _Self, **loads: Any) -> _Self:
+        """Return the same with other bodies, gravity and external loads, sharing geometry."""
+        copied: Any = self._with(**loads)
+        copied.__post_init__()          # which checks them
+        return copied       # type: ignore[no-any-return]
+
     def with_external(self: _Self, external: External) -> _Self:
         """Return the same mechanism with other external loads, sharing ranges and traces."""
         return self._with(external=external)

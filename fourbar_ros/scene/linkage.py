@@ -17,7 +17,6 @@ from fourbar_ros.scene.parameters import member_of, of_name, unit_in
 from fourbar_ros.scene.settings import LENGTHS, MACHINE, PARAMETERS, ParameterValues, TIMER
 
 if TYPE_CHECKING:
-    from fourbar_ros.machine import Machine  # only scenes of machines need it
     from fourbar_ros.scene.scene import Scene
 
 # an error of a mechanism names parameters of these groups as the scene does
@@ -34,9 +33,9 @@ RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
            'length, density, width, thickness': 'bodies.rods'}
 GEOMETRY = 'linkage.', 'dyads.', 'cylinder'
 MEMORY = 8
-# {parameters of GEOMETRY: the newest machine with these}: a live change of masses and loads does
-# not search for ranges and toggles again, which takes as long as hundreds of steps
-_newest: dict[str, Machine] = {}
+# {parameters of GEOMETRY: the newest mechanism with these}: a live change of masses and loads does
+# not search for ranges and toggles again, which takes as long as hundreds of steps of machines
+_newest: dict[str, Mechanism] = {}
 
 
 def linkage_of(values: ParameterValues) -> Mechanism:
@@ -54,9 +53,20 @@ def linkage_of(values: ParameterValues) -> Mechanism:
     if kind == MACHINE and values['linkage.joints']:
         raise InvalidParameter('linkage.joints', values['linkage.joints'], 'a machine has '
                                'linkage.pivot, linkage.points and dyads.NAME.inner')
+    key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
     try:
-        mechanism = (_machine if kind == MACHINE else _of_kind)(values)
+        mechanism = _newest.get(key) or _unloaded(values)
+        _check_links(values, mechanism)
+        bodies: Any = bodies_of_links(values, mechanism.LINKS, dict(zip(
+            mechanism.length_names, mechanism.lengths)), are_all_needed=kind != MACHINE)
+        mechanism = mechanism.with_loads(
+            bodies=bodies if kind == MACHINE else bodies and mechanism.BODIES(**bodies),
+            gravity=_gravity(values),
+            external=mechanism.EXTERNAL(**external_of(values, mechanism)))
         mechanism.prepare()
+        if len(_newest) >= MEMORY:
+            _newest.clear()
+        _newest[key] = mechanism
         return mechanism
     except InvalidParameter as error:
         if error.name in values or error.name.startswith(AS_IN_SCENE):
@@ -68,9 +78,12 @@ def linkage_of(values: ParameterValues) -> Mechanism:
                                'too far apart to be computed with') from None
 
 
-def _of_kind(values: ParameterValues) -> Mechanism:
-    """Return a four_bar, slider_crank, ... with the mode, stroke, bodies and loads of a scene."""
+def _unloaded(values: ParameterValues) -> Mechanism:
+    """Return the mechanism of a scene without bodies and loads."""
     name = values['linkage.kind']
+    if name == MACHINE:
+        from fourbar_ros.scene import machines  # only scenes of machines need these formulas
+        return machines.machine_of(values)
     kind: Any = kind_of(name, values['linkage.input'])     # a class: arguments are its LENGTHS
     for only in ('linkage.dyads', 'linkage.output', 'linkage.carrier', 'linkage.pivot'):
         if values[only] != of_name(only).default:
@@ -82,38 +95,16 @@ def _of_kind(values: ParameterValues) -> Mechanism:
         inputs = dict.fromkeys([*kind.INPUTS, *kind_of(name, JOINT_A).INPUTS])
         raise InvalidParameter('linkage.input', values['linkage.input'],
                                f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
-    _check_links(values, kind)
     known = {link.first_joint for link in kind.LINKS} | {each.joint for each in kind.REACTIONS}
     joints = [joint for joint in ('O1', 'A', 'B', 'O4') if joint in known]
     if (names := values['linkage.joints']) and not len({*names}) == len(names) == len(joints):
         raise InvalidParameter('linkage.joints', names,
                                f'must be {len(joints)} different names, of {", ".join(joints)}')
-    bodies = bodies_of_links(values, kind.LINKS, {
-        length: values[f'linkage.{length}'] for length in LENGTHS}, are_all_needed=True)
     stroke = values['linkage.range']
     mechanism: Mechanism = kind(
         **arguments, mode=values['linkage.mode'], stroke=tuple(stroke) if stroke else None,
-        bodies=None if bodies is None else kind.BODIES(**bodies),
-        gravity=_gravity(values), external=kind.EXTERNAL(**external_of(values, kind)),
         joint_names=dict(zip(joints, names)))
     return mechanism
-
-
-def _machine(values: ParameterValues) -> Mechanism:
-    """Return a machine of dyads; one with the same geometry gets its bodies and loads anew."""
-    from fourbar_ros.scene import machines  # only scenes of machines need these formulas
-
-    key = repr([item for item in values.items() if item[0].startswith(GEOMETRY)])
-    machine = _newest.get(key) or machines.machine_of(values)
-    _check_links(values, machine)
-    bodies = bodies_of_links(values, machine.LINKS, dict(zip(
-        machine.length_names, machine.lengths)), are_all_needed=False)
-    loaded = machine.with_loads(bodies=bodies, gravity=_gravity(values),
-                                external=external_of(values, machine))
-    if len(_newest) >= MEMORY:
-        _newest.clear()
-    _newest[key] = loaded
-    return loaded
 
 
 def _check_links(values: ParameterValues, mechanism: Mechanism | type[Mechanism]) -> None:

@@ -109,7 +109,7 @@ def test_scene_check_lists_what_was_given_in_units_of_what_is_driven(tmp_path, c
 
 @pytest.mark.parametrize('values', [{'linkage.a1': 1e300}, {'bodies.rods.radius': 1e160}])
 def test_numbers_that_overflow_are_refused(values):
-    with pytest.raises(InvalidParameter, match='too far apart|^bodies.rods = .* overflows'):
+    with pytest.raises(InvalidParameter, match='too far apart|overflow'):
         scene.from_values({'linkage.kind': 'slider_crank', 'linkage.a1': 0.1, 'linkage.a2': 0.3,
                            **RODS,
                            'bodies.output.mass': 1.0, **values})

@@ -196,12 +196,6 @@ class Machine(Mechanism):
                    else '' if name == self.dyads[0].name else ' at which those before it do')
             raise InvalidParameter(f'dyads.{name}', None, f'cannot close at any input{why}{rods}')
 
-    def with_loads(self, **loads: Any) -> Machine:
-        """Return the same with other bodies, gravity and external loads, sharing geometry."""
-        machine = self._with(**loads)
-        machine.__post_init__()
-        return machine
-
     @cached_by_lengths
     def stages(self) -> tuple[Dyad, ...]:
         """Return all dyads; a cylinder is one whose slide is driven, and stands first."""
