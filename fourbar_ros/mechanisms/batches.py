@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from math import nan
-from typing import NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms.evaluation import Constants, formula_of, MOST_STRUCTURES, trace_of
-from fourbar_ros.mechanisms.parts import NamedFields
+from fourbar_ros.mechanisms.parts import is_within, NamedFields
 from fourbar_ros.numerics.arguments import array, FARTHEST
 from fourbar_ros.numerics.arrays import Array, Values
 from fourbar_ros.numerics.number_types import Function, numbers_of
@@ -58,13 +58,19 @@ def evaluate(mechanism: Mechanism, inputs: tuple[ArrayLike, ...], wanted: tuple[
 
 def _is_known(mechanism: Mechanism, position: Array) -> Array | None:
     """Return which inputs are in the stroke and no angles too far off; None: all are."""
-    reaches, angles = mechanism.reaches, position.real
-    is_known: Array | None = None if reaches is None else reaches(position)
-    if mechanism.is_driven_by_slide or not angles.size or (
+    # Of several dyads those before the one that does not close would have a pose: where not all
+    # close, none has.
+    angles: Any = position.real
+    reaches = mechanism.reaches
+    with np.errstate(invalid='ignore'):         # of inputs that are infinite
+        known = [] if reaches is None else [reaches(position)]
+        if len(mechanism.layout.stages) > 1 and not mechanism.closes_fully:
+            known.append(np.any([is_within(angles, ends, mechanism.period)
+                                 for ends in mechanism.closing_ranges], axis=0))
+    if not mechanism.is_driven_by_slide and angles.size and not (
             angles.min() > -FARTHEST and angles.max() < FARTHEST):
-        return is_known
-    is_near: Array = np.abs(angles) < FARTHEST
-    return is_near if is_known is None else np.logical_and(is_known, is_near)
+        known.append(np.abs(angles) < FARTHEST)
+    return np.logical_and.reduce(known) if known else None
 
 
 @cache

@@ -3,7 +3,7 @@
 """Where machines can be assembled, and all extrema there: against dense scans of their motion."""
 from math import isinf, pi
 
-from fourbar_ros import find_extrema, InvalidParameter
+from fourbar_ros import Base, find_extrema, FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.quantities import positions
@@ -79,3 +79,30 @@ def test_rates_are_unbounded_at_the_toggle_of_a_dyad_and_positions_are_not():
             assert min(abs(end.value), abs(end.value - pi)) < 1e-6
     assert set(positions(machine)) == {'theta_a', 'theta_b', 'transmission_angle_d',
                                        'transmission_angle'}
+
+
+@pytest.mark.parametrize('carried', [False, True], ids=['fixed', 'on_bases'])
+def test_arrays_have_no_pose_of_some_dyads_where_not_all_of_them_close(carried):
+    """Dyads before the one that cannot close had a pose, and points on them a path, in arrays."""
+    positions_ = np.linspace(-4.0, 4.0, 33)
+    left_out = 0
+    for machine, _ in random_machines(43, 12, dyads=(2, 5)):
+        of_input = set(machine.input_coordinate)
+        has_pose = []
+        for position in positions_.tolist():
+            try:
+                machine.motion(position, 1.0)
+                has_pose.append(True)
+            except FourBarError:
+                has_pose.append(False)
+        motion, loads = machine.step(positions_, 1.0)
+        if carried:
+            loads = machine.loads(positions_, 1.0, base=Base(force_y=9.81))
+        for fields in (motion, loads):
+            for name, values in zip(type(fields)._fields, fields):
+                if name not in of_input and len(set(values[has_pose])) > 1:     # no constant
+                    assert (np.isfinite(values) == has_pose).all(), name
+        assert (machine.motion(positions_, fields=machine.input_coordinate[:1])[0]
+                == positions_).all()
+        left_out += has_pose.count(False)
+    assert left_out > 100
