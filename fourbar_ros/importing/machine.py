@@ -230,7 +230,9 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
         'joint_states.only_passive': gear is None,
         'joint_states.leave_out': [joint.name for joint in joints.values() if joint.closes],
         'outputs': ['joint_states', 'state', *['loads'] * has_masses, *['points'] * has_points]}
-    return Imported(loop, values, from_values(values), joints, drive, report)
+    scene = from_values(values)
+    report += [f'note: {warning}' for warning in scene.warnings]
+    return Imported(loop, values, scene, joints, drive, report)
 
 
 def _direction(axis: Array) -> str:

@@ -16,7 +16,7 @@ LEAST = 2e-15       # [kg, kg m^2] of frames without mass: MuJoCo moves no body 
 
 def spec_of(path: Path) -> tuple[Any, list[str]]:
     """Return MuJoCo's specification of a file without shapes, and bodies of unknown mass."""
-    # Their mass is that of meshes, which are not read.
+    # Their mass is that of meshes, which are not read. Bodies and joints without a name get one.
     import mujoco
     try:
         root = ElementTree.fromstring(text_of(path))
@@ -49,6 +49,9 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
         if body.explicitinertial and min(body.mass, *body.inertia) < 0.0:
             raise Refused(f'{body.name} has a negative mass or moment of inertia')
     spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
+    for kind, items in (('body', spec.bodies), ('joint', spec.joints)):
+        for index, item in enumerate(items):
+            item.name = item.name or f'{kind}_{index}'
     return spec, sorted(lost)
 
 

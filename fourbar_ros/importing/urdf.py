@@ -131,6 +131,12 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
             robot.add_inertial(name, _float(inertial, 'mass', 'value'),
                                poses[name] @ _pose_in(inertial, 'origin'),
                                np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    of_none = [name for name, (_, _, inertia) in robot.inertials.items()
+               if 2.0 * np.linalg.norm(inertia, 2) > (1.0 + 1e-9) * np.trace(inertia)]
+    if of_none:
+        robot.notes.append(f'moments of inertia of {", ".join(of_none)}: the largest is more than '
+                           'the two others together, as of no body; MuJoCo takes their mean, and '
+                           'so does --check')
     for name, joint in joints.items():
         pose, element = poses[joint.child], joint.element
         low, high = (_float(element, 'limit', end) for end in ('lower', 'upper'))
@@ -168,15 +174,16 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     robot.notes += [f'{motor} of {name}: the file has no such joint{nearest(name, joints)}'
                     for motor, name in motors if name not in known]
     for name, how, frames in _frames(wishes.close, poses):
-        bodies = [frame.partition('@')[0] for frame in frames]
+        # a link's own name may have an @: closing_link@0/0/1_1, of a joint called after its point
+        bodies, points = zip(*[(frame, '') if frame in poses else frame.partition('@')[::2]
+                               for frame in frames])
         for link in bodies:
             robots.check_name('--close', link, poses, 'link')
         if name not in known:
             robot.add_closing(name, how or robots.POINT, bodies, [
-                poses[link] @ pose_of(np.eye(3), _floats(
-                    frame.partition('@')[2].replace('/', ' ') or '0 0 0',
-                    where=f'of --close {frame}'))
-                for frame, link in zip(frames, bodies)])
+                poses[link] @ pose_of(np.eye(3), _floats(point.replace('/', ' ') or '0 0 0',
+                                                         where=f'of --close {frame}'))
+                for frame, link, point in zip(frames, bodies, points)])
     robot.add_fixed_bodies()
     return robot
 

@@ -81,6 +81,14 @@ def test_a_connect_closes_a_four_bar(tmp_path):
     assert abs(sizes['gravity.x']) < 1e-14
 
 
+def test_bodies_and_joints_need_no_names(tmp_path):
+    """Beside MuJoCo it was a KeyError."""
+    named, _ = good(tmp_path, robot())
+    loop, _ = good(tmp_path, robot().replace(' name="elbow"', ''))
+    assert loop.scene.joint_names == ('shoulder', 'joint_1', 'tip', 'pivot')
+    assert loop.scene.linkage == named.scene.linkage
+
+
 def test_a_file_may_be_in_the_utf_16_of_powershell(tmp_path):
     plain, path = read(tmp_path, robot()).text, tmp_path / 'robot.xml'
     path.write_bytes(('<?xml version="1.0" encoding="utf-8"?>\n' + robot()).encode('utf-16'))

@@ -4,6 +4,7 @@
 import re
 
 from fourbar_ros.cli.main import main
+from fourbar_ros.description import describe
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.importing.robots import Refused
 from fourbar_ros.mechanisms.curves import point_of
@@ -80,6 +81,26 @@ def test_a_loop_is_read_however_it_is_stated(closing, wishes, tmp_path):
     assert 'base frame, driven shoulder, dyads RRR' in report
     assert 'URDF has no gravity: taken as 9.80665' in report
     assert len(loop.scene.joint_states.leave_out) == 1
+
+
+def test_a_loop_closed_at_points_is_described_and_read_again(tmp_path):
+    """The frames of its cut, called after the point, were taken for points of a link."""
+    points = 'link@0.9/0/0.3,lever@-0.1/0/0.7'
+    loop, _ = good(tmp_path, robot(''), close=[points])
+    again, _ = good(tmp_path, describe(loop.scene, 'urdf'))
+    assert again.scene.joint_states.leave_out == loop.scene.joint_states.leave_out
+    assert again.values['dyads.d1.length_1'] == pytest.approx(loop.values['dyads.d1.length_1'])
+
+
+def test_moments_of_inertia_of_no_body_and_lengths_in_millimetres_are_said(tmp_path):
+    """Beside MuJoCo the first was BAD without a reason; the second was said by other verbs."""
+    assert 'moments' not in good(tmp_path, robot())[1]
+    wrong = read(tmp_path, robot().replace('izz="0.03"', 'izz="0.1"'), check=True)
+    assert 'moments of inertia of arm, link, lever: the largest' in wrong.report[1]
+    assert not wrong.is_good
+    in_mm = read(tmp_path, re.sub('xyz="(?!0 1 0)([^"]*)"', lambda xyz: 'xyz="{} {} {}"'.format(
+        *(1000.0 * float(value) for value in xyz[1].split())), robot()))
+    assert 'm: did you mean' in in_mm.report[-1], in_mm.report
 
 
 def test_loop_closures_of_jsk_are_read_beside_the_file(tmp_path):
