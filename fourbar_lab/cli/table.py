@@ -58,7 +58,7 @@ def _add_arguments(verb: ArgumentParser, default: str) -> None:
     common.add_scene(verb)
     verb.add_argument('names', nargs='*', metavar='QUANTITY',
                       help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
-                           f'middle.speed of a point; {default}')
+                           f'middle.x or middle.speed of a point; {default}')
     common.add_rates(verb)
     verb.add_argument('--samples', type=common.positive_integer, default=361, metavar='N',
                       help='inputs in each range (default 361: a degree apart in a full turn)')

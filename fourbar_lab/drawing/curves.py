@@ -69,7 +69,7 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     samples = NumberField(above=0.0, is_whole=True).check('samples', samples)
     units, coordinate = _units(linkage, scene), linkage.input_coordinate
     of_loads, of_drive = linkage.LOADS._fields, quantities.of_drive(linkage, linkage.input)
-    of_points = {quantity.name: quantity for quantity in scene.named_quantities}
+    of_points = {quantity.name: quantity for quantity in scene.point_quantities}
     for name in names:
         if not isinstance(name, str):
             raise InvalidParameter('names', name, "must be texts, one after another: 'f41', 'f32'")
@@ -151,7 +151,7 @@ def envelope_of(linkage: Mechanism, speeds: tuple[float, float], acceleration: f
 def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
                acceleration: float = 0.0) -> list[Extremum]:
     """Return extrema as of :func:`curves_of`, none of components of forces, of loads that lock."""
-    searched = quantities.by_name(linkage, scene.named_quantities)
+    searched = quantities.by_name(linkage, scene.point_quantities)
     locks = linkage.locked_ranges(speed, acceleration)
     wanted = [searched[name] for name in names if name in searched
               and not (locks and searched[name].is_load)]
@@ -172,7 +172,7 @@ def marks_of(linkage: Mechanism, extrema: Sequence[Extremum],
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
     """Return {name: unit} of all quantities that a user may name, components of forces too."""
     units = {name: quantity.unit
-             for name, quantity in quantities.by_name(linkage, scene.named_quantities).items()}
+             for name, quantity in quantities.by_name(linkage, scene.point_quantities).items()}
     for part in linkage.PARTS:
         if part != linkage.input_coordinate:
             units |= {name: unit for name, unit in zip(part, part.units)

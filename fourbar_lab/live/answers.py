@@ -21,7 +21,14 @@ from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
 from fourbar_ros.extrema.find import CONSTANT, Extremum, SIDES
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.quantities import Named, of_drive, OfDrive, positions, select
+from fourbar_ros.mechanisms.quantities import (
+    is_position,
+    Named,
+    of_drive,
+    OfDrive,
+    positions,
+    select,
+)
 from fourbar_ros.scene.files import flatten, YamlTree
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
@@ -70,6 +77,8 @@ def quantities_of(scene: Scene) -> dict[str, Named]:
     return {**{quantity.name: quantity
                for quantity in select((), linkage, scene.point_quantities)},
             **positions(linkage, driven),
+            **{quantity.name: quantity for quantity in scene.point_quantities
+               if is_position(quantity)},
             **{name: quantity for name, quantity in drive.items()
                if linkage.has_loads or not quantity.is_load}}
 

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
         known_quantities,
         point_acceleration,
         point_speed,
+        point_x,
+        point_y,
         UnknownQuantity,
     )
 

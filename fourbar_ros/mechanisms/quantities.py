@@ -21,7 +21,10 @@ class UnknownQuantity(FourBarError, KeyError):
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name, known = name, list(known)
-        hint = nearest(name, known) or f'; known: {", ".join(known[:10])}, {len(known) - 10} more'
+        point, dot, _ = name.partition('.')
+        hint = nearest(name, known) or (
+            f': there is no point {point}; a scene has them, of joints too, as points.NAME' if dot
+            else f'; known: {", ".join(known[:10])}, {len(known) - 10} more')
         super().__init__(f'unknown quantity {name!r}{hint}')
 
     def __str__(self) -> str:
@@ -37,6 +40,7 @@ class Function(NamedTuple):
     of: Callable[..., Any]
     is_load: bool = False     # nobody can tell; of a mechanism without masses loads raise an error
     is_smooth: bool = False   # plain arithmetic and numpy: a complex step gives its derivative
+    is_position: bool = False
 
 
 class OfDrive(NamedTuple):
@@ -70,30 +74,45 @@ class OfDrive(NamedTuple):
             return 1.0 / value if self.is_inverse else value
 
 
+def point_x(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
+            name: str = 'point') -> Function:
+    """Return the quantity ``name.x`` [m] of a point fixed to a link."""
+    return _of_point(name, 'x', 'm', (mechanism, link, along, across), _coordinate, 0)
+
+
+def point_y(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
+            name: str = 'point') -> Function:
+    """Return the quantity ``name.y`` [m] of a point fixed to a link."""
+    return _of_point(name, 'y', 'm', (mechanism, link, along, across), _coordinate, 1)
+
+
 def point_speed(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                 name: str = 'point') -> Function:
     """Return the quantity ``name.speed`` [m/s] of a point fixed to a link."""
-    return Function(f'{name}.speed', 'm/s',
-                    f'speed of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(2, 4)), is_smooth=True)
+    return _of_point(name, 'speed', 'm/s', (mechanism, link, along, across), _size, slice(2, 4))
 
 
 def point_acceleration(mechanism: Mechanism, link: str, along: float, across: float = 0.0,
                        name: str = 'point') -> Function:
     """Return the quantity ``name.acceleration``, its magnitude [m/s^2], of a point of a link."""
-    return Function(f'{name}.acceleration', 'm/s^2',
-                    f'acceleration of the point ({along:g}, {across:g}) m of the {link}',
-                    partial(_size, mechanism, link, along, across, slice(4, 6)), is_smooth=True)
+    return _of_point(name, 'acceleration', 'm/s^2', (mechanism, link, along, across), _size,
+                     slice(4, 6))
 
 
-def point_coordinate(mechanism: Mechanism, link: str, along: float, across: float, axis: str,
-                     name: str) -> Function:
-    """Return the quantity ``name.x`` or ``name.y`` [m] of a point of a link."""
-    def coordinate(motion: NamedFields, loads: NamedFields) -> Scalar:
-        point = point_of(mechanism.link_motion(motion, link), along, across)
-        return point['xy'.index(axis)]
-    return Function(f'{name}.{axis}', 'm', f'{axis} of the point ({along:g}, {across:g}) m of the '
-                    f'{link}', coordinate, is_smooth=True)
+POINT_QUANTITIES = point_x, point_y, point_speed, point_acceleration
+
+
+def _of_point(name: str, what: str, unit: str, point: tuple[Mechanism, str, float, float],
+              of: Callable[..., Scalar], fields: int | slice) -> Function:
+    _, link, along, across = point
+    return Function(f'{name}.{what}', unit,
+                    f'{what} of the point ({along:g}, {across:g}) m of the {link}',
+                    partial(of, *point, fields), is_smooth=True, is_position=of is _coordinate)
+
+
+def _coordinate(mechanism: Mechanism, link: str, along: float, across: float, field: int,
+                motion: NamedFields, loads: NamedFields) -> Scalar:
+    return point_of(mechanism.link_motion(motion, link), along, across)[field]
 
 
 def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: slice,
@@ -222,16 +241,18 @@ def is_published(quantity: Named) -> bool:
 
 
 def is_position(quantity: Named) -> bool:
-    return is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm')
+    return quantity.is_position if isinstance(quantity, Function) else (
+        is_published(quantity) and not quantity.is_load and quantity.unit in ('rad', 'm'))
 
 
 def select(names: Sequence[str], mechanism: Mechanism, more: Sequence[Asked] = ()) -> list[Named]:
     """Return the quantities of these names; of none all but positions and those of the drive."""
     # Loads are left out where the mechanism has none. more: quantities that may be named too, as
-    # those of the points of a scene, and that are part of "all" too.
+    # those of the points of a scene, and that are part of "all" too if they are no positions.
     if not names:
         every = *known_quantities(mechanism, mechanism.input).values(), *more
-        return [quantity for quantity in every if mechanism.has_loads or not quantity.is_load]
+        return [quantity for quantity in every if (mechanism.has_loads or not quantity.is_load)
+                and not is_position(quantity)]
     available = by_name(mechanism, more)
     for name in names:
         if name not in available:

@@ -16,7 +16,7 @@ from fourbar_ros.mechanics.bodies import Applied, bar_numbers, Body, rod_numbers
 from fourbar_ros.mechanisms import curves, mechanism
 from fourbar_ros.mechanisms import elements as acting
 from fourbar_ros.mechanisms.evaluation import Constants
-from fourbar_ros.mechanisms.quantities import Asked, point_acceleration, point_speed
+from fourbar_ros.mechanisms.quantities import Asked, POINT_QUANTITIES
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import ARRAY, direction_in, NumberType, Scalar
 from fourbar_ros.scene.elements import ACTS, element_names, group_in
@@ -142,14 +142,14 @@ def margin_signs(linkage: mechanism.Mechanism) -> Array | None:
 def point_quantities_of(scene: Scene, values: ParameterValues, parametric: mechanism.Mechanism
                         ) -> dict[str, Asked]:
     """
-    Return {NAME.speed, NAME.acceleration: quantity} of the points of a scene, for many designs.
+    Return {NAME.x, .y, .speed, .acceleration: quantity} of a scene's points, for many designs.
 
     ``parametric`` is the scene's mechanism with arrays as lengths, ``values`` its parameters.
     """
     quantities: dict[str, Asked] = {}
     for name, point in scene.points.items():
         coordinates = values[f'points.{name}.along'], values[f'points.{name}.across']
-        for make in (point_speed, point_acceleration):
+        for make in POINT_QUANTITIES:
             quantity = make(scene.linkage, *point, name=name)
             of: Any = quantity.of           # partial(length, linkage, link, along, across, first)
             _, link, _, _, first = of.args

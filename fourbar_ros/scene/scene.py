@@ -282,19 +282,10 @@ class Scene:
 
     @property
     def point_quantities(self) -> list[Function]:
-        """Return NAME.speed [m/s] and NAME.acceleration [m/s^2] of all points, for extrema."""
-        from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+        """Return NAME.x, .y [m], .speed [m/s] and .acceleration [m/s^2] of all points."""
+        from fourbar_ros.mechanisms.quantities import POINT_QUANTITIES
         return [make(self.linkage, *point, name=name)
-                for name, point in self.points.items()
-                for make in (point_speed, point_acceleration)]
-
-    @property
-    def named_quantities(self) -> list[Function]:
-        """Return these and NAME.x, NAME.y [m], which must be asked for by name."""
-        from fourbar_ros.mechanisms.quantities import point_coordinate
-        return [*self.point_quantities, *(
-            point_coordinate(self.linkage, *point, axis=axis, name=name)
-            for name, point in self.points.items() for axis in 'xy')]
+                for name, point in self.points.items() for make in POINT_QUANTITIES]
 
 
 def from_values(values: ParameterValues) -> Scene:

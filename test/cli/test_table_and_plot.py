@@ -283,7 +283,7 @@ def test_coordinates_of_points_are_columns_and_curves_by_name(capsys):
         assert place == pytest.approx(point.place, rel=1e-8, abs=1e-9)    # nine digits and more
     names = [quantity.name for quantity in select((), scene.linkage, scene.point_quantities)]
     assert 'foot.speed' in names and 'foot.x' not in names      # show has what it had
-    quantities = select(['foot.y'], scene.linkage, scene.named_quantities)
+    quantities = select(['foot.y'], scene.linkage, scene.point_quantities)
     found = find_extrema(scene.linkage, quantities)
     scan = point_motion(scene.linkage, scene.linkage.motion(np.linspace(0.0, tau, 2000)),
                         *scene.points['foot']).place[..., 1]

@@ -5,7 +5,7 @@ from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks
 from fourbar_lab.drawing.record import properties_of
 from fourbar_lab.drawing.tables import facts
 from fourbar_ros import find_extrema
-from fourbar_ros.mechanisms.quantities import select
+from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
@@ -35,6 +35,31 @@ def test_marks_of_extrema_lie_on_their_curves(name):
             seen += len(marked.get_xdata())
     # one at 0 is at the end of the cycle too
     assert seen == len(marks) + sum(x <= 1e-9 for _, x, _ in marks) > 0
+
+
+def test_the_path_of_a_point_is_columns_with_extrema_and_not_part_of_all():
+    """It was refused: of a point only speed and acceleration had names. Here it is a circle."""
+    radius, along, across = 0.1, 0.2, 0.05
+    scene = from_values({
+        'linkage.a1': radius, 'linkage.a2': 0.3, 'linkage.a3': radius, 'linkage.a4': 0.3,
+        'points.p.link': 'coupler', 'points.p.along': along, 'points.p.across': across})
+    curves = curves_of(scene, scene.linkage, ['p.x', 'p.y'], 1.0)
+    theta1 = np.radians(curves.values[0])
+    assert curves.units == ('deg', 'm', 'm')
+    assert np.allclose(curves.values[1:], [along + radius * np.cos(theta1),
+                                           across + radius * np.sin(theta1)],
+                       rtol=0.0, atol=8 * np.finfo(float).eps)
+    extrema = extrema_of(scene, scene.linkage, ['p.x', 'p.y'], 1.0)
+    assert [(one.quantity, one.kind) for one in extrema] == [
+        ('p.x', 'maximum'), ('p.x', 'minimum'), ('p.y', 'maximum'), ('p.y', 'minimum')]
+    assert [one.value for one in extrema] == pytest.approx(
+        [along + radius, along - radius, across + radius, across - radius], rel=1e-14)
+    assert np.allclose([one.theta1 for one in extrema], np.pi * np.array([0.0, 1.0, 0.5, 1.5]),
+                       rtol=0.0, atol=1e-9)
+    assert [one.name for one in select((), scene.linkage, scene.point_quantities)
+            if one.name.startswith('p.')] == ['p.speed', 'p.acceleration']
+    with pytest.raises(UnknownQuantity, match='there is no point A; a scene has them, of joints'):
+        curves_of(scene, scene.linkage, ['A.height'], 1.0)
 
 
 @pytest.mark.parametrize(('lengths', 'kinds'), [

@@ -162,8 +162,7 @@ def _checked(scene: Scene, request: Message) -> tuple[list[Named], tuple[int, ..
         raise InvalidParameter('mode', unknown[0], 'must be 0 (of the scene)'
                                + ''.join(f' or {mode}' for mode in linkage.modes))
     names = list(dict.fromkeys(request.quantities))
-    quantities = select(names, linkage,
-                        scene.named_quantities if names else scene.point_quantities)
+    quantities = select(names, linkage, scene.point_quantities)
     needs_rate = any(quantity.rate is None if isinstance(quantity, OfDrive)
                      else not is_position(quantity) for quantity in quantities)
     if rate_of_input('velocity', velocity) == 0.0 and needs_rate:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Motion of links and their points: against the reference, and in another coordinate."""
 from fourbar_ros.mechanisms.points import point_motion
-from fourbar_ros.mechanisms.quantities import point_acceleration, point_speed
+from fourbar_ros.mechanisms.quantities import POINT_QUANTITIES
 from fourbar_ros.numerics.number_types import REAL
 import numpy as np
 import pytest
@@ -44,16 +44,17 @@ def test_ratios_are_rates_at_unit_rate(case):
 
 @every_mechanism
 def test_points_of_all_links(case):
-    """Speed and acceleration of a point as a quantity, and its motion: one set of numbers."""
+    """Quantities of a point and its motion: one set of numbers."""
     for mechanism, given in contract.ordinary(case, 224, 5):
         state = mechanism.step(*given)
         for link in mechanism.BODIES._fields:
             point = point_motion(mechanism, state[0], link, 0.3, -0.2)
-            speed = point_speed(mechanism, link, 0.3, -0.2).of(*state)
+            x, y, speed, acceleration = (make(mechanism, link, 0.3, -0.2).of(*state)
+                                         for make in POINT_QUANTITIES)
+            assert (x, y) == (point.x, point.y)
             assert speed == pytest.approx(point.speed, rel=4 * EPS)
-            assert point_acceleration(mechanism, link, 0.3, -0.2).of(*state) == pytest.approx(
-                np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS
-            )
+            assert acceleration == pytest.approx(
+                np.hypot(point.acceleration_x, point.acceleration_y), rel=4 * EPS)
 
 
 @every_case
