@@ -499,8 +499,9 @@ def _is_stiff(system: System, until: float) -> bool:
 def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Iterator[Leg]:
     """Yield the legs of one integration from time 0, to the end or to where the run stops."""
     # A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
-    # force table ends, or the run stops. is_finer: legs between jumps of the torque are cut in
-    # two, so that the run whose error is estimated and the finer one do not take the same steps.
+    # force table ends, or the run stops. is_finer: legs between jumps of the torque, and in a piece
+    # that takes as long as the one before, are cut in two, so that the run whose error is estimated
+    # and the finer one do not take the same steps.
     system, stop_when = work.system, work.stop_when
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)
@@ -511,6 +512,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     (coordinate, state), first = system.coordinates.begin(system.start), 0.0
     stop_value = nan         # last value of stop_when that is not zero: no run stops at its start
     end, step = REACHED, None
+    begun, middle = 0.0, 0.0    # times at which the piece of a table began, and will be half over
     while first < work.until:
         if end == HANDED_OVER:
             coordinate, state = coordinate.next(state)
@@ -536,6 +538,8 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
+        if first < middle < last:
+            last = middle
         leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
         # a leg without length, as two coordinates handing over to each other: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
@@ -544,9 +548,14 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         yield leg
         # The first step into the next piece of a table, which takes about as long. Were it as long
         # as the piece, it would end exactly at its end, and scipy before 1.12 would stop there.
-        step = (LONGER * float(leg.time[-1] - first)
-                if leg.end == AT_KINK and coordinate.equation.tables else None)
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
+        if end == AT_KINK and coordinate.equation.tables:
+            length, begun = first - begun, first
+            step, middle = LONGER * length, 0.0
+            if is_finer:
+                step, middle = 0.5 * step, first + 0.5 * length
+        elif end != REACHED:
+            step = None
         if end not in (REACHED, HANDED_OVER, AT_KINK):
             return
         if stop_when is not None:
