@@ -213,8 +213,8 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
                    *([called[f'{first.name}_second']] if is_four_bar else [])]
         tree: dict[str, Any] = {'linkage': {
             'kind': 'four_bar' if is_four_bar else 'slider_crank', 'a1': a1, **lengths,
-            'mode': first.mode} | ({'joints': letters} if {*letters} - {'O1', 'A', 'B', 'O4'}
-                                   else {})}
+            'mode': first.mode} | ({} if letters == ['O1', 'A', 'B', 'O4'][:len(letters)]
+                                   else {'joints': letters})}
         link_in_scene |= dict(zip(first.links, ('coupler', 'output')))
     else:
         # points on which dyads hang; one that is the inner pin of a dyad has distance 0 from it

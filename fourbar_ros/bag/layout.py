@@ -30,6 +30,7 @@ class MessageLayout:
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
         """Walk over the fields of a type along the bytes of a message; BagError if it differs."""
         self._store, self._data, self._offset = store, data, HEADER
+        self._most_padding = 3      # [bytes] behind the last field
         if len(data) < HEADER or data[0] or data[1] > 1:
             raise BagError(f'{type_name}: not a CDR message')
         self._order: Literal['<', '>'] = '<' if data[1] else '>'
@@ -38,8 +39,7 @@ class MessageLayout:
         self._fields: dict[str, tuple[Any, int]] = {}       # {path: (format, offset)}
         try:
             self._walk(type_name, '')
-            # behind an empty sequence of doubles Fast CDR aligns: 4 bytes, and 3 of padding
-            if not 0 <= len(data) - self._offset <= 7:
+            if not 0 <= len(data) - self._offset <= self._most_padding:
                 raise IndexError
         except (IndexError, KeyError, ValueError):
             raise BagError(f'{type_name}: a message does not fit its definition') from None
@@ -86,6 +86,8 @@ class MessageLayout:
         dtype = np.dtype(_FORMATS.get(kind, kind)).newbyteorder(self._order)
         if count != 0:
             self._align(dtype.itemsize)
+        elif dtype.itemsize == 8:
+            self._most_padding += 4         # Fast CDR sizes a message as if it aligned these too
         self._fields[path] = dtype if count is None else (dtype, (count,)), self._offset
         self._offset += dtype.itemsize * (1 if count is None else count)
 

@@ -114,8 +114,8 @@ class Recomputation:
         self._motions: list[tuple[int, Any]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
         self._modes: dict[int, int] = {}            # {stamp: recorded mode}, of motion by torque
-        self._newest: dict[str, bytes] = {}         # the last motion and state of a drive
-        self._repeated = 0                          # those that are the one before once more
+        self._last: tuple[str, int, bytes] | None = None    # topic, log time and data of a message
+        self._repeated = 0          # motions and states of a drive that are that one once more
         self._other_branch = 0                      # motions that are not on the branch of today
         self._changes: list[int] = []           # log times [ns] of new scenes and acting inputs
         # a later file of a split bag may hold values of the one before, until a motion is valid
@@ -159,11 +159,11 @@ class Recomputation:
         Outputs and motions wait, until a block of motions is computed or the scene changes.
         """
         name = self._names[raw.topic]
-        if name in (topics.DRIVEN.name, topics.DRIVE_STATE.name):
-            if self._newest.get(name) == raw.data:
-                self._repeated += 1
-                return
-            self._newest[name] = raw.data
+        # a node may send a motion again, when its outputs stand between the two
+        before, self._last = self._last, (raw.topic, raw.time, raw.data)
+        if before == self._last and name in (topics.DRIVEN.name, topics.DRIVE_STATE.name):
+            self._repeated += 1
+            return
         if name in self._topics:
             if name == outputs.JOINT_STATES and self._joints and not self._joints_have_begun:
                 message = self._bag.decode(raw)

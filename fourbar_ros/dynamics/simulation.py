@@ -175,7 +175,8 @@ class Work:
             try:
                 change = list(derivative(min(time, latest), state.tolist()))
             except Locked as error:
-                self.locked = error
+                if isfinite(state[0]):
+                    self.locked = error
             except (FourBarError, ArithmeticError):
                 pass
             is_good = min(change) > -HUGE and max(change) < HUGE

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """MJCF as MuJoCo reads it: its defaults, includes, inertias and sites; meshes are not read."""
+from itertools import count
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -21,6 +22,8 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
     try:
         root = ElementTree.fromstring(text_of(path))
         _put_in_includes(root, path.parent, set())
+        for model in root.iter('model'):        # text has no folder
+            model.set('file', str((path.parent / model.get('file', '')).absolute()))
         if root.tag == 'robot':
             for old in root.findall('mujoco'):
                 root.remove(old)
@@ -50,8 +53,11 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
             raise Refused(f'{body.name} has a negative mass or moment of inertia')
     spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
     for kind, items in (('body', spec.bodies), ('joint', spec.joints)):
+        names = {item.name for item in items}
         for index, item in enumerate(items):
-            item.name = item.name or f'{kind}_{index}'
+            item.name = item.name or next(name for name in (f'{kind}_{i}' for i in count(index))
+                                          if name not in names)
+            names.add(item.name)
     return spec, sorted(lost)
 
 

@@ -87,3 +87,16 @@ def test_the_bytes_between_fields_do_not_matter():
     (rows, records), = arrays(bags.STORE, 'sensor_msgs/msg/JointState', [data, dirty], [])
     assert rows.tolist() == [0, 1]
     assert all(np.array_equal(records[name][0], records[name][1]) for name in records.dtype.names)
+
+
+@pytest.mark.parametrize('full', [(), ('position',), ('position', 'velocity'), ('effort',)])
+def test_joint_states_without_rates_fit_as_rclpy_sends_them(full):
+    """Its sizes count padding behind each empty sequence of doubles."""
+    sensor_msgs = pytest.importorskip('sensor_msgs.msg')
+    serialization = pytest.importorskip('rclpy.serialization')
+    for names in (['a'], ['a', 'b'], ['abc', 'de'], ['abcd', 'efghi', 'j']):
+        data = serialization.serialize_message(sensor_msgs.JointState(
+            name=names, **{field: [1.0] * len(names) for field in full}))
+        (rows, records), = arrays(bags.STORE, 'sensor_msgs/msg/JointState', [data], [])
+        assert rows.tolist() == [0]
+        assert all((records[field] == 1.0).all() for field in full)

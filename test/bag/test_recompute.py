@@ -159,6 +159,17 @@ def test_a_run_that_is_twice_in_a_bag_gives_what_it_gave_once(tmp_path, order, i
     assert two.skipped == ({NO_ORDER: two.inputs} if is_of_rosbag2 else {})
 
 
+def test_a_motion_that_a_node_sends_again_is_no_copy(tmp_path):
+    """An input may come twice with one stamp: its outputs stand between."""
+    path = bags.run(tmp_path, 'run', {**PAPER, 'outputs': ['state']}, TURNS, paced=True)
+    old, raws = Bag(path), content(path)
+    first = next(k for k, raw in enumerate(raws) if raw[0].endswith('/driven'))
+    again = raws[:first + 2] + raws[first:]
+    assert raws[first + 1][0].endswith('/state')
+    found = recompute(rewritten(path, tmp_path, again, 'again', old.about))
+    assert not found.problems() and found.inputs == recompute(path).inputs + 1
+
+
 def test_states_of_a_drive_that_are_not_compared_are_counted():
     found = recompute(ROOT / 'test/support/data/recorded/pushed')
     assert found.skipped == {NOT_TOLD: 321} and found.inputs == 322

@@ -60,6 +60,8 @@ def test_a_new_scene_of_flat_bars_is_the_linkage_made_by_hand(capsys):
     (['O1 0 0', 'A 0 -10mm', 'B 50mm -30mm', 'O4 60mm 10mm'], [], 'machine', 'RRR'),
     (['P 0 0 ground', 'Q 10mm 20mm', 'R_top 60mm 30mm', 'S 50mm 0 ground'], [], 'four_bar',
      'Grashof crank-rocker'),
+    (['O1 0 0', 'B 10mm 20mm', 'A 60mm 30mm', 'O4 50mm 0'], [], 'four_bar',  # letters exchanged
+     'Grashof crank-rocker'),
     (['P 0 0 ground', 'Q 10mm 20mm', 'R 90mm 5mm slide 0'], [], 'slider_crank', 'slider-crank'),
     (['X 0 0 ground', 'A 10mm 20mm', 'C 0 90mm slide 90deg'], [], 'machine', 'RRP'),
     (['A -3.7 -2.4 ground', 'B -2.7 0.9', 'C 1.6 0.4', 'D -0.2 4', 'E 5 5.3', 'F 8.1 3.3',

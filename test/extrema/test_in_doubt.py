@@ -317,16 +317,18 @@ def test_rounding_where_three_dyads_come_into_line_together_is_no_pole():
     machine, arm, side, r = scene.linkage, 0.4, 0.15, 0.15
     found = find_extrema(machine, [*scene.point_quantities, 'shaking_force', 'shaking_moment',
                                    'omega_left_tip'], rate)
-    assert not any(one.proof for one in found)
+    # a straight line is not certain by floats, whose errors grow without bound at the toggles
+    assert {(one.quantity, one.kind) for one in found if one.proof} == {('q.x', 'constant')}
     limits = [one for one in found if one.place == 'limit']
     assert all(one.value == -one.side * inf for one in limits if one.quantity == 'omega_left_tip')
     limits = [one for one in limits if one.quantity != 'omega_left_tip']
-    assert len(limits) == 8
+    assert len(limits) == 10
     cosine = (arm - side) / (2.0 * r)       # of half the angle, where the arms are in line
     speed = (arm**2 - side**2) / (4.0 * r * cosine**2) * rate
     exactly = {'q.speed': speed,
                'q.acceleration': speed * rate * np.sqrt(1.0 / cosine**2 - 1.0)}
     for one in limits:
+        exactly['q.y'] = (arm**2 - side**2) / (2.0 * r) * np.tan(0.5 * one.input)
         if one.quantity in exactly:     # from 12 samples, whose inputs are rounded
             assert one.value == pytest.approx(exactly[one.quantity], rel=2**10 * EPS)
         else:                           # smooth in the root of the distance

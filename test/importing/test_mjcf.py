@@ -87,6 +87,9 @@ def test_bodies_and_joints_need_no_names(tmp_path):
     loop, _ = good(tmp_path, robot().replace(' name="elbow"', ''))
     assert loop.scene.joint_names == ('shoulder', 'joint_1', 'tip', 'pivot')
     assert loop.scene.linkage == named.scene.linkage
+    text = robot().replace(' name="elbow"', '').replace('"shoulder"', '"joint_1"')
+    loop, _ = good(tmp_path, text)
+    assert loop.scene.joint_names == ('joint_1', 'joint_2', 'tip', 'pivot')
 
 
 def test_a_file_may_be_in_the_utf_16_of_powershell(tmp_path):
