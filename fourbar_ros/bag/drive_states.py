@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan
 from typing import Any
 
-from fourbar_ros.dynamics.node_step import DriveValues, KEY, Mover, NAME, OK, SILENT
+from fourbar_ros.dynamics.node_step import DriveValues, KEY, limited, Mover, NAME, OK, SILENT
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
 
@@ -56,12 +56,11 @@ class DriveStates:
             mover.act(name, acting)
 
     def command(self, message: Any) -> None:
-        """Take a message of the torque topic, cut to the torque limit as the node does."""
-        limit = self._scene.drive.torque_limit           # NaN, for none, is neither less nor more
+        """Take a message of the torque topic."""
         is_slide = self._scene.linkage.is_driven_by_slide
         torque = message.wrench.force.x if is_slide else message.wrench.torque.z
         if isfinite(torque):
-            self._torque = min(max(torque, -limit), limit)
+            self._torque = torque
 
     def take(self, stamp: int, message: Any, mode: int) -> None:
         """Compare a state of a stamp [ns] in a mode: with a step from the one before, or alone."""
@@ -104,9 +103,10 @@ class DriveStates:
             return _distance(command, 0.0)
         if self._torque is None:                         # sent before the bag began
             return 0.0
+        torque = limited(self._torque, self._scene.drive.torque_limit)
         # At a limit or out of budget the status says that, though the topic may be silent too.
         may_be_silent = has_zero and status not in (OK, SILENT)
-        return min(_distance(command, self._torque),
+        return min(_distance(command, torque),
                    _distance(command, 0.0) if may_be_silent else inf)
 
     def _note(self, field: str, difference: float) -> None:

@@ -99,6 +99,11 @@ def modes_of(mechanism: Mechanism) -> tuple[int, ...]:
     return modes if len(modes) == 2 and max(modes) <= LARGEST_MODE else ()
 
 
+def limited(torque: float, limit: float) -> float:
+    """Return a torque that a topic asks for, cut to the limit of the scene; NaN: none."""
+    return min(max(torque, -limit), limit)      # NaN is neither less nor more
+
+
 class Mover:
     """Advances a drive and its linkage, from state to state or from message to message."""
 

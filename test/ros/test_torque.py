@@ -85,8 +85,10 @@ def test_a_torque_topic_with_gaps_nan_and_jumps(run_node, client, tmp_path):
     assert set_parameters(client, {'drive.when_silent': 'hold'})[0].successful
     client.until(lambda: (heard[-1].command, heard[-1].status)
                  == (3.0, DriveState.STATUS_SILENT), 'a silence that holds')
+    assert set_parameters(client, {'drive.torque_limit': 2.0})[0].successful
+    client.until(lambda: heard[-1].command == 2.0, 'the limit of a torque that came before')
     assert node.stop() == 0
-    assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -50.0, -20.0, 3.0}
+    assert {m.command for m in heard} <= {0.0, 5.0, 50.0, -50.0, -20.0, 3.0, 2.0}
     assert all(np.isfinite([m.position, m.velocity, m.acceleration]).all() for m in heard)
     assert 'not finite' in node.said and 'drive.torque_limit' in node.said
     recomputed(tmp_path / 'run')

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Move the input by torque, of a topic or of a motor, on the grid of the clock."""
 from functools import partial
-from math import inf, isfinite, isnan, nan
+from math import isfinite, nan
 
 from fourbar_ros.dynamics import node_step
 from fourbar_ros.dynamics.node_step import DriveValues, Mover, OK, STATUS_NAMES
@@ -105,7 +105,8 @@ class TorqueInput(clock_input.ClockInput):
             self._note('silences', f'no torque for {settings.timeout:g} s: '
                                    f'{settings.when_silent}')
         self._was_silent = is_silent
-        return (0.0 if is_silent and settings.when_silent == 'zero' else self._torque), is_silent
+        return (0.0 if is_silent and settings.when_silent == 'zero' else
+                node_step.limited(self._torque, settings.torque_limit)), is_silent
 
     def _take(self, message: Message) -> None:
         """Take a torque, or the force of a slide; the executor calls this between two steps."""
@@ -116,11 +117,9 @@ class TorqueInput(clock_input.ClockInput):
         if not isfinite(torque):
             self._note('not_finite', 'a torque that is not finite: ignored')
             return
-        limit = self._stream.scene.drive.torque_limit
-        limit = inf if isnan(limit) else limit
-        if abs(torque) > limit:
+        if node_step.limited(torque, self._stream.scene.drive.torque_limit) != torque:
             self._note('limited', f'a torque of {torque:g} is more than drive.torque_limit')
-        self._torque, self._received = min(max(torque, -limit), limit), self._time()
+        self._torque, self._received = torque, self._time()
 
     def _note(self, cause: str, text: str) -> None:
         self._troubles.count(cause, f'{topics.TORQUE.topic}: {text}')
