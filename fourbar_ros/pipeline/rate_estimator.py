@@ -191,8 +191,9 @@ class RateEstimator:
         if newest and 0 < newest.time - time < self._gap and not self._is_set_back(sample):
             return velocity, nan
         self._late_sample = None
-        self._append(sample)
-        if isfinite(velocity) and isfinite(acceleration):      # nothing to estimate this time
+        is_complete = isfinite(velocity) and isfinite(acceleration)
+        self._append(sample, is_complete)
+        if is_complete:                          # nothing to estimate this time
             self._fit, self._estimate = None, (velocity, acceleration)
         else:
             self._estimate = self._fitted(velocity)
@@ -206,19 +207,20 @@ class RateEstimator:
             self.late += 1
             return False
         self._restart()
-        self._append(before)
+        self._append(before, False)
         return True
 
     def _restart(self) -> None:
         self.reset()
         self.restarts += 1
 
-    def _append(self, sample: _Sample) -> None:
+    def _append(self, sample: _Sample, is_complete: bool) -> None:
         """
         Keep a sample with its step [rad, m], NaN if that is not believed: too long or unexpected.
 
         The estimate starts afresh after a gap or an unexpected step. The distance of the sample
-        from the fit before it tells the noise.
+        from the fit before it tells the noise: of positions or of velocities, whichever the latest
+        estimate was from.
         """
         if not self._samples:
             self._samples.append(sample)
@@ -234,12 +236,12 @@ class RateEstimator:
         is_steady = is_believed
         if isfinite(sample.velocity):                # positions need not tell the rate
             is_steady = abs(_without_turns(surprise, self._turn)) <= self._jump
-        from_rates = isfinite(sample.velocity)
+        from_rates = self._from_rates if is_complete else isfinite(sample.velocity)
         if not (is_steady and 0 < sample.time - last.time <= self._gap):
             self._restart()
         elif from_rates is not self._from_rates:
             self._from_rates, self._scatter = from_rates, _MeanSquare()
-        elif self._fit and (from_rates or self._fit.degree == 2):
+        elif self._fit and (from_rates or is_believed and self._fit.degree == 2):
             y = sample.velocity - last.velocity if from_rates else step
             self._scatter.add(self._fit.surprise(t, y))
         self._samples.append(sample._replace(step=step if is_believed else nan))

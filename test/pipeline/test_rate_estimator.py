@@ -256,6 +256,25 @@ def test_the_noise_of_velocities_and_of_their_acceleration():
         assert estimator.lag == pytest.approx((window - 1) * 0.001)
 
 
+@pytest.mark.parametrize('every', [2, 5, 10, 50])
+@pytest.mark.parametrize('has_rates', [False, True])
+def test_noise_is_known_between_complete_inputs(every, has_rates):
+    """An estimate that is wrong by what is said: of 2,000 inputs of which some have all rates."""
+    rng = np.random.default_rng(5)
+    t = 0.001 * np.arange(2000)
+    angles, rates = 5.0 * t + rng.normal(0.0, 1e-4, t.size), 5.0 + rng.normal(0.0, 1e-2, t.size)
+    estimator, said, wrong = RateEstimator(), [], []
+    for k, (time, angle, rate) in enumerate(zip(stamps(t).tolist(), angles, rates)):
+        is_complete = k % every == 0
+        found = estimator.update(time, angle, rate if has_rates or is_complete else math.nan,
+                                 0.0 if is_complete else math.nan)
+        if k >= MEMORY and not is_complete:
+            said.append(estimator.noise)
+            wrong.append(found[1])
+    assert math.sqrt(np.mean(np.square(wrong))) == pytest.approx(
+        math.sqrt(np.mean(np.square(said))), rel=0.2)
+
+
 def test_noise_is_never_less_than_stamps_and_floats_can_say():
     """A stream without any scatter: whole nanoseconds at 25 rad/s are 7e-9 rad."""
     times = np.arange(50) * 1_000_000

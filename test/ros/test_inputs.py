@@ -96,12 +96,18 @@ def test_an_acceleration_that_is_given_is_not_estimated_and_a_stamp_ahead_is_sai
 
 
 def test_missing_rates_are_those_of_all_inputs_before_also_of_complete_ones(drive, client):
-    """Once in a period of a swing they are missing: those inputs alone would be at rest."""
+    """
+    Once in a period of a swing they are missing: those inputs alone would be at rest.
+
+    Complete ones reach the estimator of new settings too.
+    """
     send, _ = drive({}, source='motion')
     count, size, speed, step = 40, 0.3, math.tau * 10.0, SECOND // 400       # 10 Hz at 400 Hz
     began = client.node.get_clock().now().nanoseconds - SECOND
     jerk, h = size * speed**3, step * 1e-9
     for period in range(3):
+        if period == 2:
+            assert set_parameters(client, {'drive.window': 3})[0].successful
         sent = []
         for k in range(period * count + 1, (period + 1) * count + 1):
             angle = speed * k * h

@@ -34,7 +34,7 @@ class TopicInput:
         troubles.expect('received', 'lost', 'malformed', 'without_joint', 'of_other_joints',
                         'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                         'deadlines_missed', 'turns_in_doubt', 'faults')
-        self._scene = scene = stream.scene   # of the last input whose rates were estimated
+        self._scene = scene = stream.scene   # of the last input
         self._settings = settings = scene.drive      # those that do not change
         self._topic = INPUTS[settings.source]
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
@@ -166,25 +166,27 @@ class TopicInput:
                 self._taken_joints |= set(self._shown).intersection(message.name)
         position, velocity, acceleration = motion
         self._estimated = isnan(velocity) or isnan(acceleration)
-        if self._estimated:
-            velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
-        else:                                # the next one may lack its rates
-            self._estimator.update(nanoseconds, position, velocity, acceleration)
+        velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
         self._stream.step(stamp, position, velocity, acceleration)
 
     def _completed(self, stamp: int, position: float, velocity: float, acceleration: float
                    ) -> tuple[float, float]:
-        """Return (velocity, acceleration), missing ones estimated; by the scene in force."""
+        """
+        Return (velocity, acceleration), missing ones estimated; by the scene in force.
+
+        The next input may lack rates that this one has, so the estimator sees them all.
+        """
         scene, settings_of = self._stream.scene, rate_estimator.estimator_settings
         if scene is not self._scene and settings_of(scene) != settings_of(self._scene):
             self._estimator = rate_estimator.estimator_of(scene)     # else it keeps its rates
         self._scene = scene
         estimator = self._estimator
         late, restarts = estimator.late, estimator.restarts
-        velocity, estimate = estimator.update(stamp, position, velocity)
-        self._counts['late'] += estimator.late - late
-        if estimator.restarts > restarts:
-            self._troubles.count('estimate_restarts', self._restarted)
+        velocity, estimate = estimator.update(stamp, position, velocity, acceleration)
+        if self._estimated:
+            self._counts['late'] += estimator.late - late
+            if estimator.restarts > restarts:
+                self._troubles.count('estimate_restarts', self._restarted)
         return velocity, estimate if isnan(acceleration) else acceleration
 
     def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
