@@ -58,8 +58,8 @@ def labels_of(diagram: picture.Diagram) -> Labels:
 
     Joints named A, B, O_1, ... keep their names unless they are given others, with forces F_41
     etc. Other joints, as in a machine, get one letter for each point, its name if it has one;
-    several joints at a point make forces F_A1, F_A2. A letter stays where another point takes a
-    name.
+    several joints at a point make forces F_A1, F_A2, at O beside O_1 F_O,1. A letter stays where
+    another point takes a name.
     """
     if all(map(LETTER.fullmatch, diagram.joints)):
         return Labels({as_mathtext(diagram.names.get(joint, joint)): point
@@ -93,9 +93,13 @@ def labels_of(diagram: picture.Diagram) -> Labels:
         joints[as_mathtext(letter)] = point
         taken.add(letter)               # A_1 may be the next free one after A, and come in turn
         letters.update(dict.fromkeys(names, letter))
-        for index, name in enumerate(names, 1):
-            mark = index if len(names) > 1 else ''
-            symbols[name] = f'F_{{{as_mathtext(plain(letter))}{mark}}}'
+    written = {name: plain(letter) for name, letter in letters.items()}
+    for names in groups:
+        marks = [str(index) for index in range(1, len(names) + 1)] if len(names) > 1 else ['']
+        if any(mark and written[names[0]] + mark in written.values() for mark in marks):
+            marks = [f',{mark}' for mark in marks]          # at O beside O_1
+        symbols |= {name: f'F_{{{as_mathtext(written[name])}{mark}}}'
+                    for name, mark in zip(names, marks)}
     forces = {force: symbols[joint] for force, joint in diagram.forces.items()}
     return Labels(joints, forces, letters)
 

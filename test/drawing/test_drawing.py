@@ -88,6 +88,16 @@ def test_letters_stay_where_a_point_takes_a_name():
     assert {'pin', 'hip', 'knee'} <= {*labels_of(diagram_of(jansen, jansen.motion(1.0))).joints}
 
 
+@pytest.mark.parametrize('name', ['andrews', 'peaucellier'])
+def test_each_force_has_a_symbol_of_its_own(name):
+    """O_1 is a letter, O1 was the first force at O too."""
+    linkage = load(name).linkage
+    low, high = linkage.input_ranges[0]
+    symbols = labels_of(diagram_of(linkage, linkage.motion(0.5 * (low + high)))).forces.values()
+    assert len({*map(as_written, symbols)}) == len(symbols)
+    assert any(',1' in symbol for symbol in symbols)
+
+
 def glyphs_of(mathtext):
     from matplotlib.mathtext import MathTextParser
     return ''.join(chr(glyph[2]) for glyph in MathTextParser('path').parse(f'${mathtext}$').glyphs)
