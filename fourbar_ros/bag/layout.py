@@ -7,6 +7,7 @@ Offsets of the fields of serialised messages, so that numpy reads many messages 
 that time.
 """
 from collections.abc import Iterator, Sequence
+from functools import cache, cached_property
 from typing import Any, Literal
 
 from fourbar_ros.errors import BagError
@@ -23,13 +24,13 @@ class MessageLayout:
     """
     The fields of all messages whose texts and sequences are as long as those of one message.
 
-    ``dtype`` has a field for each number, text or array of numbers, named by its path:
-    ``header.stamp.sec``, ``position``, ``name[0]``.
+    ``size``: of each message [bytes].
     """
 
     def __init__(self, store: Typestore, type_name: str, data: bytes) -> None:
         """Walk over the fields of a type along the bytes of a message; BagError if it differs."""
         self._store, self._data, self._offset = store, data, HEADER
+        self.size = len(data)
         self._most_padding = 3      # [bytes] behind the last field
         if len(data) < HEADER or data[0] or data[1] > 1:
             raise BagError(f'{type_name}: not a CDR message')
@@ -43,9 +44,17 @@ class MessageLayout:
                 raise IndexError
         except (IndexError, KeyError, ValueError):
             raise BagError(f'{type_name}: a message does not fit its definition') from None
+
+    @cached_property
+    def dtype(self) -> np.dtype[np.void]:
+        """
+        Return a record type with a field for each number, text or array of numbers.
+
+        It is named by its path: ``header.stamp.sec``, ``position``, ``name[0]``.
+        """
         formats, offsets = zip(*self._fields.values()) if self._fields else ((), ())
-        self.dtype = np.dtype({'names': list(self._fields), 'formats': list(formats),
-                               'offsets': list(offsets), 'itemsize': len(data)})
+        return np.dtype({'names': list(self._fields), 'formats': list(formats),
+                         'offsets': list(offsets), 'itemsize': self.size})
 
     def matching(self, block: Array) -> Array:
         """Return which rows of a block of messages, uint8 of shape (n, size), have this layout."""
@@ -83,7 +92,7 @@ class MessageLayout:
             self._fields[path] = f'S{max(length - 1, 0)}', self._offset     # no final zero
             self._offset += length
             return
-        dtype = np.dtype(_FORMATS.get(kind, kind)).newbyteorder(self._order)
+        dtype = _dtype(kind, self._order)
         if count != 0:
             self._align(dtype.itemsize)
         elif dtype.itemsize == 8:
@@ -106,16 +115,17 @@ class MessageLayout:
         self._offset += -(self._offset - HEADER) % size
 
 
+@cache
+def _dtype(kind: str, order: Literal['<', '>']) -> np.dtype[Any]:
+    return np.dtype(_FORMATS.get(kind, kind)).newbyteorder(order)
+
+
 def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
            known: list[MessageLayout]) -> Iterator[tuple[Array, Array]]:
     """Yield (indices, records) of messages by layout; new layouts are added to ``known``."""
-    sizes = np.fromiter(map(len, messages), np.int64, len(messages))
-    for size in np.unique(sizes).tolist():
-        rows = np.flatnonzero(sizes == size)
-        block: Array = np.frombuffer(b''.join([messages[row] for row in rows]),
-                                     np.uint8).reshape(len(rows), size)
+    for rows, block in _blocks(messages):
         while len(rows):
-            layout = next((each for each in known if each.dtype.itemsize == size
+            layout = next((each for each in known if each.size == block.shape[1]
                            and each.matching(block[:1])[0]), None)
             if layout is None:
                 layout = MessageLayout(store, type_name, block[0].tobytes())
@@ -123,3 +133,24 @@ def arrays(store: Typestore, type_name: str, messages: Sequence[bytes],
             good = layout.matching(block)
             yield rows[good], np.ascontiguousarray(block[good]).view(layout.dtype)[:, 0]
             rows, block = rows[~good], block[~good]
+
+
+def misfits(store: Typestore, type_name: str, messages: Sequence[bytes]) -> int:
+    """Return how many messages do not fit the definition of their type."""
+    count = 0
+    for _, block in _blocks(messages):
+        while len(block):
+            try:
+                block = block[~MessageLayout(store, type_name, block[0].tobytes()).matching(block)]
+            except BagError:
+                count, block = count + 1, block[1:]
+    return count
+
+
+def _blocks(messages: Sequence[bytes]) -> Iterator[tuple[Array, Array]]:
+    """Yield (indices, bytes) of messages of equal size, bytes of shape (n, size)."""
+    sizes = np.fromiter(map(len, messages), np.int64, len(messages))
+    for size in np.unique(sizes).tolist():
+        rows = np.flatnonzero(sizes == size)
+        yield rows, np.frombuffer(b''.join([messages[row] for row in rows]),
+                                  np.uint8).reshape(len(rows), size)

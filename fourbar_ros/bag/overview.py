@@ -4,6 +4,7 @@
 from collections import Counter, defaultdict
 from html import escape
 from pathlib import Path
+from sys import getsizeof
 from typing import NamedTuple
 
 from fourbar_ros.bag import metadata, origin, reader
@@ -93,6 +94,13 @@ def info(path: str | Path, check: bool = False, progress: reader.Progress | None
     if is_read:
         following: dict[str, int] = {}      # {topic: sequence number that is due}
         waiting = defaultdict[str, list[bytes]](list)       # messages to be checked
+        room = reader.ROOM
+
+        def check_waiting() -> None:
+            for topic, messages in waiting.items():
+                misfits[topic] += bag.misfits(topic, messages)
+            waiting.clear()
+
         # our recorder counts from 0, other recorders begin anywhere
         is_from_zero = 'topics' in bag.about and metadata.number_of(bag.files[0]) == 0
         for raw in bag.raw():
@@ -106,10 +114,11 @@ def info(path: str | Path, check: bool = False, progress: reader.Progress | None
             end = raw.time if end is None else max(end, raw.time)
             if check:
                 waiting[raw.topic].append(raw.data)
-                if len(waiting[raw.topic]) >= reader.BLOCK:
-                    misfits[raw.topic] += bag.misfits(raw.topic, waiting.pop(raw.topic))
-        for topic, messages in waiting.items():
-            misfits[topic] += bag.misfits(topic, messages)
+                room -= getsizeof(raw.data)
+                if room < 0:
+                    check_waiting()
+                    room = reader.ROOM
+        check_waiting()
     else:
         times: list[int] = []
         for summary in bag.summaries:

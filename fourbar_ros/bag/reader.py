@@ -26,8 +26,7 @@ from struct import Struct, unpack
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
-from fourbar_ros.bag import metadata
-from fourbar_ros.bag.layout import arrays, MessageLayout
+from fourbar_ros.bag import layout, metadata
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from mcap.data_stream import ReadDataStream
@@ -44,6 +43,7 @@ from rosbags.typesys.store import Typestore
 import zstandard
 
 BLOCK = 20_000              # messages that are decoded together
+ROOM = 2**24                # [bytes] of messages that wait to be checked together
 LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
 LINE = 160                  # longest reason [characters] that is quoted of a library
 HEAD = Struct('<BQ')        # of a record: opcode, length
@@ -112,7 +112,7 @@ class Bag:
         self._messages: dict[int, int] = {}     # {index of a file read whole: messages}
         self._topics: dict[str, tuple[Channel, Schema]] = {}        # the newest of a topic
         # {(type, definition): layouts met so far}
-        self._layouts: dict[tuple[str, bytes], list[MessageLayout]] = {}
+        self._layouts: dict[tuple[str, bytes], list[layout.MessageLayout]] = {}
 
     @property
     def size(self) -> int:
@@ -246,24 +246,17 @@ class Bag:
         types = self.types_of(topic)
         known = self._layouts.setdefault((schema.name, schema.data), [])
         try:
-            yield from arrays(types, schema.name, messages, known)
+            yield from layout.arrays(types, schema.name, messages, known)
         except BagError as error:       # of the type alone
             raise BagError(f'{self.path}: {topic}: {error}') from None
 
     def misfits(self, topic: str, messages: list[bytes]) -> int:
         """Return how many messages of a topic do not fit their definition, 0 if none is known."""
         try:
-            self.types_of(topic)
+            types = self.types_of(topic)
         except BagError:
             return 0
-        try:
-            for _ in self.arrays(topic, messages):
-                pass
-            return 0
-        except BagError:        # by one of the messages
-            half = len(messages) // 2
-            return self.misfits(topic, messages[:half]) + self.misfits(
-                topic, messages[half:]) if half else 1
+        return layout.misfits(types, self._topics[topic][1].name, messages)
 
     def decode(self, raw: Raw) -> Any:
         """Return a message as an object of its fields; raises BagError."""

@@ -1,7 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of serialised messages against the decoder of rosbags, message by message."""
-from fourbar_ros.bag.layout import arrays
+from fourbar_ros.bag.layout import arrays, misfits
 from fourbar_ros.errors import BagError
 from hypothesis import given
 from hypothesis import strategies as st
@@ -74,6 +74,10 @@ def test_a_message_that_is_shorter_than_its_type_is_an_error_not_a_number():
     for length in range(len(data)):
         with pytest.raises(BagError, match='fit its definition|not a CDR message'):
             list(arrays(bags.STORE, 'fourbar_msgs/msg/Motion', [data, data[:length]], []))
+    cut = [data[:length] for length in range(len(data))]
+    for those in (cut, [data, *cut, data], [data + bytes(100)] * 2):
+        assert misfits(bags.STORE, 'fourbar_msgs/msg/Motion', those) == sum(
+            each is not data for each in those)
 
 
 def test_the_bytes_between_fields_do_not_matter():

@@ -8,11 +8,12 @@ Every case is read, checked and recovered.
 from pathlib import Path
 import shutil
 from struct import pack, unpack_from
+import tracemalloc
 
 from bag.test_recorder import assert_every_reader_takes, numbers, told_by
 from fourbar_ros.bag import metadata
 from fourbar_ros.bag.overview import info
-from fourbar_ros.bag.reader import Bag
+from fourbar_ros.bag.reader import Bag, ROOM
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
 from fourbar_ros.bag.recovery import NO_END, recover
@@ -403,6 +404,32 @@ def test_definitions_that_cannot_be_read_and_messages_that_do_not_fit_are_one_li
         assert info(file, True).misfits == has_definition and not info(file).misfits
         assert recover(file, tmp_path / f'new{number}').messages == 1
     capsys.readouterr()
+
+
+@pytest.mark.parametrize(('kind', 'count', 'most'),
+                         [('images', 64, 3 * ROOM), ('poses', 100, ROOM)])
+def test_a_check_holds_some_megabytes_whatever_the_messages(kind, count, most, tmp_path):
+    """
+    Of large messages: what waits, the same as an array, and a chunk.
+
+    Of messages of 0, 1, 2, ... poses, 1 MB in all: one layout, not those of all.
+    """
+    type_name = {'images': 'sensor_msgs/msg/PointCloud2', 'poses': 'tf2_msgs/msg/TFMessage'}[kind]
+    message = bags.zero(type_name)
+    if kind == 'images':
+        message.data = np.zeros(2**20, np.uint8)
+    with RosbagsWriter(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        channel = writer.add_connection('/a', type_name, typestore=bags.STORE)
+        for number in range(count):
+            if kind == 'poses':
+                message.transforms = [bags.zero('geometry_msgs/msg/TransformStamped')] * number
+            data = bags.STORE.serialize_cdr(message, type_name)
+            writer.write(channel, number, data[:-9] if number % 8 == 1 else data)
+    tracemalloc.start()
+    found = info(tmp_path / 'bag', check=True).misfits
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert found == len(range(1, count, 8)) and peak < most
 
 
 @pytest.mark.parametrize('kind', ['zstd', 'lz4', ''])
