@@ -143,7 +143,8 @@ def symbols_of(mechanism: Mechanism, names: Sequence[str]) -> tuple[str, ...]:
     for coordinate in mechanism.PARTS:
         known |= {name: f'{name.replace("_", " ") if coordinate.unit == "m" else ""} ${symbol}$'
                   .lstrip() for name, symbol in zip(coordinate, _symbols(coordinate))}
-    return tuple([known.get(name, name.replace('_', ' ')) for name in names])
+    return tuple([known.get(name, without_math(name) if '.' in name else name.replace('_', ' '))
+                  for name in names])           # with a point: of a point, whose name stays
 
 
 def _symbols(coordinate: parts.Coordinate) -> Sequence[str]:

@@ -6,6 +6,7 @@ from textwrap import wrap
 from typing import Any
 
 from fourbar_lab.drawing.figure import CannotDraw
+from fourbar_lab.drawing.labels import without_math
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -26,10 +27,14 @@ class PaperFigure(Figure):
     page_width: float | None
 
     def title_of(self, text: str, title: str | None) -> str:
-        """Return a title, or a text if there is none, in lines as wide as the figure."""
+        """
+        Return a title, or a text if there is none, in lines as wide as the figure.
+
+        A title may hold formulas, a text has names that are written as they are.
+        """
         letters = int(self.get_figwidth() * 72.0 / (0.6 * self.style['font.size']))
         return '\n'.join('\n'.join(wrap(line, letters))
-                         for line in (text if title is None else title).splitlines())
+                         for line in (without_math(text) if title is None else title).splitlines())
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Write it in its own settings, as wide as asked for; CannotDraw if it is wider."""

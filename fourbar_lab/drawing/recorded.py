@@ -61,7 +61,7 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
                 else _over(curves[x], stamps, values))
         panels.setdefault(f'[{unit}]' if unit else '', []).append(
             (without_math(name), *line))
-    return make_panels(panels, without_math(label), without_math(str(path)), paper)
+    return make_panels(panels, without_math(label), str(path), paper)
 
 
 def plot(path: str | Path, names: Sequence[str], out: str | Path, progress: Progress | None = None,

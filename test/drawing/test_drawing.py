@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms.picture import Diagram, diagram_of
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.sliders import InvertedSlider, SliderCrank
 from fourbar_ros.scene.files import shipped
-from fourbar_ros.scene.scene import load
+from fourbar_ros.scene.scene import from_values, load
 import numpy as np
 import pytest
 from support import contract
@@ -115,6 +115,15 @@ def test_names_are_drawn_as_they_are_written():
     labels = labels_of(diagram_of(machine, machine.motion(1.0)))
     assert {'a_b$', 'x^2'} <= {*map(as_written, labels.joints)}
     assert glyphs_of(labels.forces['two_first']) == 'Fx^2'
+
+
+def test_a_title_and_a_legend_show_names_as_they_are_written():
+    values = {**load('paper').values, 'points.my_tip.link': 'coupler', 'points.a_b.link': 'output'}
+    scene = replace(from_values(values), name='x$y$z_1')
+    axis = scene.plot('my_tip.speed', 'a_b.speed', width='200mm').axes[0]
+    assert axis.get_title().startswith(r'x\$y\$z_1: ')
+    assert {'my_tip.speed', 'a_b.speed'} <= {text.get_text() for text in axis.texts}
+    assert scene.plot('my_tip.speed', title='$x$').axes[0].get_title() == '$x$'
 
 
 @pytest.mark.parametrize('name, joint', [('paper', 'A'), ('paper', 'O_4'), ('watt', 'one_first'),
