@@ -235,30 +235,33 @@ class Sampler:
         data = numbers_of(formula_of(self.linkage, self._has_loads).data)
         results, traces = flat(recorded.trace.results), dict[int, Trace]()
         for i in set(row.tolist()):
-            with suppress(TypeError, AttributeError):
+            with suppress(Exception):       # such a function may raise anything of a trace
                 traces[i] = Trace(lambda *_, of=self.quantities[i].of: (
                     lambda *fields: (of(*self._records(fields)),)), len(results))
 
+        values_of = {i: in_decimals(trace, (), trace.results) for i, trace in traces.items()}
+
         @cache
-        def make_values(rows: tuple[int, ...]) -> Function:
-            of_rows = [traces[i] for i in rows]
-            needed = sorted({k for trace in of_rows for k in trace.needed(trace.results)
+        def make_fields(rows: frozenset[int]) -> Function:
+            needed = sorted({k for i in rows for k in traces[i].needed(traces[i].results)
                              if k < len(results)})
             fields_of = in_decimals(recorded.trace, data, [results[k] for k in needed])
-            values_of = [in_decimals(trace, (), trace.results) for trace in of_rows]
 
-            def values(*inputs: Decimal) -> list[Decimal]:
-                fields = dict(zip(needed, fields_of(*inputs)))
-                return [of(*map(fields.get, range(len(results))))[0] for of in values_of]
-            return values
+            def fields(*inputs: Decimal) -> list[Decimal | None]:
+                by_index = dict(zip(needed, fields_of(*inputs)))
+                return [*map(by_index.get, range(len(results)))]
+            return fields
 
         values = np.full(x.size, np.nan)
         with localcontext(MANY_DIGITS):
             for position in np.unique(x).tolist():
                 which = [k for k in np.flatnonzero(x == position).tolist() if row[k] in traces]
                 with suppress(ArithmeticError, ValueError):
-                    values[which] = make_values(tuple(row[which].tolist()))(
+                    fields = make_fields(frozenset(row[which].tolist()))(
                         *map(Decimal, (float(self.unit * position), *self.rates)))
+                    for k in which:
+                        with suppress(ArithmeticError, ValueError):
+                            values[k] = values_of[row[k]](*fields)[0]
         return values
 
     def errors(self, x: Array, state: State) -> tuple[Array, Array, Array]:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Extrema where rounding hides them: none invented, none missed, no value but a computed one."""
 from contextlib import suppress
-from math import inf, isfinite, isinf, nan
+from math import inf, isfinite, isinf, isnan, nan, pi
 
 from fourbar_lab.studies.many import _compared
 from fourbar_ros import (
@@ -13,12 +13,14 @@ from fourbar_ros import (
     InvertedSlider,
     load_scene,
     round_rod,
+    ScotchYoke,
     SliderCrank,
 )
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.extrema.find import _most_extreme, MOST_ALIKE
 from fourbar_ros.extrema.over_input import are_equal
 from fourbar_ros.extrema.path_search import PathExtremum
+from fourbar_ros.extrema.sampling import Sampler
 from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
@@ -335,6 +337,37 @@ def test_rounding_where_three_dyads_come_into_line_together_is_no_pole():
             far, near = exact_values(machine, one.quantity, one.input + one.side * np.array(
                 (4e-8, 1e-8)), (rate, 0.0))
             assert one.value == pytest.approx(float(2 * near - far), rel=1e-7), one
+
+
+def size_by_a_mask(motion, _):
+    sign = np.ones_like(motion.slide_velocity)
+    sign[motion.slide_velocity < 0.0] = -1.0
+    return sign * motion.slide_velocity
+
+
+def on_arrays_alone(motion, _):
+    if not isinstance(motion.slide_velocity, np.ndarray):
+        raise ValueError('of arrays alone')
+    return np.abs(motion.slide_velocity)
+
+
+@pytest.mark.parametrize('of', [size_by_a_mask, on_arrays_alone])
+def test_a_function_that_no_trace_records_has_the_extrema_of_its_arrays(of):
+    """The yoke goes 0.3 m sin(theta1), at 2 rad/s; equal extrema are compared in many digits."""
+    most = [extremum for extremum in find_extrema(ScotchYoke(0.3, 0.1), of, 2.0)
+            if extremum.kind == 'maximum']
+    assert [extremum.input for extremum in most] == pytest.approx([pi / 2, 3 * pi / 2], abs=1e-6)
+    assert [extremum.value for extremum in most] == pytest.approx([0.6, 0.6], rel=4 * EPS)
+
+
+def test_a_quantity_without_a_value_in_many_digits_takes_none_of_another_one():
+    rate, nothing = (Function(name, '', name, of) for name, of in (
+        ('rate', lambda motion, _: motion.omega4),
+        ('0/0', lambda motion, _: motion.omega4 / (motion.omega3 - motion.omega3))))
+    exact = Sampler(FourBar(*PAPER), [rate, nothing], (1.0, 0.0)).exact(
+        np.array([1.0, 1.0]), np.array([0, 1]))
+    assert exact[0] == pytest.approx(FourBar(*PAPER).motion(1.0, 1.0).omega4, rel=16 * EPS)
+    assert isnan(exact[1])
 
 
 def test_a_limit_that_rounding_hides_and_many_digits_cannot_tell_is_left_out_and_said_so():
