@@ -3,13 +3,16 @@
 """Checks of a mechanism as it is made: each error names the parameter and its allowed values."""
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from math import hypot
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.errors import in_words, InvalidParameter
+from fourbar_ros.errors import in_words, InvalidParameter, nearest
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, Gravity, UnknownBase
 from fourbar_ros.numerics.arguments import finite, records
 
 if TYPE_CHECKING:
+    from fourbar_ros.mechanisms.curves import Point
     from fourbar_ros.mechanisms.geometry import MechanismGeometry
 
 LONGEST = 2.0**1000     # [m]
@@ -60,6 +63,29 @@ def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
             raise InvalidParameter(name, values[name], f'must be at least {SHORTEST:g} of the '
                                    f'longest, {longest:g} m: ratios of lengths overflow')
     return values
+
+
+def check_joint_names(names: Mapping[str, str], points: Mapping[str, Sequence[Point]],
+                      near: float = 0.0) -> None:
+    """Refuse names of joints that there are not, empty ones, and one name at two points."""
+    # points: {joint: the Point of each link there}, () where no joint shares it; points of a link
+    # that are as near as this are one [m]
+    named = dict[str, list[str]]()      # {name: joints}
+    for joint, name in names.items():
+        parameter = f'joint_names.{joint}'
+        if joint not in points:
+            raise InvalidParameter(parameter, name,
+                                   f'there is no such joint{nearest(joint, points)}')
+        if not name:
+            raise InvalidParameter(parameter, name, 'must be the name of a point')
+        known = [point for earlier in named.get(name, ()) for point in points[earlier]]
+        if name in named and not any(
+                point.link == there.link and hypot(point.along - there.along,
+                                                   point.across - there.across) <= near
+                for point in points[joint] for there in known):
+            raise InvalidParameter(parameter, name, 'names two joints that are not at one point, '
+                                   f'{named[name][0]} and {joint}')
+        named.setdefault(name, []).append(joint)
 
 
 def check_stroke(mechanism: MechanismGeometry) -> None:

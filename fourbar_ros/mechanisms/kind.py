@@ -21,7 +21,7 @@ from typing import Any, ClassVar, NamedTuple
 from fourbar_ros.mechanics.bodies import Bodies, External, NOT_APPLIED
 from fourbar_ros.mechanics.newton_euler import needs_of
 from fourbar_ros.mechanisms import parts
-from fourbar_ros.mechanisms.checks import checked
+from fourbar_ros.mechanisms.checks import check_joint_names, checked
 from fourbar_ros.mechanisms.curves import Direction, LinkMotion, point_of
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
@@ -104,6 +104,14 @@ class Kind(Mechanism):
         self._set(**checked(self))
         self._require_closing()
         self._check_fit()
+        if self.joint_names:
+            check_joint_names(self.joint_names, dict.fromkeys(self.pins(), ()))
+
+    @classmethod
+    def pins(cls) -> list[str]:
+        """Return the joints that pictures name, in order: those of O1, A, B, O4 that it has."""
+        known = {link.first_joint for link in cls.LINKS} | {each.joint for each in cls.REACTIONS}
+        return [joint for joint in ('O1', 'A', 'B', 'O4') if joint in known]
 
     def _require_closing(self) -> None:
         """Raise InvalidParameter if the links close nowhere."""

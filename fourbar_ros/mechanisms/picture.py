@@ -153,7 +153,8 @@ def diagram_of(mechanism: Mechanism, motion: Any) -> Diagram:
         blocks=tuple([block._replace(direction=locate(Point(block.link, *block.direction))
                                      - locate(Point(block.link))) for block in outline.blocks]),
         names={joint: mechanism.joint_names[name] for joint in joints
-               if (name := joint.replace('O_', 'O')) in mechanism.joint_names})
+               if (name := {'O_1': 'O1', 'O_4': 'O4'}.get(joint, joint))
+               in mechanism.joint_names})
 
 
 # {kind of dyad: {joint: index of the link that is drawn from there to the inner joint}}, rods and

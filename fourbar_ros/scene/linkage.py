@@ -28,7 +28,7 @@ RODS_BY_SECTION: dict[tuple[str, ...], Callable[..., Body]] = dict(zip(
     SECTIONS, (round_rod, flat_bar)))
 ROD_PARAMETERS = tuple(RODS + field for field in ('density', *SECTIONS[0], *SECTIONS[1]))
 RENAMED = {'stroke': 'linkage.range', 'dyads': 'linkage.dyads',
-           'name of a dyad': 'linkage.dyads', 'name of a joint': 'linkage.points',
+           'name of a dyad': 'linkage.dyads',
            'length, density, radius': 'bodies.rods',
            'length, density, width, thickness': 'bodies.rods'}
 GEOMETRY = 'linkage.', 'dyads.', 'cylinder'
@@ -95,9 +95,9 @@ def _unloaded(values: ParameterValues) -> Mechanism:
         inputs = dict.fromkeys([*kind.INPUTS, *kind_of(name, JOINT_A).INPUTS])
         raise InvalidParameter('linkage.input', values['linkage.input'],
                                f'linkage.kind {name} is driven at its {" or ".join(inputs)}')
-    known = {link.first_joint for link in kind.LINKS} | {each.joint for each in kind.REACTIONS}
-    joints = [joint for joint in ('O1', 'A', 'B', 'O4') if joint in known]
-    if (names := values['linkage.joints']) and not len({*names}) == len(names) == len(joints):
+    joints = kind.pins()
+    if (names := values['linkage.joints']) and not (
+            len({*names} - {''}) == len(names) == len(joints)):
         raise InvalidParameter('linkage.joints', names,
                                f'must be {len(joints)} different names, of {", ".join(joints)}')
     stroke = values['linkage.range']

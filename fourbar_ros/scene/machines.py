@@ -46,9 +46,10 @@ def machine_of(values: ParameterValues) -> Machine:
     # {end of a dyad: the named point on which it hangs}
     hang = {f'{name}.{end}': point for name in names for end in ('first', 'second')
             if (point := values.get(f'dyads.{name}.{end}'))}
-    names_of_joints = {BASE: values['linkage.pivot'], **{
-        f'{name}_inner': values[f'dyads.{name}.inner'] for name in names}, **{
-        f'{name}_{end}': hang[f'{name}.{end}'] for name in names for end in ('first', 'second')
+    # {joint: the parameter that names it}
+    named = {BASE: 'linkage.pivot', **{
+        f'{name}_inner': f'dyads.{name}.inner' for name in names}, **{
+        f'{name}_{end}': f'dyads.{name}.{end}' for name in names for end in ('first', 'second')
         if f'{name}.{end}' in hang and end not in SLIDES.get(values[f'dyads.{name}.kind'], ())}}
     try:
         dyads = []
@@ -68,8 +69,12 @@ def machine_of(values: ParameterValues) -> Machine:
         machine = Machine(tuple(dyads), values['linkage.input'], values['linkage.output'] or None,
                           cylinder, stroke=tuple(stroke) if stroke else None,
                           carrier=values['linkage.carrier'], joint_names={
-                              joint: name for joint, name in names_of_joints.items() if name})
+                              joint: values[parameter] for joint, parameter in named.items()
+                              if values[parameter]})
     except InvalidParameter as error:
+        parameter = named.get(error.name.removeprefix('joint_names.'))
+        if parameter:
+            raise InvalidParameter(parameter, error.value, error.allowed) from None
         # of a wrong dyads.D.first.link, where dyads.D.first names a point, the point is at fault
         end = '.'.join(error.name.split('.')[:3])
         point = values.get(end)

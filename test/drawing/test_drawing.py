@@ -98,6 +98,14 @@ def test_each_force_has_a_symbol_of_its_own(name):
     assert any(',1' in symbol for symbol in symbols)
 
 
+def test_a_dyad_may_be_called_as_a_pivot_is():
+    names = {'PRO_arm_inner': 'knee', 'base': 'hip'}
+    machine = Machine([Dyad('PRO_arm', 'RRR', Point('crank', 0.4), Point('ground', 1.0),
+                            ('coupler', 'rocker'), length_1=1.2, length_2=0.8)],
+                      joint_names=names)
+    assert diagram_of(machine, machine.motion(0.5)).names == names
+
+
 def glyphs_of(mathtext):
     from matplotlib.mathtext import MathTextParser
     return ''.join(chr(glyph[2]) for glyph in MathTextParser('path').parse(f'${mathtext}$').glyphs)

@@ -160,11 +160,16 @@ def test_joints_stand_in_the_order_and_count_the_angles_of_the_page_about_robots
                 assert abs(remainder(error, tau)) < 1e-12
 
 
-@pytest.mark.parametrize('name, changes', [
-    ('jansen', {'linkage.pivot': 'knee'}), ('jansen', {'dyads.lower.inner': 'pivot'}),
-    ('watt', {'dyads.one.inner': 'T', 'linkage.pivot': 'T'})])
-def test_one_name_for_joints_at_two_points_is_refused(name, changes):
+@pytest.mark.parametrize('name, changes, joints', [
+    ('jansen', {'linkage.pivot': 'knee'}, 'base and '),
+    ('jansen', {'dyads.lower.inner': 'pivot'}, ''),
+    ('watt', {'linkage.pivot': 'T', 'dyads.one.inner': 'T'}, 'base and one_inner'),
+    ('watt', {'dyads.one.inner': 'T', 'dyads.two.inner': 'T'}, 'one_inner and two_inner')])
+def test_one_name_for_joints_at_two_points_is_refused(name, changes, joints):
     values = scene.load(name).values
-    with pytest.raises(InvalidParameter, match=f"'{[*changes.values()][0]}': names two joints"):
+    with pytest.raises(InvalidParameter) as error:
         scene.from_values({**values, **changes})
+    parameter, name = error.value.name, [*changes.values()][0]
+    assert {**values, **changes}[parameter] == name     # it is one that the scene has
+    assert f"= '{name}': names two joints that are not at one point, {joints}" in str(error.value)
     scene.from_values({**values, 'linkage.pivot': 'Z'})       # jansen's knee is several joints

@@ -88,6 +88,7 @@ TABLE = [
         ('joint_names', ['a', 'b'], 'different names, one for each joint'),
         ('linkage.joints', ['P', 'Q', 'R'], 'must be 4 different names, of O1, A, B, O4'),
         ('linkage.joints', ['P', 'Q', 'P', 'R'], 'must be 4 different names'),
+        ('linkage.joints', ['P', '', 'Q', 'R'], 'must be 4 different names'),
         ('services', ['find'], 'must be some of'),
         ('recording.start', 'maybe', 'must be true or false'),
         ('recording.split_size', 0.001, 'must be 0 or >= 0.01'),

@@ -11,13 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from dataclasses import fields as fields_of
 from functools import cached_property, partial
-from math import hypot, nan, pi, remainder
+from math import nan, pi, remainder
 from typing import Any, ClassVar, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, Toggle
 from fourbar_ros.mechanics.bodies import Applied, Body, Gravity, NOT_APPLIED
 from fourbar_ros.mechanisms import checks
-from fourbar_ros.mechanisms.curves import LinkMotion, Point
+from fourbar_ros.mechanisms.curves import LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants
 from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.machine import description, ranges, structure
@@ -76,8 +76,9 @@ class Machine(Mechanism):
         angle counts: the ground, or a link that moves. In dyads that takes the place of the
         ground, and one dyad has the ground among its links, as of a Cylinder on a moving link.
     joint_names : mapping {joint: name}
-        Names of points of a scene or a drawing, which pictures show in place of letters. Joints
-        at one point have one name.
+        Names of points of a scene or a drawing, which pictures show in place of letters, of 'base'
+        and of 'd_first', 'd_inner' and 'd_second' of a dyad d. Joints at two points cannot have
+        one name.
 
     Raises
     ------
@@ -171,19 +172,9 @@ class Machine(Mechanism):
         self._require_closing()
         self._check_fit()
         if self.joint_names:
-            self._require_a_name_each()
-
-    def _require_a_name_each(self) -> None:
-        from fourbar_ros.mechanisms.picture import outline_of, SAME  # few machines have names
-        joints, named = outline_of(self, None).joints, dict[str, list[Point]]()
-        for joint, name in self.joint_names.items():
-            known = named.setdefault(name, [])
-            if known and not any(point.link == other.link and hypot(
-                    point.along - other.along, point.across - other.across)
-                    <= SAME * self.input_unit for point in joints[joint] for other in known):
-                raise InvalidParameter('name of a joint', name, 'names two joints that are not at '
-                                       f'one point, one of them {joint}')
-            known += joints[joint]
+            from fourbar_ros.mechanisms.picture import outline_of, SAME  # few machines have names
+            checks.check_joint_names(self.joint_names, outline_of(self, None).joints,
+                                     SAME * self.input_unit)
 
     def _require_closing(self) -> None:
         name = self._ranges.stopped

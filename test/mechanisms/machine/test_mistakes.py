@@ -3,11 +3,12 @@
 """Machines that cannot be: each refused in one line that names what is wrong and where."""
 from math import nan, pi
 
-from fourbar_ros import Body, InvalidParameter
+from fourbar_ros import Body, FourBar, InvalidParameter
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import pytest
 
+LENGTHS = 0.4, 1.2, 0.8, 1.0
 CRANK, GROUND = Point('crank', 0.4), Point('ground', 1.0)
 
 
@@ -123,6 +124,20 @@ MISTAKES = {
                                   'bodies.rokcer: there is no such link; did you mean rocker'),
     'a body that is none': (lambda: Machine([rrr()], bodies={'rocker': 1.0}),
                             'bodies.rocker = 1.0: must be of type Body'),
+    'a name of no joint': (lambda: Machine([rrr()], joint_names={'O1': 'P'}),
+                           'joint_names.O1 = .P.: there is no such joint.*base'),
+    'no name of a joint': (lambda: Machine([rrr()], joint_names={'base': ''}),
+                           'joint_names.base = '),
+    'one name of two joints': (
+        lambda: Machine([rrr()], joint_names={'d_first': 'P', 'd_inner': 'P'}),
+        'joint_names.d_inner = .P.: names two joints .*, d_first and d_inner'),
+    'a name of no joint of a kind': (lambda: FourBar(*LENGTHS, joint_names={'base': 'P'}),
+                                     'joint_names.base = .P.: there is no such joint.*O1'),
+    'no name of a joint of a kind': (lambda: FourBar(*LENGTHS, joint_names={'O1': ''}),
+                                     'joint_names.O1 = '),
+    'one name of two joints of a kind': (
+        lambda: FourBar(*LENGTHS, joint_names={'A': 'P', 'B': 'P'}),
+        'joint_names.B = .P.: names two joints .*, A and B'),
     'gravity that is no vector': (lambda: Machine([rrr()], gravity=9.81), 'gravity = 9.81'),
 }
 
@@ -141,3 +156,4 @@ def test_the_same_without_a_mistake():
     assert machine.turns_fully
     assert Machine([rrr(first=Point('slider'))], input='slide').input_ranges
     assert Machine([rrr()], input='cylinder', cylinder=Cylinder(BASE, PIN)).input_ranges
+    assert FourBar(*LENGTHS, joint_names={'O4': 'P', 'A': 'Q'}).joint_names
