@@ -340,5 +340,5 @@ def dead_points(linkage: Mechanism) -> Sequence[tuple[Any, ...]]:
     """
     if isinstance(linkage, Kind):
         return linkage.dead_points
-    return sorted((x - linkage.period if x >= linkage.period - pi else x, extremum.value)
-                  for extremum in turning_points(linkage) for x in [extremum.input])
+    return sorted((linkage.from_minus_pi_on(extremum.input), extremum.value)
+                  for extremum in turning_points(linkage))

@@ -245,6 +245,10 @@ class MechanismGeometry(StatedMechanism):
             return is_given
         return may_be_given
 
+    def from_minus_pi_on(self, x: float) -> float:
+        """Return an input of -pi to a period; angles in the period from -pi on [rad or m]."""
+        return x - self.period if x >= self.period - pi else x
+
     def distance(self, first: float, second: float) -> float:
         """Return the first input less the second, of angles the short way round [rad or m]."""
         difference = first - second

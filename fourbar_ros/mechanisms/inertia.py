@@ -7,7 +7,6 @@ The drive gives T = J alpha + b, with the inertia J and the bias b at the input.
 single motions: J is the drive at unit acceleration and at rest, without weight and other forces;
 half its slope dJ/dtheta is the drive at unit rate. No digit cancels.
 """
-from math import hypot
 from typing import Any, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Base, Body, field_of, NOT_APPLIED
@@ -81,7 +80,7 @@ def mean_rigid(mechanism: Mechanism) -> Rigid:
     with np.errstate(all='ignore'):
         x, y, about_o1 = map(float, mean_over_input(mechanism, moments,
                                                     least_size=(size, size, 0.0)))
-    x, y = (0.0 if abs(part) < EPS * hypot(x, y) else part for part in (x, y))     # of symmetry
+    x, y = (0.0 if abs(part) < EPS * size else part for part in (x, y))     # of symmetry
     about_centre = about_o1 - mass * (x * x + y * y)
     return Rigid(mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 

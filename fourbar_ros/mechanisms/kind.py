@@ -37,7 +37,7 @@ from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 # Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
 NEAR_DEAD_POINT = 1e-6
 # Nearer to an end of the stroke than this, in units of the input, the output turns back by no more
-# than its rounding, which is some square of it.
+# than its rounding, which is some square of it. Of machines the search has none up to some 1e-6.
 AT_END_OF_STROKE = 2.0**-22
 
 LINKS = ('crank', 'coupler', 'output')
@@ -170,7 +170,7 @@ class Kind(Mechanism):
                       for point in self.stalls(side) for turn in range(turns)]
         return tuple([
             parts.record_type('DeadPoint', self.dead_point_fields[:len(point)])._make(point)
-            for point in sorted(points)
+            for point in sorted((self.from_minus_pi_on(x), *rest) for x, *rest in points)
             if is_inside(point[0]) and (not self.flat_inputs or is_passed(point))])
 
     def motion_in(self, n: NumberType, constants: Constants, position: Scalar, rate: Scalar,

@@ -92,6 +92,12 @@ def test_the_mean_of_a_linkage_held_rigid_is_that_of_a_scan():
         assert (mean.x, mean.y) == pytest.approx(sums / len(linkage.input_ranges), abs=1e-9)
 
 
+@pytest.mark.parametrize('name', ['radial_engine', 'scott_russell'])
+def test_the_mean_centre_of_gravity_is_at_the_pivot_where_symmetry_has_it_there(name):
+    mean = mean_rigid(load_scene(name).linkage)
+    assert (mean.x, mean.y) == (0.0, 0.0)
+
+
 def test_what_an_output_sweeps_is_that_of_each_range_of_the_input():
     for mode in (1, 2):
         linkage = ROCKER.in_mode(mode)

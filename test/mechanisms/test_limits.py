@@ -16,6 +16,8 @@ from fourbar_ros import (
 )
 from fourbar_ros.extrema.over_input import dead_points, output_ranges, turning_points
 from fourbar_ros.mechanisms.four_bars import MovingJointFourBar
+from fourbar_ros.mechanisms.machine.description import Dyad, Point
+from fourbar_ros.mechanisms.machine.machine import Machine
 import mpmath as mp
 import numpy as np
 import pytest
@@ -287,6 +289,21 @@ def test_dead_points_of_every_drive_are_the_extrema_of_its_output(name):
             rate = getattr(mechanism.motion(x, 1.0), output.rate)
             assert abs(rate) <= 64 * EPS * (1.0 + mechanism.motion(x).condition)**2
     assert count > 4 or name == 'yoke by its slide'
+
+
+@pytest.mark.parametrize('kind', [
+    ScotchYoke(0.3), SliderCrank(0.1, 0.3), MovingJointFourBar(0.3, 1.0, 0.9, 0.8, input='A'),
+    FourBar(0.1, 0.5, 0.2, 0.4)], ids=lambda kind: kind.TITLE)
+def test_dead_points_lie_within_the_period_from_minus_pi_on(kind):
+    at = [point[0] for point in kind.dead_points]
+    assert at == sorted(at) and all(-pi <= x < kind.period - pi for x in at)
+
+
+def test_a_yoke_and_its_machine_have_dead_points_at_the_same_inputs():
+    yoke = Machine([Dyad('d', 'RPP', Point('crank', 0.3), Point('ground'), ('block', 'yoke'),
+                         direction_2=0.0, slot=pi / 2)], output='yoke')
+    for of_kind, of_machine in zip(ScotchYoke(0.3).dead_points, dead_points(yoke), strict=True):
+        assert of_machine[0] == pytest.approx(of_kind[0], abs=1e-9)
 
 
 def test_a_machine_has_its_dead_points_from_the_search():

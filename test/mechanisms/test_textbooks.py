@@ -43,7 +43,7 @@ def test_harmonic_motion_of_a_textbook():
 def test_a_yoke_has_one_mode_and_stalls_at_both_ends():
     with pytest.raises(InvalidParameter, match='one assembly mode'):
         ScotchYoke(0.1, mode=1)
-    assert [tuple(point) for point in ScotchYoke(0.1).dead_points] == [(0.0, 0.1), (pi, -0.1)]
+    assert [tuple(point) for point in ScotchYoke(0.1).dead_points] == [(-pi, -0.1), (0.0, 0.1)]
     with pytest.raises(Toggle):
         ScotchYoke(0.1, input='slide').motion(0.1, 1.0)
 
