@@ -165,6 +165,19 @@ def test_extremes_of_samples_are_those_of_python_or_none(name, changed):
 
 
 @needs_node
+@pytest.mark.parametrize(('name', 'quantity'), [
+    ('peaucellier', 'q.x'), ('xarm_hand', 'theta_left_finger'), ('toddlerbot_knee', 'inertia')])
+def test_a_constant_is_one_row_where_its_samples_are_rounded(name, quantity):
+    """They had none, or a maximum and a minimum 4e-14 apart."""
+    scene = load_scene(name)
+    found = by_engine(scene, {}, [quantity])
+    row, = found['rows']
+    one, = find_extrema(scene.linkage, quantities_of(scene)[quantity], float(scene.drive.speed))
+    assert row['kind'] == one.kind == 'constant'
+    assert row['value'] == pytest.approx(one.value, rel=1e-11)
+
+
+@needs_node
 def test_the_pose_of_a_flat_position_has_no_loads():
     """They are 0/0, or rounding that stood there under a good status."""
     assert by_engine(load_scene('parallelogram'), {})['atPi'] == [2, None]

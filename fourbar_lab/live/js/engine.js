@@ -3,9 +3,13 @@
 // A structure's module with the numbers of a scene: poses, ranges, samples. No document here.
 export const TURN = 2 * Math.PI;
 const SAMPLES = 361;      // of a range
+const SAME = 1e-11;       // of their size: samples that differ by less are those of a constant
 const STEEP = 0.2;        // of an extreme sample, and of its way from the median: where a neighbour differs by more, none tells how large it is
 const sameTurn = (angle, reference) => angle + TURN * Math.round((reference - angle) / TURN || 0);
-const median = values => values.filter(Number.isFinite).sort((a, b) => a - b)[values.length >> 1];
+const median = values => {
+  const known = values.filter(Number.isFinite).sort((a, b) => a - b);
+  return known[known.length >> 1];
+};
 
 /** The reactions that a structure has extrema of. */
 export const forcesOf = ({ lacks, quantities, sketch }) => (lacks ? [] : Object.keys(sketch.forces).filter(name => name in quantities));
@@ -166,8 +170,11 @@ export class Engine {
     const terms = { "": 1, rad: 1, m: size, "rad/s": omega, "rad/s^2": alpha, "m/s": size * omega, "m/s^2": size * alpha, N: force, "N m": size * force, W: rate * force * (isAngle ? size : 1) };
     return (this._terms = Object.fromEntries(Object.entries(terms).map(([unit, size]) => [unit, size / sine])));
   }
-  /** Samples that differ by less are those of a constant: rounding, 64 eps of the terms, of other units of the samples. */
-  noise(name, values) { return 128 * Number.EPSILON * (this.terms[this.structure.quantities[name].unit] ?? median(values.map(Math.abs))); }
+  /** Samples that differ by less are those of a constant: rounding, 64 eps of the terms, or more near toggles: SAME. */
+  noise(name, values) {
+    const size = median(values.map(Math.abs)), terms = this.terms[this.structure.quantities[name].unit] ?? size;
+    return Math.max(128 * Number.EPSILON * terms, SAME * size);
+  }
   /** The largest and the least sample of a quantity, or its constant value; none where it is steep, at a pole or a jump. */
   extremes(name) {
     const { inputs } = this.sweep, values = this.curve(name), known = [...values.keys()].filter(k => Number.isFinite(values[k]));
