@@ -58,6 +58,8 @@ def test_the_path_of_a_point_is_columns_with_extrema_and_not_part_of_all():
                        rtol=0.0, atol=1e-9)
     assert [one.name for one in select((), scene.linkage, scene.point_quantities)
             if one.name.startswith('p.')] == ['p.speed', 'p.acceleration']
+    assert [name for name in curves_of(scene, scene.linkage, [], 1.0).names
+            if name.startswith('p.')] == ['p.x', 'p.y', 'p.speed', 'p.acceleration']
     with pytest.raises(UnknownQuantity, match='there is no point A; a scene has them, of joints'):
         curves_of(scene, scene.linkage, ['A.height'], 1.0)
 
