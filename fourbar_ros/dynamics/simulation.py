@@ -500,9 +500,9 @@ def _is_stiff(system: System, until: float) -> bool:
 def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Iterator[Leg]:
     """Yield the legs of one integration from time 0, to the end or to where the run stops."""
     # A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
-    # force table ends, or the run stops. is_finer: legs between jumps of the torque, and in a piece
-    # that takes as long as the one before, are cut in two, so that the run whose error is estimated
-    # and the finer one do not take the same steps.
+    # force table ends, or the run stops. is_finer: legs between jumps of the torque, and in a
+    # piece that takes as long as the one before, are cut in two, so that the run whose error is
+    # estimated and the finer one do not take the same steps.
     system, stop_when = work.system, work.stop_when
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)
