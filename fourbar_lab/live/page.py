@@ -36,13 +36,14 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     Browsers load no modules from files, so that all scripts are one.
     """
     name, values = name or 'drawing', scene.values if scene else {}
-    structure, alone = structure_of(scene or load('paper')), None if can_ask else scene
+    structure = structure_of(scene or load('paper'))
+    answered = None if can_ask else scene       # what a server would say of it is in the file
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
             'units': UNITS, 'withUnit': {name: values[name] for name in scene.with_unit}
             if scene else {}, 'second': second and structure_of(second),
-            'run': _tried(run_answer, alone, RUN) if alone and alone.dynamics else None,
-            'extrema': _tried(extrema_answer, alone, [*structure['quantities']], 0.0)
-            if alone else None,
+            'run': _tried(run_answer, answered, RUN) if answered and answered.dynamics else None,
+            'extrema': _tried(extrema_answer, answered, [*structure['quantities']], 0.0)
+            if answered else None,
             'scene': nested({name: value for name, value in values.items()
                              if value == value and value != of_name(name).default}),
             'structure': structure}

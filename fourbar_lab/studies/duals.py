@@ -29,12 +29,14 @@ def _by_partials(name: str) -> Function:
     def call(*arguments: Any) -> Any:
         values = [*map(value_of, arguments)]
         value, by = ARRAYS[name](*values), dict[str, Any]()
+        # a rule is the partial derivative, as a number or a function of the result and all
+        # arguments; the exponent of pow, always a number, has none
         for rule, argument in zip(PARTIALS[name], arguments):
-            changes = derivatives_of(argument)
-            slope = rule(value, *values) if callable(rule) and changes else rule
-            for parameter, change in changes.items():
-                term = change if slope is rule == 1.0 else slope * change
-                by[parameter] = by[parameter] + term if parameter in by else term
+            if changes := derivatives_of(argument):
+                slope = rule(value, *values) if callable(rule) else rule
+                for parameter, change in changes.items():
+                    term = change if rule == 1.0 else slope * change
+                    by[parameter] = by[parameter] + term if parameter in by else term
         return Dual(value, by) if by else value
     return call
 

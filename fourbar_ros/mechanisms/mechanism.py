@@ -425,7 +425,7 @@ class Mechanism(MechanismGeometry):
         if self.friction:
             self.loads_in(REAL, self.constants, fields, reports)
         for report in reports:
-            if isnan(report.locks):
+            if isnan(report.locks):         # it is 0 where friction leaves the loads a solution
                 # joints have other names in the machine that the mechanism is
                 names = {self.joint_in_layout(name): name for name, _ in self.friction
                          if name != DRIVE}

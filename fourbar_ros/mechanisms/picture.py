@@ -165,8 +165,8 @@ RODS = {'RRR': {'first': 0, 'second': 1}, 'RRP': {'first': 0}, 'RPR': {'second':
 
 def points_of_dyad(stage: Stage, dyad: Dyad) -> dict[str, tuple[Point, ...]]:
     """Return the points of a dyad's links at its joints, by lengths that know their parameters."""
-    # first, second: of its link there, of the link on which that hangs; inner: of its first link,
-    # of its second; of a slide of the block
+    # At first and second the point of the dyad's link, and that of the link on which it hangs;
+    # at inner the point of its first link, and that of its second, or of a block alone.
     group, ends = f'dyads.{dyad.name}', ('first', 'second')
     if stage.name == CYLINDER:
         group, ends = 'cylinder', ('pin', 'base')

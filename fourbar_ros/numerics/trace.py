@@ -170,7 +170,8 @@ class Trace:
     def _add(self, operation: str, indices: tuple[int, ...], value: Any = None) -> int:
         """Append an operation on the results at some indices, and return its index."""
         # Minus signs move outwards, so that equal terms meet: x + (-y) becomes x - y, (-x) y
-        # becomes -(x y). No bit changes.
+        # becomes -(x y). Those of data stay, as data are computed once, and so does (-x) - y,
+        # whose zero would change its sign: no bit changes.
         without = [step.arguments[0] if (step := self.steps[index]).operation == 'neg' else None
                    for index in indices]
         if operation == 'neg' and without[0] is not None:

@@ -27,7 +27,7 @@ class TorqueInput(clock_input.ClockInput):
 
     def __init__(self, node: Node, stream: Stream, troubles: entities.Troubles) -> None:
         """Begin the motion at the start of the scene; subscribe to the torque, if one comes."""
-        # before the base calls _prepare(), which begins the motion
+        # before the base begins to sample
         self._scene: scene.Scene | None = None             # of the last step
         self._mover: Mover                           # of that scene, made by the first step
         self._subscription = None
