@@ -613,6 +613,7 @@ return seen[0].text()""")))
     table = curves_of(scene, scene.linkage, [name.split()[0] for name in header],
                       float(scene.drive.speed))
     for name, unit, here, column in zip(*table[1:3], zip(*rows), table.values):
+        unit, column = ('mm', 1000.0 * column) if unit == 'm' else (unit, column)
         assert f'{name} [{unit.replace("^2", "²")}]' in header
         assert np.array(here, float) == pytest.approx(column, abs=1e-10 * np.abs(column).max())
     turning = table.values[[unit == 'deg' for unit in table.units]]
