@@ -138,6 +138,8 @@ def make_figure(mechanism: Mechanism, motion: NamedFields, loads: NamedFields | 
     """
     velocities, accelerations = polygons_of(mechanism, motion)
     diagram = diagram_of(mechanism, motion)
+    # names in the call win over those of the mechanism, and stand before them: of several joints
+    # at a point the first name counts
     labels = labels_of(diagram._replace(names={**names, **diagram.names, **names}))
     with new_figure(12.6, 4.4, paper) as figure:
         across, size, top = figure.get_figwidth(), figure.style['font.size'], 0.95

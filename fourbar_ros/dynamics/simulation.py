@@ -513,7 +513,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     (coordinate, state), first = system.coordinates.begin(system.start), 0.0
     stop_value = nan         # last value of stop_when that is not zero: no run stops at its start
     end, step = REACHED, None
-    begun, middle = 0.0, 0.0    # times at which the piece of a table began, and will be half over
+    begun, middle = 0.0, 0.0    # times at which a piece of a table began and may be half over [s]
     while first < work.until:
         if end == HANDED_OVER:
             coordinate, state = coordinate.next(state)

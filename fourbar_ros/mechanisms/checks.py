@@ -68,8 +68,8 @@ def _lengths(mechanism: MechanismGeometry) -> dict[str, float]:
 def check_joint_names(names: Mapping[str, str], points: Mapping[str, Sequence[Point]],
                       near: float = 0.0) -> None:
     """Refuse names of joints that there are not, empty ones, and one name at two points."""
-    # points: {joint: the Point of each link there}, () where no joint shares it; points of a link
-    # that are as near as this are one [m]
+    # points: {joint: the Point of each link there}, () where no joint shares it; near: points of
+    # one link that are no farther apart are one [m]
     named = dict[str, list[str]]()      # {name: joints}
     for joint, name in names.items():
         parameter = f'joint_names.{joint}'

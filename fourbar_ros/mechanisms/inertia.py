@@ -80,7 +80,8 @@ def mean_rigid(mechanism: Mechanism) -> Rigid:
     with np.errstate(all='ignore'):
         x, y, about_o1 = map(float, mean_over_input(mechanism, moments,
                                                     least_size=(size, size, 0.0)))
-    x, y = (0.0 if abs(part) < EPS * size else part for part in (x, y))     # of symmetry
+    # of a symmetrical mechanism only rounding errors are left
+    x, y = (0.0 if abs(part) < EPS * size else part for part in (x, y))
     about_centre = about_o1 - mass * (x * x + y * y)
     return Rigid(mass, x, y, 0.0 if about_centre < 0.0 else about_centre)     # by rounding
 

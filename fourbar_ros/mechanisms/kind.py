@@ -36,8 +36,9 @@ from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two
 
 # Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
 NEAR_DEAD_POINT = 1e-6
-# Nearer to an end of the stroke than this, in units of the input, the output turns back by no more
-# than its rounding, which is some square of it. Of machines the search has none up to some 1e-6.
+# Nearer to an end of the stroke than this, in units of the input, the output turns back by about
+# the square of that distance, which is its rounding. The search that finds the dead points of
+# machines has none up to some 1e-6 from an end.
 AT_END_OF_STROKE = 2.0**-22
 
 LINKS = ('crank', 'coupler', 'output')
