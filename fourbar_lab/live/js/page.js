@@ -183,7 +183,9 @@ export async function start(data, source) {
     return problem;
   };
   const askStructure = async () => {
-    const { scene } = store.state, answer = await page.ask("structure", { known: structure.key });
+    const { scene } = store.state;
+    if (isNothing(scene)) return;              // begun anew before its time came
+    const answer = await page.ask("structure", { known: structure.key });
     if (isOtherNow(scene) || fail(answer.problem ?? "")) return;
     const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
     if (isOtherNow(scene)) return;             // an answer that is late
@@ -196,7 +198,9 @@ export async function start(data, source) {
   const wanted = view => [...new Set([...chosenCurves(view), ...forcesOf(structure)])];
   const isAnswered = ({ scene, view }) => answered.extrema && scene === answered.scene && view.acceleration === answered.acceleration && wanted(view).every(name => answered.quantities?.includes(name));
   const askSoon = later(SOON, askStructure), askExtremaSoon = later(LATER, async () => {
-    const { scene, view: { acceleration } } = store.state, answer = await page.ask("extrema", { quantities: wanted(store.state.view), acceleration });
+    const { scene, view: { acceleration } } = store.state;
+    if (isNothing(scene)) return;
+    const answer = await page.ask("extrema", { quantities: wanted(store.state.view), acceleration });
     if (isOtherNow(scene)) return;             // an answer that is late
     if (answer.problem) return page.say(answer.problem);
     answered = { ...withNumbers(answer), scene, acceleration };
