@@ -481,13 +481,13 @@ def test_two_fingers_zoom_and_put_down_nothing(touch, driver, address):
 
 
 def test_nothing_is_asked_of_what_was_begun_anew(tab):
-    tab.driver.execute_async_script('''
+    tab.driver.execute_async_script("""
         const done = arguments[0], ask = page.ask;
         page.asked = [];
         page.ask = (...all) => { page.asked.push(all[0]); return ask(...all); };
         page.store.dispatch({ set: { 'linkage.a2': 1.1 } });        // asks of it soon
         document.querySelector('[data-tool=new]').click();
-        setTimeout(done, 1500);''')
+        setTimeout(done, 1500);""")
     assert 'ground pivot' in tab.text_of('said') and not tab.alarm()
     assert tab.script('return page.asked') == []
 
