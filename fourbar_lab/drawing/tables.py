@@ -171,7 +171,8 @@ def drive_in_words(linkage: Mechanism, drive: LinkageRecord, speed: float,
         if isfinite(drive['cycle']['work']):
             lines.append(('cycle', _cycle(linkage, drive['cycle'])))
         pin = drive['worst_pin']
-        lines.append(('worst pin', f'{pin["joint"]} ({pin["load"]}) {pin["force"]:.6g} N at '
+        load = f' ({pin["load"]})' if pin['load'] != pin['joint'] else ''
+        lines.append(('worst pin', f'{pin["joint"]}{load} {pin["force"]:.6g} N at '
                       f'{shown(driven, pin["at"])}'))
     if 'locks' in drive:
         lines.append(('locks', '; '.join(

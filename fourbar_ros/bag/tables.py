@@ -29,8 +29,9 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
 
     ``out``: a new folder for tables, a new .npz file for all, or a new .csv or .parquet file for
     one topic, or ``-``, which prints it as CSV; ``kind``: one of FORMATS, by default by the ending
-    of ``out``, csv for a folder. The columns are log_time [ns], header.stamp [ns] and the fields,
-    each item of an array, but not arrays of bytes. ``out`` appears only when it is complete.
+    of ``out``, csv for a folder. A .npz, .csv or .parquet at the end must be that of ``kind``. The
+    columns are log_time [ns], header.stamp [ns] and the fields, each item of an array, but not
+    arrays of bytes. ``out`` appears only when it is complete.
     Topics that are not named and whose messages are not known here, as JSON, are left out;
     ``tell`` is called with a line for each. ``style``: of CSV. ``units``: {SI unit: unit in which
     to write what measures the same}; columns whose unit the definition of their message tells
@@ -59,6 +60,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
         raise BagError(f'{path}: holds no topic that can be read')
     if kind != 'csv' and (out == spreadsheet.STDOUT or style != spreadsheet.CsvStyle()):
         raise BagError(f'{out}: standard output, digits and Excel are for csv, not {kind}')
+    if (kind == 'npz' or ending in FORMATS) and ending != kind:
+        raise BagError(f'{out}: is to be {kind}: name it {out.stem}.{kind}')
     is_file = ending == kind or out == spreadsheet.STDOUT
     if is_file and kind != 'npz' and len(names) != 1:
         raise BagError(f'{out}: a .{kind} file holds one topic; name it, or give a folder')

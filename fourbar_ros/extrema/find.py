@@ -384,7 +384,8 @@ def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], p
            if unresolved or any(extremum.misses for extremum in extrema) else '')
     if is_refuted or gap:
         first = {i for i in first if not isfinite(extrema[i].value) or not extrema[i].sense}
-    proofs = [f'not certain: constant within {extremum.noise:.1e} {symbol}, its rounding errors'
+    proofs = [f'not certain: constant within {extremum.spread:.1e} {symbol} at its samples, '
+              'rounding errors may hide more'
               if not extremum.sense and extremum.noise else
               proof if proof and not is_refuted and not unresolved else f'not certain: {gap}'
               if gap else

@@ -82,6 +82,7 @@ class PathExtremum(NamedTuple):
     condition: float = nan           # as in Extremum, of the input
     value_condition: float = nan
     noise: float = 0.0               # least error of the value, of a constant a bound
+    spread: float = 0.0              # of a constant: its samples about the value, at most
     misses: bool = False             # another of its quantity is missing: they do not take turns
     is_jump: bool = False            # a value on one side of the end of a piece
 
@@ -101,8 +102,9 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     value = np.where(is_zero, 0.0, value)
     error = np.where(is_exact, 0.0, samples.noise.max(axis=1))
     start, side = (0.0, 0) if path.low is None else (path.low.x, 1)
+    spread = np.abs(samples.values - value[:, None]).max(axis=1)
     extrema = [PathExtremum(row, sampler.fold(start), float(value[row]), 0, side,
-                            noise=float(error[row]))
+                            noise=float(error[row]), spread=float(spread[row]))
                for row in np.flatnonzero(is_exact | is_noise).tolist()]
     rows = np.flatnonzero(~(is_exact | is_noise))
     if rows.size:

@@ -9,9 +9,10 @@ import re
 from typing import NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, nearest
-from fourbar_ros.importing.loops import loops_of
+from fourbar_ros.importing.loops import loops_of, ROUNDED
 from fourbar_ros.importing.machine import Imported, imported
 from fourbar_ros.importing.robots import Refused, Robot, Wishes, word
+from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.files import as_text, DESCRIPTIONS, ROOT, text_of
 import numpy as np
 
@@ -97,15 +98,28 @@ def import_file(path: Path, wishes: Wishes = Wishes()) -> Result:
             report.append(f'  refused: {error}')
             is_good = False
             continue
-        report += [f'  {line}' for line in results[-1].report]
-        if wishes.check:
-            from fourbar_ros.importing.check import check, mujoco_of  # few ask for it
+        is_skew, is_same = results[-1].off_parallel > ROUNDED, not results[-1].unweighed
+        if wishes.check or is_skew:     # nobody would ask what the angle between axes does
             try:
-                checks.append(check(*mujoco_of(path, loop.robot), results[-1], wishes.cut))
+                checks.append(_compared(path, results[-1], wishes))
+                compared = f'{checks[-1]}' + ('' if checks[-1].is_good else ': BAD')
+                is_same = is_same and checks[-1].is_good
             except FourBarError as error:
-                report.append(f'  not compared: {error}')
-                is_good = False
-                continue
-            report.append(f'  {checks[-1]}' + ('' if checks[-1].is_good else ': BAD'))
-            is_good = is_good and checks[-1].is_good
+                compared, is_same = f'not compared: {error}', False
+            if is_skew:
+                compared = (f'{"note" if is_same else "warning"}: the axes, which are not '
+                            f'parallel, are taken as parallel: {compared}')
+            results[-1].report.append(compared)
+        is_good = is_good and is_same
+        report += [f'  {line}' for line in results[-1].report]
     return Result(results, report, is_good, checks)
+
+
+def _compared(path: Path, loop: Imported, wishes: Wishes) -> Checked:
+    try:
+        from fourbar_ros.importing.check import check, mujoco_of  # MuJoCo, which few need
+        return check(*mujoco_of(path, loop.loop.robot), loop, wishes.cut)
+    except ModuleNotFoundError as error:
+        if wishes.check or not MissingPackage.explains(error):
+            raise
+        raise MissingPackage('import --check', error) from None

@@ -13,6 +13,7 @@ from fourbar_ros.numerics.arrays import Array
 import numpy as np
 
 PARALLEL = 0.5          # [deg] by which an axis may be off the plane
+ROUNDED = 1e-3          # [deg] by which digits of a file, as 1.5708, turn an axis
 CLOSED = 1e-6           # [m, rad] by which a weld may be open
 OUT_OF_PLANE = 1e-3     # share of the loop's size by which a point may be
 

@@ -23,6 +23,8 @@ class Imported(NamedTuple):
     joints: Mapping[str, RobotJoint]
     drive: RobotJoint
     report: list[str]
+    off_parallel: float         # of the axes, at most [deg]
+    unweighed: Sequence[str]    # bodies that lack the mass of their meshes
 
 
 def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Coupling | None]:
@@ -165,7 +167,7 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     if any(joint.limits and joint is not drive for joint in loop.joints):
         report.append('note: limits of passive joints are left out')
     report += plane.report
-    has_masses = _add_masses(plane, base, frame, report)
+    has_masses, unweighed = _add_masses(plane, base, frame, report)
     has_points = _add_points(plane, base, report)
 
     # the robot's joints, each in the turn in which the file's pose has it
@@ -232,7 +234,7 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
         'outputs': ['joint_states', 'state', *['loads'] * has_masses, *['points'] * has_points]}
     scene = from_values(values)
     report += [f'note: {warning}' for warning in scene.warnings]
-    return Imported(loop, values, scene, joints, drive, report)
+    return Imported(loop, values, scene, joints, drive, report, off, unweighed)
 
 
 def _direction(axis: Array) -> str:
@@ -269,9 +271,10 @@ def _add_points(plane: Plane, base: str, report: list[str]) -> bool:
     return bool(points)
 
 
-def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
-    """Add the masses that the links carry, and weight; return whether there are any masses."""
-    loop, count = plane.loop, 0
+def _add_masses(plane: Plane, base: str, frame: str, report: list[str]
+                ) -> tuple[bool, Sequence[str]]:
+    """Add the masses that links carry, and weight; return (if there are any, bodies that lack)."""
+    loop, has_masses, weighed, unweighed = plane.loop, False, 0, list[str]()
     robot, normal, root = loop.robot, plane.axes[2], loop.link_of[loop.robot.root]
     for first, link in plane.links.items():
         carried = loop.carried_by(first) if first != base else set()
@@ -285,8 +288,11 @@ def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
         if hanging:
             report.append(f'{link.name} carries, held as in the file: {", ".join(hanging)}')
         mass = sum(inertial.mass for inertial in inertials)
+        lost = [body for body in robot.unweighed if loop.link_of[body] in carried]
+        unweighed += lost
+        weighed += mass > 0.0 and not lost
         if mass > 0.0:
-            count += 1
+            has_masses = True
             centre = np.sum([each.mass * each.centre for each in inertials], axis=0) / mass
             along, across = link.of(plane.flat(centre))
             inertia = sum(normal @ each.inertia @ normal
@@ -294,7 +300,10 @@ def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
                           for each in inertials)
             plane.values |= {f'bodies.{link.name}.{name}': float(value) for name, value in (
                 ('mass', mass), ('cg_along', along), ('cg_across', across), ('inertia', inertia))}
-    report.append(f'masses on {count} of {len(loop.links) - 1} links')
+    report.append(f'masses on {weighed} of {len(loop.links) - 1} links')
+    if unweighed:
+        report.append(f'warning: loads are without the mass of meshes, which are not read, of '
+                      f'{", ".join(unweighed)}: give <inertial> in the file')
     weight = plane.flat(robot.gravity) * plane.links[base].direction.conjugate()
     square = abs(float(normal @ robot.gravity))
     plane.values |= {'gravity.x': weight.real, 'gravity.y': weight.imag}
@@ -304,7 +313,7 @@ def _add_masses(plane: Plane, base: str, frame: str, report: list[str]) -> bool:
     if base != root:
         report.append(f"note: the robot moves the base {frame}: gravity is that of the file's "
                       'pose (base.topic)')
-    return count > 0
+    return has_masses, unweighed
 
 
 def _next_dyad(loop: Loop, plane: Plane) -> tuple[list[tuple[str, RobotJoint]], RobotJoint | None]:

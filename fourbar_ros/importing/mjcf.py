@@ -16,8 +16,9 @@ LEAST = 2e-15       # [kg, kg m^2] of frames without mass: MuJoCo moves no body 
 
 
 def spec_of(path: Path) -> tuple[Any, list[str]]:
-    """Return MuJoCo's specification of a file without shapes, and bodies of unknown mass."""
-    # Their mass is that of meshes, which are not read. Bodies and joints without a name get one.
+    """Return MuJoCo's specification of a file without meshes, and bodies of unknown mass."""
+    # Their mass, or a part of it, is that of meshes, which are not read. Bodies and joints without
+    # a name get one.
     import mujoco
     try:
         root = ElementTree.fromstring(text_of(path))
@@ -35,13 +36,15 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
         spec = mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding='unicode'))
     except (ValueError, ElementTree.ParseError) as error:
         raise Refused(f'{path}: MuJoCo cannot read it: {" ".join(str(error).split())}') from None
-    lost = set()
+    lost = []
     for geom in list(spec.geoms):
         kinds = mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD
         if geom.meshname or int(geom.type) in kinds:
-            if not geom.parent.explicitinertial and geom.parent.name != 'world' and geom.mass != 0:
-                lost.add(geom.parent.name)
+            if _gives_mass(geom, spec.compiler) and geom.parent.name != 'world':
+                lost.append(geom.parent)
             spec.delete(geom)
+    if spec.compiler.settotalmass > 0.0 and lost:       # they have a share in all masses
+        lost = [body for body in spec.bodies if body.name != 'world']
     for group in (spec.meshes, spec.hfields, spec.textures, spec.materials, spec.skins,
                   spec.pairs):
         for item in list(group):
@@ -51,14 +54,27 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
     for body in spec.bodies:        # it would take the least for what is below
         if body.explicitinertial and min(body.mass, *body.inertia) < 0.0:
             raise Refused(f'{body.name} has a negative mass or moment of inertia')
-    spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
+    compiler = spec.compiler
+    compiler.boundmass, compiler.boundinertia = (
+        max(bound, LEAST) for bound in (compiler.boundmass, compiler.boundinertia))
     for kind, items in (('body', spec.bodies), ('joint', spec.joints)):
         names = {item.name for item in items}
         for index, item in enumerate(items):
             item.name = item.name or next(name for name in (f'{kind}_{i}' for i in count(index))
                                           if name not in names)
             names.add(item.name)
-    return spec, sorted(lost)
+    return spec, sorted({body.name for body in lost})
+
+
+def _gives_mass(geom: Any, compiler: Any) -> bool:
+    """Return whether MuJoCo would take a part of a body's mass from a shape."""
+    import mujoco
+    least, most = compiler.inertiagrouprange
+    ways = mujoco.mjtInertiaFromGeom
+    return (least <= geom.group <= most
+            and (geom.density if np.isnan(geom.mass) else geom.mass) != 0.0
+            and compiler.inertiafromgeom in (ways.mjINERTIAFROMGEOM_TRUE, *(
+                [] if geom.parent.explicitinertial else [ways.mjINERTIAFROMGEOM_AUTO])))
 
 
 def _put_in_includes(parent: ElementTree.Element, folder: Path, read: set[Path]) -> None:
@@ -111,9 +127,7 @@ def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     for name, position in wishes.positions(dict(zip(joints, kinds))).items():
         data.qpos[model.jnt_qposadr[joints.index(name)]] = position
     mujoco.mj_kinematics(model, data)
-    robot = robots.Robot('MJCF', bodies[0], model.opt.gravity.copy())
-    if lost:
-        robot.notes.append(f'mass of {", ".join(lost)} comes from meshes, which are not read')
+    robot = robots.Robot('MJCF', bodies[0], model.opt.gravity.copy(), unweighed=lost)
     for index, name in enumerate(bodies):
         robot.poses[name] = pose_of(data.xmat[index].reshape(3, 3), data.xpos[index])
         if index:

@@ -123,6 +123,7 @@ class Robot:
     gravity: Array                                                      # [m/s^2]
     poses: dict[str, Array] = field(default_factory=dict)               # 4 x 4 of each body
     inertials: dict[str, Inertial] = field(default_factory=dict)
+    unweighed: Collection[str] = ()     # bodies with mass in meshes, which are not read
     joints: list[RobotJoint] = field(default_factory=list)
     # (body, point [m]) of what is fixed to bodies, but where loops are closed
     frames: dict[str, tuple[str, Array]] = field(default_factory=dict)

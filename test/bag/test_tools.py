@@ -137,7 +137,9 @@ def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path,
                              'are in rad, '),
                             ('x', ['--topics', '/joint_states', '--units', 'deg'],
                              "units = 'deg': is of no column: they have no units"),
-                            ('old.npz/below', [], 'ile exists')):
+                            ('old.npz/below', [], 'ile exists'),
+                            ('x', ['--format', 'npz'], 'x: is to be npz: name it x.npz'),
+                            ('x.npz', ['--format', 'csv'], 'is to be csv: name it x.csv')):
         assert main(['bag', 'export', str(bag), '-o', str(tmp_path / out), *more]) == 1
         text = capsys.readouterr().err
         assert said in text and text.count('\n') == 1

@@ -196,6 +196,8 @@ def test_weight_of_points_waits_behind_a_hash_as_that_of_a_kind(capsys):
 @pytest.mark.parametrize(('line', 'text'), [
     ('--points "O1 0"', 'must be "NAME X Y"'), ('--points "O1 0 0 slid 3deg"', 'must be "NAME'),
     ('--points "O1 0 0" "A 1 1" "B 2 0" --links O1-A A-B', 'form no dyads'),
+    ('--points "O1 0 0" "A 1 1" "B 3 2" "O4 3 0" --links O1-A A-B B-O4 O4-O1',
+     'joins two points of the ground, so it does not move: leave it out'),
     ('--points "O 0 0 ground" "A 45mm 0"', 'is the crank alone'),
     ('--points "O1 0 0" "A 0 1" "B 2 1" "O4 3 1"', 'modes.B: must be given, 1 or 2'),
     ('--points "O1 0 0" "A 0 1" "B 2 1 mode 3" "O4 3 1"', 'mode'),

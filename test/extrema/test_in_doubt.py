@@ -321,6 +321,9 @@ def test_rounding_where_three_dyads_come_into_line_together_is_no_pole():
                                    'omega_left_tip'], rate)
     # a straight line is not certain by floats, whose errors grow without bound at the toggles
     assert {(one.quantity, one.kind) for one in found if one.proof} == {('q.x', 'constant')}
+    # in the sentence stands by how much its samples differ, not a bound of their errors
+    (line,) = [one for one in found if one.proof]
+    assert float(line.proof.split()[4]) < 1e-6 * line.value
     limits = [one for one in found if one.place == 'limit']
     assert all(one.value == -one.side * inf for one in limits if one.quantity == 'omega_left_tip')
     limits = [one for one in limits if one.quantity != 'omega_left_tip']

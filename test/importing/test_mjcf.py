@@ -141,6 +141,55 @@ def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
     assert loop.scene.joint_states.ratios == [1.0, 1.0, 1.0, -1.0]
 
 
+@pytest.mark.parametrize('degrees, said', [(2e-4, ''), (0.02, 'note'), (0.29, 'warning')])
+def test_axes_that_are_not_parallel_are_measured_unasked(degrees, said, tmp_path):
+    """A drive that was off by 27 % beside a toggle was a note; 1.5708 for pi / 2 is 2e-4."""
+    x, z = map(float, (np.sin(np.radians(degrees)), np.cos(np.radians(degrees))))
+    text = robot(axis=f'{x!r} 0 {z!r}')
+    plain, asked = (read(tmp_path, text, check=check) for check in (False, True))
+    assert len(plain.checks) == bool(said) and plain.is_good == asked.is_good == (degrees < 0.1)
+    (checked,) = asked.checks
+    line = (f'{said}: the axes, which are not parallel, are taken as parallel: {checked}'
+            + ('' if asked.is_good else ': BAD'))
+    assert (f'  {line}' in plain.report) == (f'# {line}' in plain.text) == bool(said)
+    # of a pin that is off by e, what it moves in the plane is off by 1 - cos(e), about e^2 / 2
+    tilt = np.radians(degrees)
+    assert checked.joint < EXACT + 2.0 * tilt**2
+
+
+INERTIAL = '<inertial mass="1" pos="0.4 0.1 0.01" diaginertia="0.03 0.03 0.05"/>'
+MESH = '<asset><mesh name="m" vertex="0 0 0  0.3 0 0  0 0.3 0  0 0 0.3"/></asset>'
+SHAPES = ('<geom type="mesh" mesh="m" {}/>'
+          '<geom type="capsule" size="0.02" fromto="0 0 0 0.9 0.3 0" group="3"/>')
+
+
+@pytest.mark.parametrize('inertial, mesh, compiler, lacking', [
+    ('', '', '', 'link'), (INERTIAL, '', '', ''), ('', 'mass="0"', '', ''),
+    ('', 'density="0"', '', ''), ('', '', 'inertiagrouprange="3 5"', ''),
+    (INERTIAL, '', 'inertiafromgeom="true"', 'link'),
+    ('', '', 'settotalmass="5"', 'arm, link, lever')])
+def test_a_link_that_lacks_the_mass_of_a_mesh_is_said(inertial, mesh, compiler, lacking, tmp_path):
+    import mujoco
+    text = robot(on_link=SHAPES.format(mesh)).replace(INERTIAL, inertial, 1).replace(
+        '<worldbody>', f'{MESH}<worldbody>').replace('"radian"', f'"radian" {compiler}')
+    result, whole = read(tmp_path, text), mujoco.MjModel.from_xml_string(text)
+    is_whole = all(
+        body.mass == pytest.approx(float(whole.body(name).mass[0]), rel=1e-14)
+        for name, body in zip(('arm', 'link', 'lever'), result.loops[0].scene.linkage.bodies))
+    report = '\n'.join(result.report)
+    assert result.is_good == is_whole == (not lacking)
+    assert f'masses on {3 - len(lacking.split())} of 3 links' in report
+    assert (f'warning: loads are without the mass of meshes, which are not read, of {lacking}: '
+            in report) == bool(lacking)
+
+
+def test_the_least_mass_and_inertia_of_a_file_are_those_of_its_links(tmp_path):
+    loop, _ = good(tmp_path, robot().replace(
+        '"radian"', '"radian" boundmass="2.5" boundinertia="0.06"'))
+    assert [(body.mass, body.inertia) for body in loop.scene.linkage.bodies] == [
+        (2.5, 0.06), (2.5, 0.06), (3.0, 0.1)]
+
+
 @pytest.mark.parametrize('second', ('0.9 0.3 0.1', '0.9 0.3 -0.05'))
 def test_two_connects_on_one_axis_are_a_pin(second, tmp_path):
     both = CONNECT + CONNECT.replace('tip', 'tip_z').replace('0.9 0.3 0', second)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Loops of URDF: one small file for each way of saying where it is cut, beside MuJoCo."""
 import re
+import sys
 
 from fourbar_ros.cli.main import main
 from fourbar_ros.description import describe
@@ -81,6 +82,15 @@ def test_a_loop_is_read_however_it_is_stated(closing, wishes, tmp_path):
     assert 'base frame, driven shoulder, dyads RRR' in report
     assert 'URDF has no gravity: taken as 9.80665' in report
     assert len(loop.scene.joint_states.leave_out) == 1
+
+
+def test_axes_that_are_not_parallel_are_said_without_mujoco_too(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, 'mujoco', None)
+    assert read(tmp_path, robot()).is_good
+    result = read(tmp_path, robot(pivot='0 1 0.005'))
+    assert not result.is_good and result.report[-1] == (
+        '  warning: the axes, which are not parallel, are taken as parallel: not compared: '
+        'import --check requires mujoco: pip install mujoco')
 
 
 def test_a_loop_closed_at_points_is_described_and_read_again(tmp_path):

@@ -45,6 +45,9 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
     for link in links:
         if len(set(link)) < max(2, len(link)):
             raise InvalidParameter('links', tuple(link), 'must be two points or more, each once')
+        if len({*ground} & {*link}) > 1:
+            raise InvalidParameter('links', '-'.join(link), 'joins two points of the ground, so '
+                                   'it does not move: leave it out, the ground is no link here')
     pivots = [name for name in links[0] if name in ground] if links else []
     if len(pivots) != 1:
         raise InvalidParameter('links', tuple(links[0]) if links else None, 'the first must be '
