@@ -33,11 +33,11 @@ def add(verbs: Verbs) -> None:
     replay.add_argument('--rate', type=of(above=0.0), default=1.0, metavar='X',
                         help='play X times as fast (default 1)')
     replay.add_argument('--start', type=of('s', least=0.0), default=0.0, metavar='S',
-                        help='skip the first S seconds')
+                        help='skip the first S seconds, but of latched topics')
     replay.add_argument('--loop', action='store_true', help='repeat until stopped')
     replay.add_argument('--clock', nargs='?', type=of('Hz', above=0.0), default=0.0, const=100.0,
                         metavar='HZ', help='publish the time of the bag on /clock, HZ times a '
-                                           'second (default 100)')
+                                           'second (default 100), instead of a recorded /clock')
     replay.add_argument('--delay', type=of('s', least=0.0), default=1.0, metavar='S',
                         help='give subscribers S seconds to find the topics (default 1)')
     add_topics(replay, 'publish only these topics')

@@ -6,6 +6,7 @@ from math import isfinite, isnan
 from pathlib import Path
 from struct import unpack_from
 import time
+from typing import Any
 
 from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError
@@ -19,7 +20,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
 
+CLOCK = '/clock'
 FAR = 3600 * 10**9  # [ns] a stamp so long before its log time is of simulated time
+LATE = 10**9        # [ns] a stamp may be so much behind others; more: the simulation began again
 DEPTH = 1000        # queue of a publisher: a late replay sends bursts, unlike the original
 TICK = 0.002        # [s] longest sleep
 PATIENCE = 10.0     # [s] for a node to be found
@@ -33,9 +36,9 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     Publish a bag until its end or a signal; return how many messages, and the signal or 0.
 
     ``topics``: {topic in the bag: topic to publish on}, default all; ``rate``: so many times as
-    fast; ``start``: skip so many seconds; ``clock_rate``: how often a second to publish the bag's
-    time on /clock, 0: never; ``delay``: time for readers to find the topics [s];
-    ``waits_for_node``: begin when all topics have a reader. Raises BagError.
+    fast; ``start``: skip so many seconds, of all but latched topics; ``clock_rate``: how often a
+    second to publish the bag's time on /clock, 0: never; ``delay``: time for readers to find the
+    topics [s]; ``waits_for_node``: begin when all topics have a reader. Raises BagError.
     """
     bag, count = reader.Bag(path), 0
     if missing := set(topics or ()) - bag.types.keys():
@@ -44,18 +47,19 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     node = rclpy.create_node('fourbar_replay')
     names = topics or {topic: topic for topic in bag.types}
     publishers = {topic: made for topic, name in names.items()
-                  if (made := _publisher(node, bag, topic, name))}
-    clock = node.create_publisher(Clock, '/clock', 10) if clock_rate != 0.0 else None
-    first, ahead, ticked = 0, 0, -1
+                  if not (clock_rate and name == CLOCK)       # there are no two clocks
+                  and (made := _publisher(node, bag, topic, name))}
+    clock = node.create_publisher(Clock, CLOCK, 10) if clock_rate != 0.0 else None
+    first, ticked = 0, -1
 
     def tick() -> None:
-        """Publish the time of the bag, ``clock_rate`` times a second, while nothing is due."""
+        """Publish the time of the bag, ``clock_rate`` times a second, up to the next message."""
         nonlocal ticked
         passed = time.monotonic() - begun
         if clock and (tick_count := int(passed * clock_rate)) != ticked:
             ticked = tick_count
-            now = first + round((start + passed * rate) * 1e9)
-            clock.publish(Clock(clock=messages.to_stamp(now - ahead)))
+            now = min(first + round((start + passed * rate) * 1e9), raw.time) - ahead
+            clock.publish(Clock(clock=messages.to_stamp(max(now, reached))))
 
     try:
         with caught_signals() as signals:
@@ -67,20 +71,24 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
                     time.sleep(TICK)
             _sleep_until(time.monotonic() + delay, signals)
             while not signals:
-                first, begun = 0, time.monotonic()
-                for raw, ahead in _messages(bag, publishers, waits_for_node):  # noqa: B007 (tick)
+                first, begun, skipped = 0, time.monotonic(), list[reader.Raw]()
+                for raw, ahead, reached in _messages(                # noqa: B007 (tick)
+                        bag, publishers, waits_for_node):
                     first = first or raw.time
                     passed = (raw.time - first) * 1e-9 - start
                     if passed < 0.0:
+                        skipped += [raw] if _is_latched(bag, raw.topic) else []
                         continue
                     _sleep_until(begun + passed / rate, signals, tick)
                     if signals:
                         break
-                    publishers[raw.topic].publish(raw.data)
-                    count += 1
+                    tick()                  # a late replay waits for no message
+                    for each in (*skipped, raw):
+                        publishers[each.topic].publish(each.data)
+                    count, skipped = count + len(skipped) + 1, []
                 if not loop or not count:           # nor does the next round have any
                     break
-            for publisher in publishers.values():
+            for publisher in (*publishers.values(), *([clock] if clock else [])):
                 publisher.wait_for_all_acked(Duration(seconds=FAREWELL))
     finally:
         node.destroy_node()
@@ -90,24 +98,36 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
 
 
 def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: bool
-              ) -> Iterator[tuple[reader.Raw, int]]:
+              ) -> Iterator[tuple[reader.Raw, int, int]]:
     """
-    Yield each message, and how far log times are ahead of simulated time [ns].
+    Yield each message, how far its log time is ahead of simulated time, and that so far [ns].
 
-    ``for_a_node``: motions whose rates a node would have to estimate are left out.
+    ``for_a_node``: motions whose rates a node would have to estimate are left out. Stamps tell
+    simulated time, which may stand or run at any speed; messages without one wait for the next.
     """
-    ahead = unknown = 0
+    ahead = reached = unknown = 0
+    waiting: list[reader.Raw] = []
+    stamped = {topic for topic, publisher in publishers.items()
+               if hasattr(publisher.msg_type, 'header')}
     for raw in bag.raw(set(publishers)):
         motion = bag.decode(raw) if for_a_node else None
         if motion and isfinite(motion.position) and isnan(motion.velocity + motion.acceleration):
             unknown += 1
             continue
-        if hasattr(publishers[raw.topic].msg_type, 'header') and len(raw.data) >= 12:
+        waiting.append(raw)
+        if raw.topic in stamped and len(raw.data) >= 12:
             sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
-            stamp = sec * 10**9 + nanosec
-            if 0 < stamp < raw.time - FAR:
-                ahead = raw.time - stamp
-        yield raw, ahead
+            if (stamp := sec * 10**9 + nanosec) <= 0:
+                continue
+            ahead = raw.time - stamp if stamp < raw.time - FAR else ahead
+        elif stamped:
+            continue
+        for each in waiting:
+            yield each, ahead, reached
+        waiting, now = [], raw.time - ahead
+        reached = reached if 0 <= reached - now < LATE else now
+    for each in waiting:
+        yield each, ahead, reached
     if unknown:
         print(f'{unknown} motions left out: their rates were unknown')
 
@@ -132,9 +152,7 @@ def _publisher(node: Node, bag: reader.Bag, topic: str, name: str) -> Publisher 
         node.get_logger().warning(f'{topic}: left out: {type_name} was recorded by another '
                                   'definition than the one installed')
         return None
-    offered = (metadata.loaded(recorded.get(metadata.QOS, '')) or [{}])[0]
-    # bags of Jazzy have words, older ones rmw's numbers
-    is_latched = offered.get('durability') in ('transient_local', 1)
+    offered, is_latched = _offered(bag, topic), _is_latched(bag, topic)
     is_best_effort = offered.get('reliability') in ('best_effort', 2)
     return node.create_publisher(message_class, name, QoSProfile(
         depth=max(offered.get('depth', 1), 1 if is_latched else DEPTH),
@@ -142,3 +160,13 @@ def _publisher(node: Node, bag: reader.Bag, topic: str, name: str) -> Publisher 
                      else ReliabilityPolicy.RELIABLE),
         durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched
                     else DurabilityPolicy.VOLATILE)))
+
+
+def _offered(bag: reader.Bag, topic: str) -> dict[str, Any]:
+    """Return the quality of service of a topic, {} if not known; in words, of old bags numbers."""
+    profiles = metadata.loaded(bag.channel_of(topic).get(metadata.QOS, '')) or [{}]
+    return dict(profiles[0])
+
+
+def _is_latched(bag: reader.Bag, topic: str) -> bool:
+    return _offered(bag, topic).get('durability') in ('transient_local', 1)

@@ -113,6 +113,43 @@ def test_the_clock_goes_on_between_messages_that_are_far_apart(client, tmp_path)
     assert 3 < len({c.clock.nanosec for c in clocks}) <= 51
 
 
+def test_the_clock_follows_simulated_time_that_stands_and_begins_again(client, tmp_path):
+    """Log times go on meanwhile, also those of a message without a stamp."""
+    text = bags.channel('/text', 'std_msgs/msg/String')
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION, text], {})
+    # (log time, stamp of simulated time or none) [s]
+    for log, stamp in ((0.0, None), (0.1, 1.0), (0.2, 1.1), (0.9, None), (1.3, 1.2), (1.4, 1.15),
+                       (1.5, 1.25), (1.6, 0.2), (1.8, 0.3)):
+        writer.clock = lambda log=log: 10**18 + round(log * 1e9)
+        writer.write(*((1, bags.encode('std_msgs/msg/String', data='text')) if stamp is None else
+                       (0, bags.motion(round(stamp * 1e9)))))
+    clocks = client.hear(Clock, '/clock')
+    process = fourbar('replay', writer.close(), '--clock', '1000', '--delay', '3')
+    assert finished(process, client)[0] == 0
+    times = [c.clock.sec + 1e-9 * c.clock.nanosec for c in clocks]
+    back = [k for k in range(1, len(times)) if times[k] < times[k - 1]]
+    assert len(back) == 1 and max(times) < 1.251 and 0.199 < min(times) == times[back[0]]
+
+
+def test_a_replay_that_skips_latches_and_one_that_is_late_has_a_clock(client, tmp_path):
+    text = bags.channel('/text', 'std_msgs/msg/String', 1, latched=True)
+    writer = BagWriter(tmp_path, 'run', [
+        text, bags.MOTION, bags.channel('/clock', 'rosgraph_msgs/msg/Clock')], {})
+    for k in range(200):
+        writer.clock = lambda k=k: 10**18 + k * 10**7
+        if k < 50:
+            writer.write(0, bags.encode('std_msgs/msg/String', data=str(k)))
+        writer.write(1, bags.motion(10**9 + k * 10**7))
+        writer.write(2, bags.encode('rosgraph_msgs/msg/Clock', clock=bags.stamp(k).stamp))
+    clocks, texts = client.hear(Clock, '/clock'), client.hear(String, '/text', LATCHED)
+    process = fourbar('replay', writer.close(), '--clock', '--start', '1', '--rate', '1e6',
+                      '--loop')
+    client.until(lambda: clocks and '49' in [t.data for t in texts], 'the latched text, a clock')
+    process.send_signal(signal.SIGINT)
+    finished(process, client)
+    assert all(c.clock.sec in (2, 3) for c in clocks)
+
+
 def test_a_live_node_driven_by_the_bag_records_the_same_answers(run_node, client, bag, tmp_path):
     node = run_node({**FULL, **NOTHING_MISSED, **recording_in(tmp_path)})
     code, said = finished(fourbar('replay', bag, '--inputs-only'), client)
