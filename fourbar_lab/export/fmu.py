@@ -62,7 +62,7 @@ def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]
     variables = _variables(model, code.drive)
     text = _source(code)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
-    source = text.replace('GUID', f'{{{guid}}}')
+    source = text.replace('"GUID"', f'"{{{guid}}}"')       # which no name of the scene is
     description = _description(model, variables, f'{{{guid}}}')
     inside = {'modelDescription.xml': as_text(description).encode(),
               f'sources/{model.name}.c': source.encode()}

@@ -147,12 +147,11 @@ class Robot:
                     axis: Array | None = None) -> None:
         """Add a joint that closes a loop; ``poses``: its own on both bodies, axis in the root."""
         (parent, child), (here, there) = bodies, poses
-        has_axis = axis is not None and kind in (PIN, SLIDE)
         turn = 0.5 * (np.trace(here[:3, :3].T @ there[:3, :3]) - 1.0)       # its cosine
         self.joints.append(RobotJoint(
             name, POINT if axis is None and kind == PIN else kind, parent, child, here[:3, 3],
-            there[:3, 3], axis / np.linalg.norm(axis) if axis is not None and has_axis else None,
-            closes=True,
+            there[:3, 3], unit_vector(name, axis) if axis is not None and kind in (PIN, SLIDE)
+            else None, closes=True,
             turned=float(np.arccos(np.clip(turn, -1.0, 1.0))) if kind == FIXED else 0.0))
 
     def add_fixed_bodies(self) -> None:
@@ -162,6 +161,13 @@ class Robot:
         self.frames |= {joint.child: (joint.child, joint.on_child) for joint in self.joints
                         if joint.kind == FIXED and joint.child not in closing
                         and not CUT.match(joint.child) and not joint.parent.endswith('_hinge')}
+
+
+def unit_vector(joint: str, axis: Array) -> Array:
+    """Return the direction of a joint's axis; raises Refused of one without length."""
+    if not np.any(axis):
+        raise Refused(f'{joint}: its axis is 0 0 0')
+    return axis / np.linalg.norm(axis)
 
 
 def word(name: str, kind: str) -> str:

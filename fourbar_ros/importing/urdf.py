@@ -90,15 +90,25 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise Refused(f'{path}: is no XML: {error}') from None
-    links = {link.get('name', ''): link for link in root.findall('link')}
-    joints = {}
+    links, joints = dict[str, Element](), dict[str, _TreeJoint]()
+    for element in root.findall('link'):
+        name = element.get('name', '')
+        if name in links:
+            raise Refused(f'two links are called {name!r}')
+        links[name] = element
+    above = dict[str, str]()            # {link: the joint whose child it is}
     for element in root.findall('joint'):
-        axis = np.array(_floats(_word(element, 'axis', 'xyz', '1 0 0')))
+        name, kind = element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL)
         ends = _word(element, 'parent', 'link'), _word(element, 'child', 'link')
-        _check_links(f'joint {element.get("name")}', ends, links)
-        joints[element.get('name', '')] = _TreeJoint(
-            element, KINDS.get(element.get('type', ''), robots.BALL), *ends,
-            axis / (np.linalg.norm(axis) or 1.0))
+        _check_links(f'joint {name}', ends, links)
+        if name in joints:
+            raise Refused(f'two joints are called {name!r}')
+        if (first := above.setdefault(ends[1], name)) != name:
+            raise Refused(f'{ends[1]} is the child of {first} and of {name}, and URDF is a tree: '
+                          'close the loop by frames that coincide (--close)')
+        axis = np.array(_floats(_word(element, 'axis', 'xyz', '1 0 0')))
+        joints[name] = _TreeJoint(element, kind, *ends, robots.unit_vector(name, axis)
+                                  if kind in (robots.PIN, robots.SLIDE) else axis)
     roots = links.keys() - {joint.child for joint in joints.values()}
     if len(roots) != 1:
         raise Refused(f'{path}: has {len(roots)} roots, {", ".join(sorted(roots))}')
@@ -126,10 +136,11 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     for name in links:
         inertial = links[name].find('inertial')
         if inertial is not None:
-            xx, yy, zz, xy, xz, yz = (_float(inertial, 'inertia', axes) for axes in (
-                'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'))
-            robot.add_inertial(name, _float(inertial, 'mass', 'value'),
-                               poses[name] @ _pose_in(inertial, 'origin'),
+            mass, xx, yy, zz, xy, xz, yz = [
+                _floats(_word(inertial, tag, called), 1, f'for {called} of {tag} in {name}')[0]
+                for tag, called in (('mass', 'value'), *(('inertia', axes) for axes in (
+                    'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz')))]
+            robot.add_inertial(name, mass, poses[name] @ _pose_in(inertial, 'origin'),
                                np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
     of_none = [name for name, (_, _, inertia) in robot.inertials.items()
                if 2.0 * np.linalg.norm(inertia, 2) > (1.0 + 1e-9) * np.trace(inertia)]
@@ -140,6 +151,8 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     for name, joint in joints.items():
         pose, element = poses[joint.child], joint.element
         low, high = (_float(element, 'limit', end) for end in ('lower', 'upper'))
+        if low > high:
+            raise Refused(f'{name}: its lower limit, {low:g}, is above the upper, {high:g}')
         robot.joints.append(robots.RobotJoint(
             name, joint.kind, joint.parent, joint.child, pose[:3, 3], pose[:3, 3],
             pose[:3, :3] @ joint.axis if joint.kind in (robots.PIN, robots.SLIDE) else None,

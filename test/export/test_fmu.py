@@ -126,6 +126,16 @@ def test_out_of_range_is_a_status_and_parameters_change(paper):
 
 
 @needs_compiler
+def test_a_scene_may_be_called_like_a_word_of_the_source(tmp_path):
+    """Of GUIDE it made {23dc...}E_step: no binary, and sources that nobody can build."""
+    written = generate('paper', tmp_path, 'fmu2', name='GUIDE')
+    unit = Unit(written.files[0], tmp_path / 'unit')
+    unit.set(theta1=1.0)
+    assert not written.notes
+    assert unit.get('theta4') == [load_scene('paper').linkage.motion(1.0).theta4]
+
+
+@needs_compiler
 def test_states_are_kept_and_restored(paper):
     kept, first = c_void_p(), paper.get('theta1', 'a1', 'f41')
     paper.set(**{'theta1': 0.7, 'omega1': 3.0, 'bodies.crank.mass': 1.5})

@@ -161,6 +161,8 @@ def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
 TIP = (LINK.format(name='tip-1', cg='0 0 0', mass=0.25) + JOINT.format(
     name='mount', kind='fixed', parent='link', child='tip-1', xyz='0.5 0.1 0.6', rpy='0 0 0',
     axis='0 0 0'))
+SECOND = JOINT.format(name='elbow', kind='continuous', parent='arm', child='link', xyz='0 0 0.5',
+                      rpy='0 0 0', axis='0 1 0')
 MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', xyz='0 0 0',
                      rpy='0 0 0', axis='0 1 0').replace('</joint>',
                                                         '<mimic joint="pivot"/></joint>')
@@ -201,7 +203,19 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
      'joint shoulder: its child arms is no link of the file; did you mean arm[?]$'),
     (robot().replace('"0 0 0.4"', '"0 0.4"'), {}, "'0 0.4' in the URDF: must be 3 numbers$"),
     (robot().replace('"0 0 0.4"', '"0 nan 0.4"'), {}, 'must be 3 numbers$'),
-    (robot().replace('mass value="2"', 'mass value=""'), {}, "'' in the URDF: must be 1 number$"),
+    (robot().replace('mass value="2"', 'mass value=""'), {},
+     "'' for value of mass in arm: must be 1 number$"),
+    (robot().replace('ixx="0.04"', '', 1), {},
+     "'' for ixx of inertia in arm: must be 1 number$"),
+    (robot(more=LINK.format(name='arm', cg='0 0 0', mass=9)), {}, "two links are called 'arm'$"),
+    (robot(more=SECOND), {}, "two joints are called 'elbow'$"),
+    (robot(more=SECOND.replace('elbow', 'knee')), {}, 'link is the child of elbow and of knee, and '
+     'URDF is a tree: close the loop by frames that coincide .--close.$'),
+    (robot(pivot='0 0 0'), {}, 'pivot: its axis is 0 0 0$'),
+    (robot(GAZEBO.format(axis='0 0 0', frame='')), {}, 'tip: its axis is 0 0 0$'),
+    (robot(more='<link name="foot"/>' + MIMIC.replace('<mimic', '<limit lower="1" upper="-1"/>'
+                                                      '<mimic')), {},
+     'pad: its lower limit, 1, is above the upper, -1$'),
     (robot(''), {'close': ['link,lever@0/0.004']},
      "'0 0.004' of --close lever@0/0.004: must be 3 numbers$"),
     (robot().replace('mass value="2"', 'mass value="-2"'), {}, 'arm has a negative mass, -2 kg$'),
