@@ -59,7 +59,7 @@ then:
 def add(verbs: Verbs) -> None:
     new = add_verb(verbs, 'new', 'write a scene from a few numbers', DESCRIPTION, EPILOG)
     add_output(new, 'file', metavar='FILE', suffix='.yaml', help='scene to write, e.g. my.yaml')
-    new.add_argument('--kind', choices=KINDS, default='four_bar', metavar='KIND',
+    new.add_argument('--kind', choices=KINDS, metavar='KIND',
                      help=f'{", ".join(KINDS)} (default four_bar)')
     for name in LENGTHS:
         texts = dict.fromkeys(length.text for kind in KINDS.values() for length in kind.LENGTHS
@@ -74,7 +74,7 @@ def add(verbs: Verbs) -> None:
     new.add_argument('--links', nargs='+', type=lambda text: text.split('-'), metavar='LINK',
                      help='with --points: points of each link, the crank first, O1-A A-B-P B-O4; '
                           'default: one after another')
-    new.add_argument('--mode', type=assembly_mode, default=2, metavar='MODE',
+    new.add_argument('--mode', type=assembly_mode, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
     new.add_argument('--speed', type=of('rad/s'), metavar='SPEED',
                      default='60rpm', help='of the crank [rad/s], or 300rpm (default 60rpm)')
@@ -83,7 +83,7 @@ def add(verbs: Verbs) -> None:
                          help='flat bars of this section, e.g. 20x5mm')
     section.add_argument('--rod', type=lambda text: f'radius: {0.5 * of("m")(text)!r}',
                          metavar='DIAMETER', help='round rods, e.g. 8mm')
-    new.add_argument('--material', type=_density, default='steel', metavar='MATERIAL',
+    new.add_argument('--material', type=_density, metavar='MATERIAL',
                      help=f'{", ".join(MATERIALS)}, or a density [kg/m^3] (default steel)')
     new.set_defaults(run=_new)
 
@@ -116,12 +116,16 @@ def _new(arguments: Namespace) -> None:
         raise InvalidParameter('FILE', str(path), 'must end in .yaml')
     lengths = {name: value for name in LENGTHS if (value := getattr(arguments, name)) is not None}
     # speed, section and density, of scene_text() and text_of_points() alike
-    options = arguments.speed, arguments.bar or arguments.rod or '', arguments.material
-    if arguments.points and lengths or arguments.links and not arguments.points:
-        raise InvalidParameter('--points', None, 'stand in place of lengths, and --links with '
-                               'them')
-    text = (text_of_points(arguments.points, arguments.links, *options) if arguments.points
-            else scene_text(arguments.kind, lengths, arguments.mode, *options))
+    section = arguments.bar or arguments.rod or ''
+    options = arguments.speed, section, arguments.material or MATERIALS['steel']
+    if (arguments.points and (lengths or arguments.kind or arguments.mode)
+            or arguments.links and not arguments.points):
+        raise InvalidParameter('--points', None, 'stand in place of kind, lengths and mode, and '
+                               '--links with them')
+    if arguments.material and not section:
+        raise InvalidParameter('--material', arguments.material, 'is that of --bar or --rod')
+    text = (text_of_points(arguments.points, arguments.links, *options) if arguments.points else
+            scene_text(arguments.kind or 'four_bar', lengths, arguments.mode or 2, *options))
     scene = from_values(flatten(parse(text)['/**']['ros__parameters'], path))
     path.write_text(text, encoding='utf-8')
     branch = scene.linkage.branch_in_words
