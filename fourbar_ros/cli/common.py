@@ -21,7 +21,7 @@ Verbs = Any     # what add_subparsers() of argparse returns: add_parser() adds a
 
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
-NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-z][\w/^]*)?$')
+NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-z][\w/^]*)?(,\S*)?$')
 
 
 class Parser(argparse.ArgumentParser):
@@ -29,7 +29,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
-        # argparse would take -1e-9 and -5mm for options
+        # argparse would take -1e-9, -5mm and -1,0,0 for options
         self._negative_number_matcher = NEGATIVE
         self._typed: list[str] = []              # the words of the command line
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from fourbar_ros.cli.common import add_output, add_verb, BAD, Verbs
+from fourbar_ros.scene.units import of
 
 EPILOG = """\
 examples:
@@ -68,12 +69,11 @@ def _mode(text: str) -> tuple[str, int]:
     return name, int(mode)
 
 
-def _vector(text: str) -> tuple[float, float, float]:
-    try:
-        x, y, z = map(float, text.split(','))
-    except ValueError:
-        raise ArgumentTypeError(f'{text!r}: must be X,Y,Z') from None
-    return x, y, z
+def _vector(text: str) -> tuple[float, ...]:
+    numbers = tuple([of('m/s^2')(number) for number in text.split(',')])
+    if len(numbers) != 3:
+        raise ArgumentTypeError(f'{text!r}: must be X,Y,Z')
+    return numbers
 
 
 def wishes_of(arguments: Namespace) -> Any:

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A planar loop of a robot as a scene: what drives it, dyad after dyad, masses, joints, frame."""
 from collections.abc import Mapping, Sequence
-from math import atan2, hypot, tau
+from math import tau
 from typing import NamedTuple
 
 from fourbar_ros.importing.loops import base_of, check_freedom, CLOSED, Loop, normal_of
 from fourbar_ros.importing.plane import CYLINDER, Plane
 from fourbar_ros.importing.robots import Coupling, Refused, RobotJoint, SLIDE, Wishes, word
 from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.scene.base import rpy_of
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import ParameterValues
 import numpy as np
@@ -219,9 +220,7 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     values = {
         'frame_id': frame_id, 'frame.parent': frame,
         'frame.xyz': [*map(float, turned @ (origin - loop.robot.poses[frame][:3, 3]))],
-        'frame.rpy': [atan2(axes[2, 1], axes[2, 2]),
-                      atan2(-axes[2, 0], hypot(axes[0, 0], axes[1, 0])),
-                      atan2(axes[1, 0], axes[0, 0])],
+        'frame.rpy': rpy_of(axes.T.tolist()),
         **plane.values,
         'drive.source': 'joint_state', 'drive.joint': motor.motor,
         'drive.joint_ratio': drive.ratio / motor.ratio,

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """How another frame, of a robot's link or of messages, lies to that of the mechanism."""
 from collections.abc import Sequence
-from math import cos, hypot, sin
+from math import atan2, cos, hypot, sin
 
 from fourbar_ros.errors import InvalidParameter
 
@@ -15,6 +15,15 @@ def quaternion_of(rpy: Sequence[float]) -> tuple[float, float, float, float]:
     (c_r, s_r), (c_p, s_p), (c_y, s_y) = [(cos(angle), sin(angle)) for angle in half]
     return (s_r * c_p * c_y - c_r * s_p * s_y, c_r * s_p * c_y + s_r * c_p * s_y,
             c_r * c_p * s_y - s_r * s_p * c_y, c_r * c_p * c_y + s_r * s_p * s_y)
+
+
+def rpy_of(axes: Sequence[Sequence[float]]) -> list[float]:
+    """Return roll, pitch, yaw [rad] about fixed axes of the axes that rotation_of() gives."""
+    (x_x, x_y, x_z), (y_x, y_y, _), (z_x, z_y, _) = axes
+    # where x is along z any yaw will do, and the roll is what it leaves
+    yaw = atan2(x_y, x_x)
+    return [atan2(sin(yaw) * z_x - cos(yaw) * z_y, cos(yaw) * y_y - sin(yaw) * y_x),
+            atan2(-x_z, hypot(x_x, x_y)), yaw]
 
 
 def rotation_of(rotation: Sequence[float]) -> Rows:

@@ -9,6 +9,8 @@ from fourbar_ros.description import describe
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.importing.robots import Refused
 from fourbar_ros.mechanisms.curves import point_of
+from fourbar_ros.scene.base import rotation_of
+from fourbar_ros.scene.files import read_values
 from fourbar_ros.scene.scene import from_values
 import numpy as np
 import pytest
@@ -91,6 +93,33 @@ def test_axes_that_are_not_parallel_are_said_without_mujoco_too(tmp_path, monkey
     assert not result.is_good and result.report[-1] == (
         '  warning: the axes, which are not parallel, are taken as parallel: not compared: '
         'import --check requires mujoco: pip install mujoco')
+
+
+@pytest.mark.parametrize('gravity', [(9.8, 0.0, 0.0), (-9.8, 0.0, 0.0), (-9.8, 1.0, 1e-9),
+                                     (0.0, 0.0, 9.8), (3.0, 0.0, -4.0)])
+def test_the_frame_is_right_where_x_of_the_scene_is_z_of_the_robot(gravity, tmp_path):
+    """Pitch 90 degrees: roll and yaw were those of rounding, the plane a quarter turn off."""
+    scene = read(tmp_path, robot(), gravity=gravity).loops[0].scene
+    motion = scene.linkage.motion(scene.drive.start, 0.0, 0.0)
+    turned = np.array(rotation_of(scene.frame.rpy)).T
+    elbow = 0.4 * np.cos(motion.theta_crank), 0.4 * np.sin(motion.theta_crank)
+    pivot = scene.values['dyads.d1.second.along'], scene.values['dyads.d1.second.across']
+    for point, there in ((elbow, (0.0, 0.0, 0.4)), (pivot, (1.0, 0.0, 0.0))):
+        assert scene.frame.xyz + turned @ [*point, 0.0] == pytest.approx(there, abs=1e-15)
+
+
+def test_gravity_is_three_finite_numbers_in_any_unit(tmp_path, capsys):
+    read(tmp_path, robot())
+    command = ['import', str(tmp_path / 'urdf' / 'robot.urdf'), '--gravity']
+    out = ['-o', str(tmp_path / 'scene.yaml')]
+    assert main([*command, '-9810mm/s^2,0,0.5', *out]) == 0
+    gravity = from_values(read_values(tmp_path / 'scene.yaml')).linkage.gravity
+    assert np.hypot(*gravity) == pytest.approx(np.hypot(9.81, 0.5), rel=1e-15)
+    capsys.readouterr()
+    for wrong in ('0,0', '0,0,nan', '0,0,inf', '1,2,3kg'):
+        with pytest.raises(SystemExit):
+            main([*command, wrong])
+        assert capsys.readouterr().err.count('\n') == 1
 
 
 def test_a_loop_closed_at_points_is_described_and_read_again(tmp_path):
