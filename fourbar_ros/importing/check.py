@@ -164,6 +164,7 @@ def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
             equality.data[:11] = [0.0] * 6 + [1.0, 0.0, 0.0, 0.0, 1.0]
     model = mjcf.compiled(spec, path)
     model.opt.gravity[:] = robot.gravity
+    model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
     pose = model.qpos0.copy()
     for joint in robot.joints:
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)

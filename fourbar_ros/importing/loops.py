@@ -116,7 +116,7 @@ def loops_of(robot: robots.Robot, lock: Sequence[str] = (), cut: Sequence[str] =
         raise Refused('no closed loop in the file' + ''.join(f'; {note}' for note in idle) + (
             f'; it has {len(coupled)} mimic or gear joints ({", ".join(coupled[:4])}), which are '
             'none' if coupled else '') + ''.join(
-            f'; {note}' for note in robot.notes if note.startswith('actuator ')) + (
+            f'; {note}' for note in robot.notes if note.startswith(('actuator ', 'equality '))) + (
             f'; name the frames that coincide by --close A,B{_might_close(robot, link_of)}'
             if robot.format == 'URDF' else ''))
     return [Loop(robot, link_of, [moving[index] for index in sorted(circle)])

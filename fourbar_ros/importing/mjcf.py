@@ -100,13 +100,15 @@ def compiled(spec: Any, path: Path) -> Any:
 
 
 def equality_name(model: Any, index: int) -> str:
-    """Return the name of an equality constraint; of one without, those of its two bodies."""
+    """Return the name of an equality constraint; of one without, those of its two ends."""
     import mujoco
     ends = model.eq_obj1id[index], model.eq_obj2id[index]
     if (name := model.equality(index).name) or ends[1] < 0:
         return str(name or f'equality_{index}')
-    kind = int(model.eq_objtype[index])
-    return '~'.join(mujoco.mj_id2name(model, kind, int(end)) or str(end) for end in ends)
+    kind = {int(mujoco.mjtEq.mjEQ_JOINT): mujoco.mjtObj.mjOBJ_JOINT,
+            int(mujoco.mjtEq.mjEQ_TENDON): mujoco.mjtObj.mjOBJ_TENDON,
+            }.get(int(model.eq_type[index]), model.eq_objtype[index])
+    return '~'.join(mujoco.mj_id2name(model, int(kind), int(end)) or str(end) for end in ends)
 
 
 def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
@@ -127,7 +129,8 @@ def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     for name, position in wishes.positions(dict(zip(joints, kinds))).items():
         data.qpos[model.jnt_qposadr[joints.index(name)]] = position
     mujoco.mj_kinematics(model, data)
-    robot = robots.Robot('MJCF', bodies[0], model.opt.gravity.copy(), unweighed=lost)
+    has_gravity = not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    robot = robots.Robot('MJCF', bodies[0], model.opt.gravity * has_gravity, unweighed=lost)
     for index, name in enumerate(bodies):
         robot.poses[name] = pose_of(data.xmat[index].reshape(3, 3), data.xpos[index])
         if index:
@@ -158,6 +161,8 @@ def read_mjcf(path: Path, wishes: robots.Wishes) -> robots.Robot:
         ('armature', model.dof_armature)) if np.any(values)]
     if left_out:
         robot.notes.append(f'left out of the scenes: {"; ".join(left_out)} of joints')
+    if np.any(model.body_gravcomp):
+        robot.notes.append('left out of the scenes: gravcomp of bodies, which have their weight')
     closing = {site for index in range(model.neq)
                for site in _add_equality(robot, model, data, index, bodies, joints)}
     robot.add_fixed_bodies()
@@ -190,7 +195,8 @@ def _add_equality(robot: robots.Robot, model: Any, data: Any, index: int, bodies
     first, second = ends = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
     values, is_weld = model.eq_data[index], kind == kinds.mjEQ_WELD
     has_sites = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
-    if not model.eq_active0[index]:
+    are_off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    if are_off or not model.eq_active0[index]:
         robot.notes.append(f'equality {name} is not active: left out')
     elif kind == kinds.mjEQ_JOINT and second >= 0 and not np.any(values[2:5]):
         robot.couplings.append(robots.Coupling(joints[first], joints[second],

@@ -136,6 +136,28 @@ def test_the_plane_lies_wherever_it_is(euler, tmp_path):
     assert said == (square > 1e-6)
 
 
+def flagged(name, **changes):
+    return robot(**changes).replace('gravity="0 0 -9.81"/>', f'gravity="0 0 -9.81"><flag {name}='
+                                    '"disable"/></option>')
+
+
+def test_what_the_flags_of_a_file_switch_off_is_off(tmp_path):
+    loop, _ = good(tmp_path, flagged('gravity'))
+    assert loop.scene.linkage.gravity in (None, (0.0, 0.0))
+    loop, _ = good(tmp_path, flagged('gravity'), gravity=(0.0, 0.0, -3.7))
+    assert loop.scene.linkage.gravity == pytest.approx((0.0, -3.7), abs=1e-15)
+    with pytest.raises(Refused, match='in the file; equality tip is not active: left out$'):
+        read(tmp_path, flagged('equality'))
+
+
+def test_what_holds_weight_and_couples_joints_in_other_ways_is_a_note(tmp_path):
+    _, report = good(tmp_path, robot(
+        equality=CONNECT + '<joint joint1="elbow" joint2="shoulder" polycoef="0 1 1 0 0"/>'
+    ).replace('<body name="link"', '<body name="link" gravcomp="1"'))
+    assert ' note: left out of the scenes: gravcomp of bodies, which have their weight' in report
+    assert ' note: equality elbow~shoulder is of another type: left out' in report
+
+
 def test_a_negative_axis_is_a_ratio_of_minus_one(tmp_path):
     loop, _ = good(tmp_path, robot(axis='0 0 -1'))
     assert loop.scene.joint_states.ratios == [1.0, 1.0, 1.0, -1.0]

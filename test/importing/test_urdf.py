@@ -238,8 +238,8 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
      "'' for ixx of inertia in arm: must be 1 number$"),
     (robot(more=LINK.format(name='arm', cg='0 0 0', mass=9)), {}, "two links are called 'arm'$"),
     (robot(more=SECOND), {}, "two joints are called 'elbow'$"),
-    (robot(more=SECOND.replace('elbow', 'knee')), {}, 'link is the child of elbow and of knee, and '
-     'URDF is a tree: close the loop by frames that coincide .--close.$'),
+    (robot(more=SECOND.replace('elbow', 'knee')), {}, 'link is the child of elbow and of knee, '
+     'and URDF is a tree: close the loop by frames that coincide .--close.$'),
     (robot(pivot='0 0 0'), {}, 'pivot: its axis is 0 0 0$'),
     (robot(GAZEBO.format(axis='0 0 0', frame='')), {}, 'tip: its axis is 0 0 0$'),
     (robot(more='<link name="foot"/>' + MIMIC.replace('<mimic', '<limit lower="1" upper="-1"/>'
