@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.ros.refusals import in_one_line, init
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
 import rclpy
@@ -97,14 +98,15 @@ AnyClient = TypeVar('AnyClient', bound=NodeClient)
 @contextmanager
 def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
     """Initialise ROS for a ``with`` block; give ``make(a new node of this name)``, close all."""
-    rclpy.init()
+    init()
     try:
-        client = make(rclpy.create_node(name))
-        try:
-            yield client
-        finally:
-            client.close()
-            client.node.destroy_node()
+        with in_one_line():
+            client = make(rclpy.create_node(name))
+            try:
+                yield client
+            finally:
+                client.close()
+                client.node.destroy_node()
     finally:
         rclpy.try_shutdown()
 

@@ -7,7 +7,7 @@ The folder NAME holds NAME_0.mcap, NAME_1.mcap, ... and metadata.yaml; each file
 metadata of that file. (``rosbags`` writes the same only when a bag is closed.)
 """
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 import os
 from pathlib import Path
@@ -72,6 +72,15 @@ def loaded(text: str) -> Any:
     return yaml.load(text, getattr(yaml, 'CSafeLoader', yaml.SafeLoader))       # C's if any
 
 
+def profiles(channel: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Return the offered quality of service of a channel by its metadata; [] if it has none."""
+    with suppress(yaml.YAMLError):           # anybody may have made the bag
+        offered = loaded(channel.get(QOS, ''))
+        if isinstance(offered, list) and all(isinstance(each, dict) for each in offered):
+            return offered
+    return []
+
+
 class FileContent(NamedTuple):
     """A file of a bag; ``span``: log times of the first and last message [ns], or None."""
 
@@ -98,7 +107,7 @@ def of_files(files: Sequence[FileContent]) -> Metadata:
         'topics_with_message_count': [
             {'topic_metadata': {
                 'name': topic.topic, 'type': topic.type, 'serialization_format': topic.encoding,
-                'offered_qos_profiles': loaded(topic.metadata.get(QOS) or '[]'),
+                'offered_qos_profiles': profiles(topic.metadata),
                 'type_description_hash': topic.metadata.get(HASH, '')},
              'message_count': topic.messages} for topic in topics.values()],
         'compression_format': '', 'compression_mode': '',

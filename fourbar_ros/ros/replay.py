@@ -12,8 +12,10 @@ from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError
 from fourbar_ros.ros import messages, schemas
 from fourbar_ros.ros.node.start import caught_signals, Signals
+from fourbar_ros.ros.refusals import init
 import rclpy
 from rclpy.duration import Duration
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -43,7 +45,7 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
     bag, count = reader.Bag(path), 0
     if missing := set(topics or ()) - bag.types.keys():
         raise BagError(f'{path}: no message on {", ".join(sorted(missing))}')
-    rclpy.init(args=list(ros_args), signal_handler_options=SignalHandlerOptions.NO)
+    init(ros_args, signal_handler_options=SignalHandlerOptions.NO)
     node = rclpy.create_node('fourbar_replay')
     names = topics or {topic: topic for topic in bag.types}
     publishers = {topic: made for topic, name in names.items()
@@ -153,19 +155,23 @@ def _publisher(node: Node, bag: reader.Bag, topic: str, name: str) -> Publisher 
                                   'definition than the one installed')
         return None
     offered, is_latched = _offered(bag, topic), _is_latched(bag, topic)
-    is_best_effort = offered.get('reliability') in ('best_effort', 2)
-    return node.create_publisher(message_class, name, QoSProfile(
-        depth=max(offered.get('depth', 1), 1 if is_latched else DEPTH),
-        reliability=(ReliabilityPolicy.BEST_EFFORT if is_best_effort
-                     else ReliabilityPolicy.RELIABLE),
-        durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched
-                    else DurabilityPolicy.VOLATILE)))
+    is_best_effort, depth = offered.get('reliability') in ('best_effort', 2), offered.get('depth')
+    is_depth = isinstance(depth, int) and 0 < depth < 2**31
+    try:
+        return node.create_publisher(message_class, name, QoSProfile(
+            depth=max(depth if is_depth else 1, 1 if is_latched else DEPTH),
+            reliability=(ReliabilityPolicy.BEST_EFFORT if is_best_effort
+                         else ReliabilityPolicy.RELIABLE),
+            durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched
+                        else DurabilityPolicy.VOLATILE)))
+    except InvalidTopicNameException:
+        node.get_logger().warning(f'{topic!r}: left out: ROS 2 has no such names of topics')
+        return None
 
 
 def _offered(bag: reader.Bag, topic: str) -> dict[str, Any]:
-    """Return the quality of service of a topic, {} if not known; in words, of old bags numbers."""
-    profiles = metadata.loaded(bag.channel_of(topic).get(metadata.QOS, '')) or [{}]
-    return dict(profiles[0])
+    """Return the quality of service of a topic; of Jazzy in words, of older bags rmw's numbers."""
+    return (metadata.profiles(bag.channel_of(topic)) or [{}])[0]
 
 
 def _is_latched(bag: reader.Bag, topic: str) -> bool:

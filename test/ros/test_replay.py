@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 from bag.test_other_writers import by_mcap
+from fourbar_ros.bag import metadata
 from fourbar_ros.bag.comparison import diff
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
@@ -170,11 +171,15 @@ def test_what_cannot_be_replayed_is_one_line(client, bag):
              (['replay', bag, '--start', '99', '--loop', '--delay', '0'], 'no message after 99'),
              (['replay', bag, '--inputs-only', '--node', '/nobody'], 'no run of /nobody'),
              (['replay', bag, '--inputs-only'], 'no node listens on /fourbar/input'),
+             (['replay', bag, '--ros-args', '-r', 'wrong'], 'remap rule'),
+             (['replay', bag, '--ros-args', '--wrong'], 'ROS 2 knows no argument'),
+             (['record', 'stop', '--node', '/no body'], '/no body/stop_recording'),
              (['record', 'start', '--node', '/nobody', '--wait', '1'], '/nobody')]
     for (_, said), process in zip(wrong, [fourbar(*words) for words, _ in wrong]):
         code, text = finished(process, client)
         last = text.splitlines()[-1]
         assert code == 1 and last.startswith('fourbar: ') and said in last, text
+        assert 'Traceback' not in text
 
 
 def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_path):
@@ -188,6 +193,23 @@ def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_pa
     assert code == 0 and '2 messages published' in said, said
     assert ('/other: left out' in said and 'another definition' in said
             and 'no_msgs/msg/Such is not installed' in said)
+
+
+@pytest.mark.parametrize('offered', [
+    ': : :', '{a: 1}', '- 3', '- depth: much', '- {depth: 100000000000, durability: [1]}'])
+def test_names_and_quality_of_service_that_ros_does_not_know_stop_no_other_topic(
+        client, tmp_path, offered):
+    """Anybody may have made the bag."""
+    class Strange(metadata.Channel):
+        @property
+        def metadata(self):
+            return {**super().metadata, metadata.QOS: offered}
+    good = bags.channel('/good', 'std_msgs/msg/String')
+    writer = BagWriter(tmp_path, 'run', [Strange(*good), good._replace(topic='/no name')], {})
+    for number in (0, 1, 0):
+        writer.write(number, bags.encode('std_msgs/msg/String', data='text'))
+    code, said = finished(fourbar('replay', writer.close(), '--delay', '0'), client)
+    assert code == 0 and '2 messages published' in said and "'/no name': left out" in said, said
 
 
 def test_recording_from_the_command_line(run_node, client, tmp_path):

@@ -76,35 +76,23 @@ def run(arguments: Sequence[str], signals: Signals) -> int:
     from fourbar_ros.errors import FourBarError
     from fourbar_ros.ros.node.node import FourBarNode
     from fourbar_ros.ros.node.rclpy_guard import spin
+    from fourbar_ros.ros.refusals import in_one_line, init
     from fourbar_ros.scene.files import sections
     import rclpy
-    from rclpy.exceptions import NameValidationException, ParameterException
-    from rclpy.impl.implementation_singleton import rclpy_implementation
     from rclpy.signals import SignalHandlerOptions
 
-    unknown = rclpy_implementation.UnknownROSArgsError
-    # a file that rcl cannot parse, names that are not valid, another type for a parameter
-    ros_errors = (rclpy_implementation.RCLError, unknown, NameValidationException,
-                  ParameterException)
     nodes: list[FourBarNode] = []
     try:
-        for option, file in zip(arguments, arguments[1:]):
-            if option == '--params-file':
-                sections(file)               # what is wrong with it, in better words than rcl's
-        names, namespace = asked(arguments)
-        try:
-            rclpy.init(args=['fourbar_node', *arguments],
-                       signal_handler_options=SignalHandlerOptions.NO)
-        except ros_errors:
-            raise
-        except RuntimeError as error:        # of rclpy's own, without a type
-            raise FourBarError(f'no log (ROS_LOG_DIR): {error}') from None
-        for name in names:
-            nodes.append(FourBarNode(name, namespace, arguments))
-    except (FourBarError, *ros_errors) as error:
-        why = (f'ROS 2 knows no argument {error}' if isinstance(error, unknown)
-               else ' '.join(str(error).split()))
-        print(f'fourbar_node: {why}', file=sys.stderr)
+        with in_one_line():
+            for option, file in zip(arguments, arguments[1:]):
+                if option == '--params-file':
+                    sections(file)           # what is wrong with it, in better words than rcl's
+            names, namespace = asked(arguments)
+            init(arguments, signal_handler_options=SignalHandlerOptions.NO)
+            for name in names:
+                nodes.append(FourBarNode(name, namespace, arguments))
+    except FourBarError as error:
+        print(f'fourbar_node: {" ".join(str(error).split())}', file=sys.stderr)
         close(nodes)
         rclpy.try_shutdown()
         return 2
