@@ -38,6 +38,7 @@ class Scale(NamedTuple):
                 acceleration / self.ratio)
 
 
+TURN = tau * (1.0 + 1e-6)      # [rad] positions that wrap lie within it, rounded as floats are
 SURE = 0.02            # [rad] so near to a whole turn is a step from rest that wraps
 
 
@@ -49,39 +50,45 @@ class TurnCounter:
     repeats after two turns it must count them. That it wraps shows where a step is a turn away
     from the one expected at the rate so far, to half of that, while all positions lie within a
     turn. From then on a position is in the turn nearest to the one expected. ``wraps`` tells
-    whether it does.
+    whether it does. One position beyond a turn is then a bad one; after two in a row it does not.
     """
 
     def __init__(self, gap: float) -> None:
         self._gap, self.wraps = nanoseconds(gap), False
-        self._low, self._high = inf, -inf
+        self._low, self._high, self._is_bad = inf, -inf, False
         self._time, self._position, self._rate = 0, nan, nan     # of the newest sample
 
     def counted(self, time: int, position: float, velocity: float) -> tuple[float, bool]:
         """
         Return (position with its turns [rad], whether they are in doubt) of a sample.
 
-        ``time`` is its stamp [ns]; ``velocity`` [rad/s] may be NaN. In doubt: after a pause.
+        ``time`` is its stamp [ns]; ``velocity`` [rad/s] may be NaN. In doubt: after a pause, or
+        beyond a turn; a step of a turn in positions that do not lie within one.
         """
         if not isfinite(position):
             return position, False
-        self._low, self._high = min(self._low, position), max(self._high, position)
         passed, before = (time - self._time) * 1e-9, self._position
         rate = velocity if isfinite(velocity) else self._rate
         is_paused = abs(time - self._time) > self._gap       # or the clock was set
         is_known = isfinite(before + rate) and not is_paused
         due = before + rate * passed if is_known else before
-        is_within_a_turn = self._high - self._low <= tau * (1.0 + 1e-6)
-        self.wraps = is_within_a_turn and (self.wraps or (
-            is_known and abs(position - before) > pi
-            and abs(abs(position - due) - tau) < SURE + 0.5 * abs(due - before)))
+        steps_a_turn = (is_known and abs(position - before) > pi
+                        and abs(abs(position - due) - tau) < SURE + 0.5 * abs(due - before))
+        low, high = min(self._low, position), max(self._high, position)
+        is_beyond = high - low > TURN
+        self._is_bad = is_beyond and self.wraps and not self._is_bad
+        if self._is_bad:
+            return continued(due, position), True
+        begins_afresh = is_beyond and (self.wraps or steps_a_turn)
+        self._low, self._high = (position, position) if begins_afresh else (low, high)
+        self.wraps = not is_beyond and (self.wraps or steps_a_turn)
         counted = continued(due, position) if self.wraps else position
         if passed > 0.0 or is_paused or isnan(before):           # it is not late
             step = counted - before          # a step of more than half a turn tells no rate
             self._rate = velocity if isfinite(velocity) else (
                 step / passed if abs(step) <= pi and passed > 0.0 and not is_paused else nan)
             self._time, self._position = time, counted
-        return counted, self.wraps and is_paused
+        return counted, begins_afresh or self.wraps and is_paused
 
 
 class SceneJoints:

@@ -201,6 +201,19 @@ def test_a_motor_that_counts_its_turns_is_taken_as_it_comes():
         assert (found == angles[order]).all() and not joint.wraps and not in_doubt
 
 
+@pytest.mark.parametrize('bad, turns', [([150], 0), ([150, 151], 3), ([10], 1)])
+def test_a_bad_position_does_not_end_the_count_of_turns_for_good(bad, turns):
+    """A single one costs no turn; two, or one before it is known to wrap, some, in doubt."""
+    t = np.arange(600) * 0.01
+    angles = 10.0 * t
+    sent = wrapped(angles)
+    sent[bad] += 4.0
+    joint, found, in_doubt = counted(sent, t)
+    apart = np.delete(found - angles, bad)[-300:]
+    assert joint.wraps and 0 < in_doubt <= 3 and np.ptp(apart) < 1e-12
+    assert abs(apart[-1]) <= 2.0 * np.pi * turns + 1e-12
+
+
 def test_after_a_pause_the_turn_of_an_encoder_that_wraps_is_in_doubt():
     t = np.r_[np.arange(300) * 0.01, 5.0, 5.01]
     _, found, in_doubt = counted(wrapped(4.0 * t), t)

@@ -149,12 +149,19 @@ def test_a_joint_without_a_position_is_named(run_node, client):
     client.listen(['state'])
     publisher = client.publisher('joint_state')
     short = JointState(name=['other', 'motor'], position=[0.1])
+    long = JointState(name=['motor', 'other'], position=[0.1, 0.2, 0.3])     # whose are they?
 
     def is_said():
         publisher.publish(short)
+        publisher.publish(long)
         return "no position of joint 'motor' in the input message" in node.said
     client.until(is_said, 'the reason')
     assert 'did you mean' not in node.said and not client.received['state']
+    good = JointState(name=['motor', 'other'], position=[0.1, 0.2], velocity=[3.0])
+    client.handshake(lambda: publisher.publish(good))
+    publisher.publish(good)
+    client.until(lambda: client.received['state'], 'an answer')
+    assert client.received['state'][0].omega1 != 3.0         # unknown, or of those before
 
 
 # --- changes while it runs -----------------------------------------------------------------------

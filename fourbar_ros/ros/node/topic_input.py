@@ -200,8 +200,8 @@ class TopicInput:
                                '(behind a gear, at a change point): its turns are counted from '
                                'the first message on, which is taken to be in turn 0')
         if is_in_doubt:
-            self._troubles.count('turns_in_doubt', f'{whose}: a pause in positions that wrap; '
-                                 'it may have made turns')
+            self._troubles.count('turns_in_doubt', f'{whose}: a pause in positions that wrap, or '
+                                 'one beyond a turn; it may have made turns')
         return position, velocity, acceleration
 
     def _note_other_joints(self, message: Message) -> None:
