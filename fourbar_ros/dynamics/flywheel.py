@@ -18,10 +18,10 @@ with G the integral in (W1). The smallest I at which the largest lower bound mee
 upper one is exact; the textbook's I = (largest change of energy) / (f r^2) leaves out that J
 varies.
 """
-from math import copysign, tau
+from math import tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation, require_input
+from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
@@ -32,8 +32,6 @@ import numpy as np
 SAMPLES, MOST_SAMPLES = 1024, 2**17     # of a turn
 NARROWEST = 16.0       # samples times the distance of a singularity from the real inputs
 CHANGES = 1e-6         # of the inertia by twice the samples, at which it counts as converged
-# Rounds of motion and torque at most; error of the rates, over their mean, that may be left.
-ROUNDS, RESOLVED = 300, 1e-6
 
 
 class Flywheel(NamedTuple):
@@ -42,7 +40,7 @@ class Flywheel(NamedTuple):
     inertia: float          # [kg m^2]; zero where none is needed
     torque: float           # [N m] constant torque of the drive
     fluctuation: float      # coefficient of speed fluctuation
-    position: Array         # [rad] over the cycle, from zero or, beside flat positions, next to it
+    position: Array         # [rad] over the cycle, from zero
     rate: Array             # [rad/s] there
 
     def __repr__(self) -> str:
@@ -56,7 +54,8 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     ``rate``: mean of the largest and the smallest rate [rad/s], 1e-100 to 1e100 in size;
     ``fluctuation``: the largest coefficient of speed fluctuation allowed. Raises InvalidParameter.
     """
-    require_input(equation)
+    if not isinstance(equation, Equation):
+        raise InvalidParameter('equation', equation, 'must be an Equation, as Equation(mechanism)')
     rate = rate_of_input('rate', rate)
     fluctuation = finite('fluctuation', fluctuation, 'must be a positive number', above=0.0)
     if abs(rate) < 1.0 / FASTEST:
@@ -84,16 +83,11 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
     # Damping and friction depend on the rate: motion and torque are found in turn, until the rates
     # stay.
     mechanism = equation.mechanism
-    # at flat positions, where loads are not known, or do friction and its pins lock
-    is_beside = (equation.has_resistance and mechanism.flat_inputs
-                 and not mechanism.locked_ranges(rate))
-    position: Array = (np.arange(mechanism.turns * count) + 0.5 * bool(is_beside)) * (tau / count)
+    position: Array = np.arange(mechanism.turns * count) * (tau / count)
     terms, rates = equation.terms(position), np.full(position.size, rate)
     resisting, change = np.zeros((2, position.size))        # R of (E9), dw/dt
-    derivative = 1j * np.arange(position.size // 2 + 1) / mechanism.turns       # of harmonics
-    total, series = terms.inertia, np.zeros(derivative.size, complex)
     most = min(most, 2.0)                # at which it comes to rest
-    for _ in range(ROUNDS):
+    for _ in range(100):
         if equation.has_resistance:         # from the drive that the loads of the motion need
             drive = getattr(mechanism.loads(position, rates, change), mechanism.drive_load)
             resisting = drive - (equation.torque(position, rates, change)
@@ -103,16 +97,11 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
                                        'not lock itself by friction')
         force, before = terms.force - terms.damping * rates - resisting, rates
         torque = -float(np.mean(force))                                                  # (W1)
-        # G, of a function of zero mean, by its Fourier series. Damping takes back so much of an
-        # energy per angle, here at most and at least: without that part, which is nothing once
-        # the energy stays, rounds with much of it would go ever farther off.
-        fading = np.divide(np.abs(terms.damping * rates + resisting), total * rates * rates,
-                           out=np.zeros_like(rates), where=rates != 0.0)
-        stiff = copysign(0.5 * (fading.max() + fading.min()), rate)
-        series = np.divide(np.fft.rfft(force + torque) + stiff * series, derivative + stiff,
-                           out=np.zeros_like(series), where=derivative != 0.0)
-        series[-1] = 0.0
-        gained, inertia = np.fft.irfft(series, position.size), 0.0
+        # the integral G of a function of zero mean and period 2 pi, by its Fourier series
+        series = np.fft.rfft(force + torque)
+        series[1:] /= 1j * np.arange(1, series.size)
+        series[0] = series[-1] = 0.0
+        gained, inertia = mechanism.turns * np.fft.irfft(series, position.size), 0.0
 
         def lack(fluctuation: float, gained: Array = gained) -> float:
             """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""
@@ -129,10 +118,6 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
         energy = np.max(0.5 * (rate * (1.0 - 0.5 * fluctuation))**2 * total - gained)
         rates = np.copysign(np.sqrt(2.0 * (energy + gained) / total), rate)
         change = (force + torque - terms.half_slope * rates * rates) / total
-        left = np.max(np.abs(rates - before)) / abs(rate)
-        if left <= 1e-14:
+        if np.max(np.abs(rates - before)) <= 1e-14 * abs(rate):
             break
-    if not left * (1.0 + abs(stiff)) <= RESOLVED:
-        raise InvalidParameter('fluctuation', most, 'must be less: with this damping or friction '
-                               'no speed that fluctuates so much is found')
     return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)

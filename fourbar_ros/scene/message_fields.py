@@ -130,15 +130,18 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
 
 
 def driven_of(message: Any, joint: str = '') -> Any:
-    """Return (position, velocity, acceleration), unknown rates NaN; None without the joint."""
+    """
+    Return (position, velocity, acceleration), unknown rates NaN; None without the joint.
+
+    Numbers of a JointState that are not as many as its names may be those of other joints.
+    """
     if not hasattr(message, 'name'):
         return message.position, message.velocity, message.acceleration
-    try:
-        i = message.name.index(joint)
-        position = message.position[i]
-    except (ValueError, IndexError):
+    names, velocities = message.name, message.velocity
+    if joint not in names or len(message.position) != len(names):
         return None
-    return position, message.velocity[i] if i < len(message.velocity) else nan, nan
+    i = names.index(joint)
+    return message.position[i], velocities[i] if len(velocities) == len(names) else nan, nan
 
 
 def nanoseconds(seconds: float) -> int:
