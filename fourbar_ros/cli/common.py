@@ -210,6 +210,8 @@ def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', *
         parser.add_argument('--force', action='store_true', help='overwrite files that exist')
 
     def path_of(text: str) -> Path:
+        if text[-1:] in './':
+            raise argparse.ArgumentTypeError(f'{text!r} names no file')
         return Path(text if Path(text).suffix or text == '-' else text + suffix)
     action = parser.add_argument(*names, type=path_of, **options)
     parser.set_defaults(written=(*(written or ()), action.dest))

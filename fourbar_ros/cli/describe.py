@@ -5,8 +5,9 @@ from argparse import Namespace
 import sys
 
 from fourbar_ros.cli.common import add_output, add_scene, add_verb, Verbs, write_or_print
+from fourbar_ros.errors import InvalidParameter
 
-SUFFIXES = {'.urdf': 'urdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
+SUFFIXES = {'': 'urdf', '.urdf': 'urdf', '.mjcf': 'mjcf', '.xml': 'mjcf'}
 EPILOG = """\
 examples:
   fourbar describe paper                     URDF on the screen
@@ -37,8 +38,11 @@ def _describe(arguments: Namespace) -> None:
     from fourbar_ros.description.formats import describe
     from fourbar_ros.description.model import note_of
     from fourbar_ros.scene.scene import load
-    suffix, scene = arguments.out.suffix if arguments.out else '', load(arguments.scene)
-    write_or_print(describe(scene, arguments.format or SUFFIXES.get(suffix, 'urdf')),
-                   arguments.out)
+    suffix = arguments.out.suffix if arguments.out else ''
+    format_, scene = arguments.format or SUFFIXES.get(suffix), load(arguments.scene)
+    if not format_:
+        raise InvalidParameter('--out', str(arguments.out), f'must end in '
+                               f'{", ".join(filter(None, SUFFIXES))}, unless --as is given')
+    write_or_print(describe(scene, format_), arguments.out)
     if note := note_of(scene):
         print(note, file=sys.stderr)

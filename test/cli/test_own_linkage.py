@@ -373,6 +373,22 @@ def test_it_prints_the_format_that_is_asked_for(words, root, capsys):
     assert ElementTree.fromstring(capsys.readouterr().out).tag == root
 
 
+@pytest.mark.parametrize('name', ['.', '..', '', 'new/', 'a.'])
+def test_a_file_to_write_has_a_name(name, tmp_path, monkeypatch, capsys):
+    """'.' made a file ..yaml, which ls does not show."""
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        main(['scene', 'print', 'paper', '-o', name])
+    assert f'{name!r} names no file' in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+def test_a_description_is_not_called_like_another_format(tmp_path, capsys):
+    """URDF was written as a.sdf."""
+    assert main(['describe', 'paper', '-o', str(tmp_path / 'a.sdf')]) == 1
+    assert 'must end in .urdf, .mjcf, .xml, unless --as is given' in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize('name, root', [
     ('a.urdf', 'robot'), ('a.mjcf', 'mujoco'), ('a.xml', 'mujoco')])
 def test_the_file_name_chooses_the_format(name, root, tmp_path, capsys):
