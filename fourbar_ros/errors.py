@@ -153,3 +153,7 @@ class SceneWarning(UserWarning):
 
 class BagError(FourBarError):
     """A bag cannot be written or read; the message says which and why."""
+
+
+class NameTaken(BagError):
+    """A new bag has the name of what is there already."""

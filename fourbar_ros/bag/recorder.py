@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from fourbar_ros.bag import metadata
 from fourbar_ros.bag.metadata import Channel, FileContent, TopicCount
-from fourbar_ros.errors import BagError
+from fourbar_ros.errors import BagError, NameTaken
 from mcap.writer import Writer
 import zstandard  # noqa: F401    chunks need it, and mcap hides that it is missing
 
@@ -83,8 +83,8 @@ class BagWriter:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self.path.mkdir()
         except FileExistsError as error:
-            raise BagError(f'{error.filename}: exists already; recordings never '
-                           'overwrite') from None
+            kind = NameTaken if os.path.lexists(self.path) else BagError    # or its folder is none
+            raise kind(f'{error.filename}: exists already; recordings never overwrite') from None
         except OSError as error:
             raise BagError(f'{self.path}: {error.strerror}') from None
         try:

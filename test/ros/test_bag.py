@@ -7,15 +7,16 @@ import math
 from pathlib import Path
 import signal
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 from ament_index_python.packages import get_package_share_directory
 from diagnostic_msgs.msg import DiagnosticStatus
 from fourbar_ros.bag.overview import info
 from fourbar_ros.bag.reader import records
 from fourbar_ros.bag.recorder import BagWriter
-from fourbar_ros.errors import BagError
+from fourbar_ros.errors import BagError, NameTaken
 from fourbar_ros.ros.messages import resolve
-from fourbar_ros.ros.node.recording import about_of
+from fourbar_ros.ros.node.recording import about_of, Recording
 from fourbar_ros.ros.schemas import channel as channel_of
 from fourbar_ros.ros.schemas import definition, type_hash
 from fourbar_ros.scene.scene import from_values
@@ -175,6 +176,24 @@ def test_a_name_that_is_taken_does_not_stop_the_node_it_records_under_the_next_f
     found = info(tmp_path / 'bags/run_3')
     assert found.is_sound and found.ended == 'the node ended by SIGINT'
     assert not any(list((tmp_path / 'bags' / name).iterdir()) for name in ('run', 'run_2'))
+
+
+def test_nodes_that_start_at_once_take_a_name_each(tmp_path):
+    """Another node takes the free name after this one has found it."""
+    scene = from_values({**PAPER, **recording_in(tmp_path)})
+    recording, others = Recording(MagicMock()), ['run', 'run_2']
+
+    def start(name):
+        for other in others[:1]:
+            (tmp_path / others.pop(0)).mkdir()
+        recording.attach((BagWriter(tmp_path, name, [], {}), {}))
+    recording.begin(scene, start)
+    assert recording.report()[0]['recording'] == str(tmp_path / 'run_3')
+    recording.close(recording.detach(), 'the test ended')
+    (tmp_path / 'file').touch()
+    with pytest.raises(BagError) as refused:         # no name is free there
+        BagWriter(tmp_path / 'file', 'run', [], {})
+    assert not isinstance(refused.value, NameTaken)
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ import platform
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros import __version__, optional
-from fourbar_ros.errors import BagError, FourBarError
+from fourbar_ros.errors import BagError, FourBarError, NameTaken
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.node import Node
@@ -48,10 +48,12 @@ class Recording:
         from fourbar_ros.bag.metadata import free_name
         log, wanted = self._node.get_logger(), scene.recording.name
         try:
-            name = free_name(directory_of(scene), wanted)
+            while not self._bag:
+                name = free_name(directory_of(scene), wanted)
+                with contextlib.suppress(NameTaken):     # by another node just now
+                    start(name)
             if wanted and name != wanted:
                 log.warning(f'{directory_of(scene) / wanted}: exists already; recording to {name}')
-            start(name)
         except FourBarError as error:
             self._refused = f'not recording: {error}'
             log.error(self._refused)
