@@ -104,7 +104,8 @@ def equality_name(model: Any, index: int) -> str:
     import mujoco
     ends = model.eq_obj1id[index], model.eq_obj2id[index]
     if (name := model.equality(index).name) or ends[1] < 0:
-        return str(name or f'equality_{index}')
+        is_of_joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0
+        return f'{name or f"equality_{index}"}{"_equality" * is_of_joint}'
     kind = {int(mujoco.mjtEq.mjEQ_JOINT): mujoco.mjtObj.mjOBJ_JOINT,
             int(mujoco.mjtEq.mjEQ_TENDON): mujoco.mjtObj.mjOBJ_TENDON,
             }.get(int(model.eq_type[index]), model.eq_objtype[index])

@@ -147,6 +147,8 @@ class Robot:
                     axis: Array | None = None) -> None:
         """Add a joint that closes a loop; ``poses``: its own on both bodies, axis in the root."""
         (parent, child), (here, there) = bodies, poses
+        if name in {joint.name for joint in self.joints if not joint.closes}:
+            raise Refused(f'two joints are called {name!r}')
         turn = 0.5 * (np.trace(here[:3, :3].T @ there[:3, :3]) - 1.0)       # its cosine
         self.joints.append(RobotJoint(
             name, POINT if axis is None and kind == PIN else kind, parent, child, here[:3, 3],

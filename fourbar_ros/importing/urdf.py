@@ -109,6 +109,8 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
         axis = np.array(_floats(_word(element, 'axis', 'xyz', '1 0 0')))
         joints[name] = _TreeJoint(element, kind, *ends, robots.unit_vector(name, axis)
                                   if kind in (robots.PIN, robots.SLIDE) else axis)
+    if not links:
+        raise Refused(f'{path}: has no <link>')
     roots = links.keys() - {joint.child for joint in joints.values()}
     if len(roots) != 1:
         raise Refused(f'{path}: has {len(roots)} roots, {", ".join(sorted(roots))}')
@@ -173,15 +175,14 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     _add_closing(robot, root, zero)
     for folder in (path.parent, path.parent.parent / 'config'):
         if (folder / 'loop_closures.yaml').is_file():
-            tree = yaml.safe_load(text_of(folder / 'loop_closures.yaml'))
-            motors += [('loop_closures.yaml', name) for name in tree.get('independent', [])]
-            for closure in tree['closures']:        # point and axis in the zero pose of the root
-                ends = closure['link_a'], closure['link_b']
+            independent, closures = _loop_closures(folder / 'loop_closures.yaml')
+            motors += [('loop_closures.yaml', name) for name in independent]
+            for ends, point, axis in closures:
                 _check_links('loop_closures.yaml', ends, links)
-                pose = pose_of(np.eye(3), closure['point'])
-                here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose for link in ends)
+                here, there = (poses[link] @ np.linalg.inv(zero[link]) @ pose_of(np.eye(3), point)
+                               for link in ends)
                 robot.add_closing('~'.join(ends), robots.PIN, ends, (here, there),
-                                  here[:3, :3] @ np.array(closure['axis'], float))
+                                  here[:3, :3] @ axis)
     known = {joint.name for joint in robot.joints}
     robot.drives = [name for _, name in motors if name in known]
     robot.notes += [f'{motor} of {name}: the file has no such joint{nearest(name, joints)}'
@@ -199,6 +200,30 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
                 for frame, link, point in zip(frames, bodies, points)])
     robot.add_fixed_bodies()
     return robot
+
+
+class _Closure(NamedTuple):
+    """A joint of jsk's file: its links, point [m] and axis in the root's frame at zero joints."""
+
+    ends: tuple[str, str]
+    point: Array
+    axis: Array
+
+
+def _loop_closures(path: Path) -> tuple[list[str], list[_Closure]]:
+    """Return the driven joints and the closures of jsk's file; raises Refused."""
+    def vector(closure: Mapping[str, Sequence[float]], name: str) -> Array:
+        return np.array(_floats(' '.join(map(str, closure[name])), where=f'for {name} in {path}'))
+
+    try:
+        tree = yaml.safe_load(text_of(path))
+        return [*map(str, tree.get('independent', ()))], [
+            _Closure((str(closure['link_a']), str(closure['link_b'])),
+                     vector(closure, 'point'), vector(closure, 'axis'))
+            for closure in tree['closures']]
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError):
+        raise Refused(f'{path}: must be "independent", a list of joints, and "closures", a list '
+                      'of link_a, link_b, point and axis') from None
 
 
 def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:

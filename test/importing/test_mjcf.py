@@ -136,6 +136,13 @@ def test_the_plane_lies_wherever_it_is(euler, tmp_path):
     assert said == (square > 1e-6)
 
 
+def test_an_equality_may_have_the_name_of_a_joint(tmp_path):
+    loop, report = good(tmp_path, robot(equality=CONNECT.replace('tip', 'elbow')))
+    assert loop.scene.joint_names == ('shoulder', 'elbow', 'elbow_equality', 'pivot')
+    with pytest.raises(Refused, match='no closed loop in the file'):
+        read(tmp_path, robot(equality=CONNECT.replace('tip', 'elbow')), cut=['elbow_equality'])
+
+
 def flagged(name, **changes):
     return robot(**changes).replace('gravity="0 0 -9.81"/>', f'gravity="0 0 -9.81"><flag {name}='
                                     '"disable"/></option>')

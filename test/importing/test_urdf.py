@@ -142,6 +142,18 @@ def test_moments_of_inertia_of_no_body_and_lengths_in_millimetres_are_said(tmp_p
     assert 'm: did you mean' in in_mm.report[-1], in_mm.report
 
 
+@pytest.mark.parametrize('text, words', [
+    ('', 'must be "independent", a list of joints, and "closures"'), ('a: [', 'must be "indep'),
+    ('closures: [{link_a: link, link_b: lever, point: [0, 0, 0]}]', 'must be "independent"'),
+    ('closures: [{link_a: link, link_b: lever, point: [0.9, 0], axis: [0, 1, 0]}]',
+     "'0.9 0' for point in .*loop_closures.yaml: must be 3 numbers$")])
+def test_loop_closures_that_are_none_are_refused_in_a_line(text, words, tmp_path):
+    (tmp_path / 'urdf').mkdir()
+    (tmp_path / 'urdf' / 'loop_closures.yaml').write_text(text)
+    with pytest.raises(Refused, match=words):
+        read(tmp_path, robot(''))
+
+
 def test_loop_closures_of_jsk_are_read_beside_the_file(tmp_path):
     (tmp_path / 'config').mkdir()
     (tmp_path / 'config' / 'loop_closures.yaml').write_text(
@@ -206,6 +218,7 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
     (robot().replace('<robot', '<robot xmlns:xacro="http://ros.org/wiki/xacro"'), {},
      'is xacro: write its URDF first'),
     (robot(more='<link name="lost"/>'), {}, 'has 2 roots, frame, lost'),
+    ('<robot name="none"/>', {}, 'robot.urdf: has no <link>$'),
     (robot(''), {'close': ['rod,ball']}, '--close rod: the file has no such link'),
     (robot(''), {'close': ['link:fixed']}, 'must be FRAME,FRAME or FRAME,FRAME:fixed'),
     (robot(''), {'close': ['link@0.9/0.1/0.3,lever@-0.1/0/0.7']}, 'not planar: the points of .* '
@@ -237,6 +250,7 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
     (robot().replace('ixx="0.04"', '', 1), {},
      "'' for ixx of inertia in arm: must be 1 number$"),
     (robot(more=LINK.format(name='arm', cg='0 0 0', mass=9)), {}, "two links are called 'arm'$"),
+    (robot(CONSTRAINT.replace('tip', 'elbow')), {}, "two joints are called 'elbow'$"),
     (robot(more=SECOND), {}, "two joints are called 'elbow'$"),
     (robot(more=SECOND.replace('elbow', 'knee')), {}, 'link is the child of elbow and of knee, '
      'and URDF is a tree: close the loop by frames that coincide .--close.$'),
