@@ -110,8 +110,9 @@ class Recomputation:
         self._names = {topic: name for name, topic in origin.topics.items()}
         self._comparison = outputs.OutputComparison(bag, origin)
         self._motion_count = 0                      # messages of the motion so far
-        # not yet computed: motions (log time, message); what acts from a motion on, with its index
-        self._motions: list[tuple[int, Any]] = []
+        # not yet computed: motions (log time, message, recorded mode or 0); what acts from a
+        # motion on, with its index
+        self._motions: list[tuple[int, Any, int]] = []
         self._acts: deque[tuple[int, str, ActingInput]] = deque()
         self._modes: dict[int, int] = {}            # {stamp: recorded mode}, of motion by torque
         self._last: tuple[str, int, bytes] | None = None    # topic, log time and data of a message
@@ -175,7 +176,9 @@ class Recomputation:
         elif name == topics.DRIVEN.name:
             message = self._bag.decode(raw)
             self._check_frame(name, message)
-            self._motions.append((raw.time, message))
+            # at once where the state is before the motion: simulated time may come again
+            mode = self._modes.get(_stamp_of(message), 0) if self._origin.in_order else 0
+            self._motions.append((raw.time, message, mode))
             self._motion_count += 1
             if len(self._motions) >= 2 * self._block:
                 self._compare(self._block)
@@ -217,23 +220,24 @@ class Recomputation:
         if not self._origin.in_order:
             self._changes.append(time)
 
-    def _evaluated(self, first: int, motions: Sequence[tuple[int, Any]]) -> outputs.Motions:
+    def _evaluated(self, first: int, motions: Sequence[tuple[int, Any, int]]) -> outputs.Motions:
         """
         Return motions, each computed alone as in the node: arrays may differ in a last bit.
 
-        ``motions``: (log time [ns], message) of each, ``first`` the index of the first in the bag.
+        ``motions``: (log time [ns], message, recorded mode or 0) of each, ``first`` the index of
+        the first in the bag.
         """
         stepper, rows = self._stepper, []       # rows: the last five fields of Motions
         passes = len(self._scene.linkage.modes_passed) > 1      # toggles
         is_holding = 'hold' in (self._scene.drive.out_of_range,
                                 self._scene.joint_states.when_unknown)
-        for index, (time, message) in enumerate(motions, first):
+        for index, (time, message, mode) in enumerate(motions, first):
             while self._acts and self._acts[0][0] <= index:
                 _, name, acting = self._acts.popleft()
                 stepper.act(name, acting)
                 self._untold.discard(name)
             stamp = _stamp_of(message)
-            mode = self._modes.get(stamp, stepper.mode)
+            mode = mode or self._modes.get(stamp, stepper.mode)
             branch = self._branch(mode, message.position)
             status, values = stepper.step(message.position, message.velocity,
                                           message.acceleration, self._wanted, branch)
@@ -249,7 +253,7 @@ class Recomputation:
                 why = why or sides.AT_FLAT * (status == TOGGLE)
             mode = mode if mode in self._modes_known else branch
             rows.append((stamp, mode, status, why, values))
-        later = {_stamp_of(message) for _, message in self._motions}
+        later = {_stamp_of(message) for _, message, _ in self._motions}
         for stamp in {stamp for stamp, *_ in rows} - later:
             self._modes.pop(stamp, None)
         arrays = map(np.array, zip(*rows) if rows else [()] * 5)

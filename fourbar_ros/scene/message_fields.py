@@ -133,12 +133,13 @@ def driven_of(message: Any, joint: str = '') -> Any:
     """
     Return (position, velocity, acceleration), unknown rates NaN; None without the joint.
 
-    Numbers of a JointState that are not as many as its names may be those of other joints.
+    Numbers of a JointState that are not as many as its names may be those of other joints; of a
+    joint that is named twice nobody knows which is right.
     """
     if not hasattr(message, 'name'):
         return message.position, message.velocity, message.acceleration
     names, velocities = message.name, message.velocity
-    if joint not in names or len(message.position) != len(names):
+    if names.count(joint) != 1 or len(message.position) != len(names):
         return None
     i = names.index(joint)
     return message.position[i], velocities[i] if len(velocities) == len(names) else nan, nan

@@ -159,6 +159,20 @@ def test_a_run_that_is_twice_in_a_bag_gives_what_it_gave_once(tmp_path, order, i
     assert two.skipped == ({NO_ORDER: two.inputs} if is_of_rosbag2 else {})
 
 
+def test_motion_by_torque_in_simulated_time_that_went_back_is_computed_in_its_modes(tmp_path):
+    """Stamps come again, in other modes: the second half of a run has those of the first."""
+    run = ROOT / 'test/support/data/recorded/stepped_rocker'
+    stamps = list(dict.fromkeys(raw.data[4:12] for raw in Bag(run).raw(['/fourbar/driven'])))
+    half = len(stamps) // 2
+    again = dict(zip(stamps[half:], stamps))
+    raws = [(topic, data[:4] + again.get(data[4:12], data[4:12]) + data[12:], time)
+            for topic, data, time in content(run)]
+    path = rewritten(run, tmp_path, raws, 'again', Bag(run).about)
+    modes = [record.message.mode for record in Bag(path).records(['/fourbar/drive_state'])]
+    assert any(a != b for a, b in zip(modes, modes[half:]))
+    assert not problems(path)
+
+
 def test_a_motion_that_a_node_sends_again_is_no_copy(tmp_path):
     """An input may come twice with one stamp: its outputs stand between."""
     path = bags.run(tmp_path, 'run', {**PAPER, 'outputs': ['state']}, TURNS, paced=True)

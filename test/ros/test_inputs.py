@@ -150,10 +150,11 @@ def test_a_joint_without_a_position_is_named(run_node, client):
     publisher = client.publisher('joint_state')
     short = JointState(name=['other', 'motor'], position=[0.1])
     long = JointState(name=['motor', 'other'], position=[0.1, 0.2, 0.3])     # whose are they?
+    twice = JointState(name=['motor', 'motor'], position=[0.1, 0.2])
 
     def is_said():
-        publisher.publish(short)
-        publisher.publish(long)
+        for message in (short, long, twice):
+            publisher.publish(message)
         return "no position of joint 'motor' in the input message" in node.said
     client.until(is_said, 'the reason')
     assert 'did you mean' not in node.said and not client.received['state']
