@@ -149,6 +149,8 @@ def _pins_of_two_points(joints: list[RobotJoint], link_of: dict[str, str]) -> li
             continue
         is_turned = link_of[first.parent] != link_of[joint.parent]
         away = (joint.on_child if is_turned else joint.on_parent) - first.on_parent
+        if np.linalg.norm(away) <= CLOSED:
+            continue                        # the same point once more
         if first.axis is None:
             first.kind, first.axis = PIN, away / np.linalg.norm(away)
         elif np.linalg.norm(np.cross(away, first.axis)) > CLOSED:

@@ -219,6 +219,13 @@ def test_the_least_mass_and_inertia_of_a_file_are_those_of_its_links(tmp_path):
         (2.5, 0.06), (2.5, 0.06), (3.0, 0.1)]
 
 
+def test_a_connect_that_is_there_twice_is_one(tmp_path):
+    """Its axis was that of nothing: a warning of numpy, and refused as not planar."""
+    loop, report = good(tmp_path, robot(equality=CONNECT + CONNECT.replace('tip', 'tip2')))
+    assert 'loop 1: shoulder, elbow, pivot, tip\n' in report
+    assert loop.scene.linkage == good(tmp_path, robot())[0].scene.linkage
+
+
 @pytest.mark.parametrize('second', ('0.9 0.3 0.1', '0.9 0.3 -0.05'))
 def test_two_connects_on_one_axis_are_a_pin(second, tmp_path):
     both = CONNECT + CONNECT.replace('tip', 'tip_z').replace('0.9 0.3 0', second)
