@@ -66,7 +66,7 @@ class Code:
         loads = filled(snippet('model.c', 'header_of_loads'), {'STEP': self._signature(True)})
         modes = filled(snippet('model.c', 'header_of_modes'), {'NAME': name})
         return filled(snippet('model.c', 'header'), {
-            'ABOUT': '\n'.join(self._about()), 'GUARD': name.upper(),
+            'ABOUT': '\n'.join(self._about()), 'GUARD': name,
             'STATUS': ',\n'.join(f'  {name}_{text} = {i}'
                                  for i, text in statuses_of(model.mechanism).items()),
             'RECORDS': '\n'.join(text for which, named, about in records

@@ -200,8 +200,12 @@ def _add_equality(robot: robots.Robot, model: Any, data: Any, index: int, bodies
     if are_off or not model.eq_active0[index]:
         robot.notes.append(f'equality {name} is not active: left out')
     elif kind == kinds.mjEQ_JOINT and second >= 0 and not np.any(values[2:5]):
-        robot.couplings.append(robots.Coupling(joints[first], joints[second],
-                                               *map(float, values[:2])))
+        # MuJoCo counts both from the positions that the file calls ref
+        of_first, of_second = model.qpos0[model.jnt_qposadr[[first, second]]]
+        offset, ratio = values[:2]
+        robot.couplings.append(robots.Coupling(
+            joints[first], joints[second], float(of_first + offset - ratio * of_second),
+            float(ratio)))
     elif is_weld or kind == kinds.mjEQ_CONNECT:
         if has_sites:
             poses = [pose_of(data.site_xmat[site].reshape(3, 3), data.site_xpos[site])

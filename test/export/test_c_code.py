@@ -399,6 +399,15 @@ def test_words_of_c_are_changed_and_said(tmp_path, capsys):
 
 
 @pytest.mark.skipif(not shutil.which('c++'), reason='no C++ compiler')
+def test_headers_whose_names_differ_in_case_are_two(tmp_path):
+    for name in ('arm', 'Arm'):
+        generate('paper', tmp_path, name=name)
+    (tmp_path / 'both.cc').write_text('#include "arm.h"\n#include "Arm.h"\n'
+                                      'int main() { return Arm_self_check(); }\n')
+    subprocess.run(['c++', '-fsyntax-only', tmp_path / 'both.cc'], check=True)
+
+
+@pytest.mark.skipif(not shutil.which('c++'), reason='no C++ compiler')
 def test_the_example_of_a_transmission_goes_both_ways(tmp_path):
     generate('paper', tmp_path)
     subprocess.run([*C, *STRICT, '-c', 'paper.c'], check=True, cwd=tmp_path)

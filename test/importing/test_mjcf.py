@@ -287,6 +287,23 @@ def test_a_gear_from_another_motor_drives_the_loop(gear, ratio, offset, tmp_path
     assert drive.joint == 'knob' and not loop.scene.joint_states.only_passive
 
 
+def test_a_gear_counts_from_the_ref_of_its_joints(tmp_path):
+    """Beside the residual of MuJoCo's equality: the motor was 1.45 rad off."""
+    import mujoco
+    gear = '<joint joint1="shoulder" joint2="knob" polycoef="0.2 -3 0 0 0"/>'
+    text = robot(more=KNOB.replace('name="knob"/>', 'name="knob" ref="0.4"/>'), equality=gear +
+                 CONNECT, motor='<motor joint="knob"/>').replace('r" axis', 'r" ref="0.25" axis')
+    loop, _ = good(tmp_path, text)
+    model = mujoco.MjModel.from_xml_string(text)
+    data, drive, at = mujoco.MjData(model), loop.scene.drive, 0.7
+    for name, position in (('knob', drive.joint_ratio * at + drive.joint_offset),
+                           ('shoulder', loop.drive.ratio * at + loop.drive.offset)):
+        data.qpos[model.joint(name).qposadr] = position
+    mujoco.mj_fwdPosition(model, data)
+    (residual,) = data.efc_pos[data.efc_id == 0]
+    assert abs(residual) < 1e-15
+
+
 def test_limits_of_the_drive_are_its_range(tmp_path):
     text = robot().replace('"shoulder" axis', '"shoulder" range="-0.3 0.5" limited="true" axis')
     result = read(tmp_path, text, check=True)
