@@ -140,7 +140,7 @@ class LockStep:
         self._context.try_shutdown()
 
     def _name(self, topic: topics.Topic) -> str:
-        return topic.topic.replace('~', f'/{self._node.strip("/")}')
+        return topics.full_name(topic.topic, self._node)
 
     def _listen(self, topic: topics.Topic, qos: QoSProfile | int = DEPTH) -> None:
         def keep(message: Message) -> None:

@@ -10,7 +10,7 @@ from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import Message, resolve
 from fourbar_ros.ros.refusals import in_one_line, init
 from fourbar_ros.scene.files import NODE
-from fourbar_ros.scene.topics import INPUT_DEPTH, INPUTS, Service, SERVICES, Topic
+from fourbar_ros.scene.topics import full_name, INPUT_DEPTH, INPUTS, SERVICES, Topic
 import rclpy
 import rclpy.client
 from rclpy.experimental import EventsExecutor
@@ -25,12 +25,6 @@ POLL = 0.02                 # [s] between two looks at a condition
 
 class NoAnswer(FourBarError):
     """A node was not found, did not answer, or refused."""
-
-
-def name_on(node: str, entity: Topic | Service) -> str:
-    """Return the absolute name: '~/input' of the node fourbar, or /fourbar, is /fourbar/input."""
-    name = entity.service if isinstance(entity, Service) else entity.topic
-    return name.replace('~', f'/{node.strip("/")}')
 
 
 class NodeClient:
@@ -64,13 +58,14 @@ class NodeClient:
     def subscribe(self, topic: Topic, take: Callable[[Message], None], node: str = NODE,
                   depth: int = INPUT_DEPTH) -> Subscription:
         """Return a subscription that calls ``take(message)``."""
-        return self.node.create_subscription(resolve(topic.type), name_on(node, topic), take,
-                                             QoSProfile(depth=depth))
+        return self.node.create_subscription(
+            resolve(topic.type), full_name(topic.topic, node), take, QoSProfile(depth=depth))
 
     def publisher(self, source: str, node: str = NODE) -> Publisher:
         """Return a publisher on an input topic of a node: ``motion`` or ``joint_state``."""
         topic = INPUTS[source]
-        return self.node.create_publisher(resolve(topic.type), name_on(node, topic), INPUT_DEPTH)
+        return self.node.create_publisher(
+            resolve(topic.type), full_name(topic.topic, node), INPUT_DEPTH)
 
     def call(self, service_name: str, /, node: str = NODE, **request: Any) -> Message:
         """Call a service of a node with the fields of its request; return the response."""
@@ -81,7 +76,7 @@ class NodeClient:
 
     def service(self, service_name: str, node: str = NODE) -> rclpy.client.Client:
         """Return the rclpy client of a service, once its server is found."""
-        name = name_on(node, SERVICES[service_name])
+        name = full_name(SERVICES[service_name].service, node)
         if name not in self._services:
             service = self.node.create_client(resolve(SERVICES[service_name].type), name)
             self.until(service.service_is_ready, f'{name}: not found; is the node running?')

@@ -14,7 +14,7 @@ from fourbar_ros.bag import metadata, reader
 from fourbar_ros.errors import BagError, FourBarError
 from fourbar_ros.scene.parameters import member_of
 from fourbar_ros.scene.scene import from_values, Scene
-from fourbar_ros.scene.topics import DRIVEN, INPUTS, SCENE, Topic
+from fourbar_ros.scene.topics import DRIVEN, full_name, INPUTS, SCENE
 
 GONE = ('recording.keep',)      # parameters of version 1 on which no value depends
 MOST_TEXT = 2**24       # characters of a scene in a bag: 40 tables of forces of 10 000 inputs
@@ -78,19 +78,13 @@ def _resolved(scene: Scene, node: str, types: Mapping[str, str]) -> dict[str, st
     """Return {short name: topic in the bag}; joint_states is known by its type if it is alone."""
     topics = {}
     for topic in (*scene.recorded, *INPUTS.values()):
-        full = full_name(topic, node)
+        full = full_name(topic.topic, node)
         of_its_type = [name for name, type_name in types.items() if type_name == topic.type]
         if full in types:
             topics[topic.name] = full
         elif topic.name == 'joint_states' and len(of_its_type) == 1:
             topics[topic.name] = of_its_type[0]
     return topics
-
-
-def full_name(topic: Topic, node: str) -> str:
-    """Return the full name of a topic: for /left/boom /left/boom/state, /left/joint_states."""
-    return (topic.topic.replace('~', node, 1) if topic.topic.startswith('~')
-            else f'{node.rpartition("/")[0]}/{topic.topic}')
 
 
 def bounded(text: str) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from math import isnan
 from pathlib import Path
 import time
 
-from fourbar_ros.bag import origin, recorder
+from fourbar_ros.bag import recorder
 from fourbar_ros.dynamics import node_step
 from fourbar_ros.errors import BagError
 from fourbar_ros.mechanisms.parts import LARGEST_MODE
@@ -16,7 +16,7 @@ from fourbar_ros.ros.node import recording, stream
 from fourbar_ros.ros.schemas import channel
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.simulated import SimulatedScene
-from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, SCENE, Topic, TORQUE
+from fourbar_ros.scene.topics import DRIVE_STATE, DRIVEN, full_name, SCENE, Topic, TORQUE
 from rclpy.serialization import serialize_message
 
 Messages = list[tuple[str, bytes]]      # (short name of the topic, bytes)
@@ -40,7 +40,7 @@ def write_bag(simulated: SimulatedScene, path: Path, progress: Callable[[int], N
                        f'{run.time[changes[0]]:g} s, and messages cannot tell which: simulate '
                        'until then, or without a bag')
     topics = scene.recorded
-    names = {topic.name: origin.full_name(topic, NODE) for topic in topics}
+    names = {topic.name: full_name(topic.topic, NODE) for topic in topics}
     how = f'{run.method}, tolerance {run.tolerance:g}, {run.status}, error {run.error:.3g}'
     about = {**recording.about_of(scene, names, NODE), node_step.KEY: how}
     now = BEGIN                         # log times are those of the run

@@ -34,6 +34,14 @@ class Service(NamedTuple):
     workers: tuple[str, ...] = ()
 
 
+def full_name(name: str, node: str) -> str:
+    """Return the full name of a topic or service: /left/boom/state, /left/joint_states."""
+    node = f'/{node.strip("/")}'
+    if name.startswith('~'):
+        return name.replace('~', node, 1)
+    return name if name.startswith('/') else f'{node.rpartition("/")[0]}/{name}'
+
+
 INPUTS = {topic.name: topic for topic in (
     Topic('motion', '~/input', 'fourbar_msgs/msg/Motion',
           'motion of the driven joint; NaN rates and accelerations are estimated'),

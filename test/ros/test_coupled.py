@@ -4,14 +4,14 @@
 from math import isnan
 
 from fourbar_ros import Base, InvalidParameter
-from fourbar_ros.clients import Late
+from fourbar_ros.clients import Late, LockStep
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 from fourbar_ros.scene.scene import from_values
 from fourbar_ros.scene.topics import INPUTS
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu
-from support.harness import recomputed, recording_in
+from support.harness import PATIENCE, recomputed, recording_in
 from support.scenes import PAPER, RODS
 
 LOADED = {**PAPER, **RODS, 'gravity.y': -9.81, 'drive.source': 'motion', 'drive.timeout': 0.0}
@@ -115,6 +115,17 @@ def test_a_question_at_the_time_of_the_last_one_or_before_has_its_own_answer(run
             ask(1.0, 0.3, **estimated)
     node.stop()
     assert recomputed(tmp_path / 'run').compared >= 3 * asked
+
+
+def test_lock_step_hears_joint_states_in_the_namespace_of_its_node(run_node):
+    run_node({**PAPER, 'drive.source': 'motion', 'outputs': ['state', 'joint_states']},
+             name='boom', remaps=('__ns:=/left',))
+    lockstep = LockStep('left/boom', ('state', 'joint_states'), PATIENCE)
+    try:
+        answer = lockstep(1.0, 0.3, 2.0, 0.0)
+    finally:
+        lockstep.close()
+    assert answer.joint_states.position[0] == answer.state.theta1 == 0.3
 
 
 def test_a_second_lock_step_on_one_node_is_said(run_node, lockstep):

@@ -9,12 +9,11 @@ import os
 import random
 import time
 
-from fourbar_lab.clients.node_client import name_on
 from fourbar_ros.ros.messages import resolve
 from fourbar_ros.scene.files import folder
 from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import load
-from fourbar_ros.scene.topics import OUTPUTS
+from fourbar_ros.scene.topics import full_name, OUTPUTS
 import pytest
 from rcl_interfaces.srv import ListParameters
 import rclpy
@@ -47,7 +46,8 @@ def start(run_node, client, hearing, given, **more):
     """
     node = run_node({**given, 'recording.directory': 'bags'}, first=LIMITED, **more)
     for name in ALL_OUTPUTS:
-        hearing.create_subscription(resolve(OUTPUTS[name].type), name_on('fourbar', OUTPUTS[name]),
+        hearing.create_subscription(resolve(OUTPUTS[name].type),
+                                    full_name(OUTPUTS[name].topic, 'fourbar'),
                                     lambda message: None, 1)
     client.call('evaluate', position=0.5)
     return node

@@ -13,11 +13,11 @@ import sys
 import threading
 import time
 
-from fourbar_lab.clients.node_client import name_on, NoAnswer, NodeClient
+from fourbar_lab.clients.node_client import NoAnswer, NodeClient
 from fourbar_ros.bag.reader import Bag
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.ros.messages import resolve, to_stamp
-from fourbar_ros.scene.topics import DRIVEN, FAMILIES, OUTPUTS, PICTURES
+from fourbar_ros.scene.topics import DRIVEN, FAMILIES, full_name, OUTPUTS, PICTURES
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 import rclpy
 from rclpy.parameter import Parameter
@@ -132,7 +132,7 @@ class Client(NodeClient):
         topics = names if isinstance(names, dict) else {**OUTPUTS, **PICTURES, 'driven': DRIVEN}
         for name in names:
             self.node.create_subscription(
-                resolve(topics[name].type), name_on(node, topics[name]),
+                resolve(topics[name].type), full_name(topics[name].topic, node),
                 self.received.setdefault(name, []).append,
                 LATCHED if topics[name].latched else depth)
 
