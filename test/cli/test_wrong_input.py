@@ -113,6 +113,7 @@ WRONG_LINES = [
     ('new x.yaml --bar 20mm', 2, 'must be WIDTHxTHICKNESS'),
     ('new x.yaml --bar 30,5x12mm', 2, 'must be written 30.5x12mm: a comma is no decimal'),
     ('new x.yaml --bar 20x5mm --rod 8mm', 2, 'not allowed with'),
+    ('replay bags/run --inputs-only --topics /a', 2, 'not allowed with'),
     ('new x.yaml --a1 1 --a2 9 --a3 1 --a4 1', 1, 'cannot close'),
     ('new x.yaml --a1=-5mm --a2 150mm --a3 100mm --a4 125mm', 1, 'linkage.a1 = -0.005'),
     ('new x.yaml --kind scotch_yoke --a1 1 --a2 1', 1, 'scotch_yoke has a1, offset only'),
