@@ -8,7 +8,6 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros import Mechanism, point_motion
-from fourbar_ros.errors import Locked
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import (
     dead_points,
@@ -18,6 +17,7 @@ from fourbar_ros.extrema.over_input import (
     OverInput,
 )
 from fourbar_ros.mechanisms import parts, picture, quantities
+from fourbar_ros.mechanisms.friction import locking_joints
 from fourbar_ros.mechanisms.inertia import mean_rigid
 from fourbar_ros.pipeline.stepper import STATUS_NAMES
 import numpy as np
@@ -220,11 +220,7 @@ def _locks(linkage: Mechanism, speed: float, acceleration: float,
         ranges = [*ranges[1:-1], (ranges[-1][0], ranges[0][1] + last - first)]
     records = list[LinkageRecord]()
     for low, high in ranges:
-        joints: tuple[str, ...] = ()
-        try:
-            linkage.loads(0.5 * (low + high), speed, acceleration)
-        except Locked as error:
-            joints = error.joints
+        joints = locking_joints(linkage, (low, high), speed, acceleration)
         ends = ((0.0, last - first) if linkage.turns_fully and high - low >= last - first else
                 (counted(linkage, low), counted(linkage, high)))
         records.append({'from': ends[0], 'to': ends[1], 'joints': list(joints)})

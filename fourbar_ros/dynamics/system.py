@@ -20,6 +20,7 @@ from typing import NamedTuple
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.sources import Answer, Drive
 from fourbar_ros.errors import InvalidParameter, Locked
+from fourbar_ros.mechanisms.friction import dry_joints
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import finite
@@ -176,9 +177,7 @@ class System:
             resisted = resistance(position, rate, push, inertia)
             if resisted.friction != resisted.friction:
                 driven = self.mechanism.input_coordinate
-                raise Locked(driven.position, position, driven.unit, [
-                    name for name, law in self.mechanism.friction
-                    if getattr(law, 'coefficient', 0.0)])
+                raise Locked(driven.position, position, driven.unit, dry_joints(self.mechanism))
             effort, friction = resisted.effort, resisted.friction
             return Resisted((rate, (push - effort) / inertia, *change, friction * rate,     # (E9)
                              (torque + couples - effort) * rate), resisted.edges)           # (E6)

@@ -201,13 +201,16 @@ class Search:
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
         every_pieces = linkage.pieces
         if linkage.friction and any(quantity.is_load for quantity in quantities):
+            # few mechanisms have any
+            from fourbar_ros.mechanisms.friction import locking_joints
+            from fourbar_ros.mechanisms.pieces import with_friction
             if locked := linkage.locked_ranges(*rates, within):
-                unit = linkage.input_coordinate.unit
+                widest = max(locked, key=lambda bounds: bounds[1] - bounds[0])
+                joints = ', '.join(locking_joints(linkage, widest, *rates))
                 raise InvalidParameter(
-                    'friction', linkage.friction[0][0], 'it locks the mechanism in '
-                    f'{in_words(locked, unit)}: loads have extrema only between inputs without '
-                    'any such')
-            from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
+                    'friction', joints, 'it locks the mechanism in '
+                    f'{in_words(locked, linkage.input_coordinate.unit)}: loads have extrema only '
+                    'between inputs without any such')
             every_pieces = with_friction(linkage, rates)
         rough = [row for row, quantity in enumerate(quantities)
                  if isinstance(quantity, Function) and not quantity.is_smooth]

@@ -12,7 +12,7 @@ from dataclasses import dataclass, KW_ONLY, replace
 from math import inf, tau
 from typing import Any, TYPE_CHECKING
 
-from fourbar_ros.errors import InvalidParameter, Locked, one_of
+from fourbar_ros.errors import InvalidParameter, Locked, one_of, Toggle
 from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
 from fourbar_ros.numerics.arguments import check_quantities, quantity
 from fourbar_ros.numerics.arrays import Array
@@ -193,6 +193,23 @@ def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
         ranges = [(low, high) for low, high in ranges if any(
             low + turn < within[1] and within[0] < high + turn for turn in turns)]
     return tuple(ranges)
+
+
+def locking_joints(mechanism: Mechanism, bounds: tuple[float, float], rate: float,
+                   acceleration: float) -> tuple[str, ...]:
+    """Return the names of the joints that lock in the middle of a range of the input."""
+    try:
+        mechanism.loads(0.5 * (bounds[0] + bounds[1]), rate, acceleration)
+    except Locked as error:
+        return error.joints
+    except Toggle:          # a flat position, beside which friction grows as the forces of joints
+        pass
+    return dry_joints(mechanism)
+
+
+def dry_joints(mechanism: Mechanism) -> tuple[str, ...]:
+    """Return the names of the joints with dry friction."""
+    return tuple([name for name, law in mechanism.friction if getattr(law, 'coefficient', 0.0)])
 
 
 def _is_locked(mechanism: Mechanism, position: ArrayLike, rate: float, acceleration: float

@@ -6,12 +6,21 @@ import json
 from math import isnan, radians
 
 from fourbar_lab.balancing.loads import Loads
+from fourbar_lab.drawing.record import drive_of
 from fourbar_lab.live.answers import extrema_answer, structure_of
 from fourbar_lab.studies.block import compute_together
 from fourbar_lab.studies.derivatives import Derivatives
 from fourbar_lab.studies.measures import Design
 from fourbar_lab.studies.study import from_document
-from fourbar_ros import DriveFriction, find_extrema, InvalidParameter, JointFriction
+from fourbar_ros import (
+    Bodies,
+    Body,
+    DriveFriction,
+    find_extrema,
+    FourBar,
+    InvalidParameter,
+    JointFriction,
+)
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import Locked
@@ -160,7 +169,7 @@ def test_what_it_locks_is_said(tmp_path, capsys):
     assert [locks['from'], locks['to'], locks['joints']] == [low, high, ['B', 'A', 'O1']]
     assert record['drive']['at_rest']['upper'] == 'inf' and 'effort' not in record['drive']
     assert not any(one['quantity'] == 'f41' for one in record['extrema'])
-    with pytest.raises(InvalidParameter, match='locks the mechanism in'):
+    with pytest.raises(InvalidParameter, match='B, A, O1.*locks the mechanism in'):
         find_extrema(linkage, ['f41'], 0.1)
     assert find_extrema(linkage, ['f41'], 0.1, within=(0.2, 0.3))
     # pictures have no marks of loads, and the page says why
@@ -168,6 +177,14 @@ def test_what_it_locks_is_said(tmp_path, capsys):
     assert 'locks itself by friction' in structure_of(LOCKS)['lacks']
     assert not extrema_answer(LOCKS, ['f41'], 0.0)['extrema']
     assert extrema_answer(LOCKS, ['theta1'], 0.0)['extrema']
+
+
+def test_beside_the_flat_position_of_a_change_point_rubbing_pins_lock():
+    pin = JointFriction(0.1, radius=0.01)
+    linkage = FourBar(1.0, 2.0, 1.0, 2.0, gravity=(0.0, -9.81), friction={'O1': pin, 'A': pin},
+                      bodies=Bodies(*[Body(1.0, cg_along=0.4, inertia=0.1)] * 3))
+    locks, = drive_of(linkage, 10.0)['locks']
+    assert [locks['from'], locks['to'], locks['joints']] == [0.0, 0.0, ['O1', 'A']]
 
 
 @pytest.mark.skipif(not COMPILERS, reason='no C compiler')
