@@ -31,7 +31,7 @@ from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.scene import from_values, Scene
 import numpy as np
 
-FRICTION = re.compile(r'friction\.\w+\.(coefficient|radius)')
+FRICTION = re.compile(r'friction\.\w+\.(coefficient|radius|slip_speed)')
 TRIED = 100         # designs, for one that can be built
 # Designs that are computed together, and samples of them: they stay in the processor's cache.
 TOGETHER = 256
@@ -56,9 +56,9 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         scene = first_scene(study, {name: column[:TRIED] for name, column in drawn.items()})
     except InvalidParameter:
         return none
-    if scene.drive.speed == 0.0 or scene.linkage.is_driven_by_slide or scene.linkage.stroke:
+    if scene.linkage.is_driven_by_slide or scene.linkage.stroke:
         return none
-    # formulas without dry friction are others, and pins have a radius
+    # formulas without dry friction or slip speed are others, and pins have a radius
     if any(FRICTION.fullmatch(name) and not (column > 0.0).all()
            for name, column in drawn.items()):
         return none
@@ -66,6 +66,7 @@ def compute_together(study: Study, drawn: dict[str, Array], columns: dict[str, A
         return none
     measures, designs = Measures(scene), Designs(scene, drawn)
     is_done, margins = designs.are_allowed(), designs.margins()
+    is_done &= np.ravel(designs.values['drive.speed']) != 0.0
     # type and distance from a change point follow from the lengths alone
     if margins is None:
         is_done &= columns.keys().isdisjoint((kinds.CLASS, kinds.CHANGE_POINT))

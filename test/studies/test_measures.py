@@ -232,6 +232,26 @@ def test_points_computed_together_are_those_computed_one_by_one(monkeypatch):
         'quantities': ['middle.speed', 'middle.acceleration.max']}), monkeypatch, 1e-13)
 
 
+def test_slip_speeds_and_drives_at_rest_are_those_computed_one_by_one(monkeypatch, tmp_path):
+    """The first design has no slip speed, and turns."""
+    path = file_of({**PAPER, **RODS, 'friction.A.coefficient': 0.1, 'friction.A.radius': 0.02,
+                    'friction.drive.torque': 3.0}, tmp_path)
+    study = from_document({
+        'scene': str(path), 'method': 'grid', 'keep': 'all', 'acceleration': 3.0,
+        'vary': {'friction.drive.slip_speed': {'list': [0.0, 20.0]},
+                 'drive.speed': {'list': [10.0, 0.0, -5.0]}},
+        'quantities': ['driving_torque', 'f21.rms', 'work']})
+    together_and_alone(study, monkeypatch)
+
+
+def test_a_drive_that_rests_among_others_is_computed_alone(monkeypatch):
+    """Its work has no way that a rate would give it."""
+    study = from_document({
+        'scene': 'paper', 'method': 'grid', 'keep': 'all', 'acceleration': 3.0,
+        'vary': {'drive.speed': {'list': [10.0, 0.0, -5.0]}}, 'quantities': ['work']})
+    assert together_and_alone(study, monkeypatch)[1] == 1
+
+
 def test_rates_of_any_four_bars_computed_together_are_those_computed_one_by_one(monkeypatch):
     quantities = ['omega4', 'alpha4', 'omega4.span', 'alpha4.peak', 'change_point_margin']
     study = from_document({
