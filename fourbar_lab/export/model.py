@@ -33,6 +33,8 @@ _WORDS = """
     throw true try typedef typeid typename typeof union unsigned using virtual void volatile
     wchar_t while xor xor_eq linux unix errno NAN INFINITY NULL EOF"""
 RESERVED = frozenset(_WORDS.split())
+# beginnings of the parameters that formulas may be without where they are 0
+ELEMENTS = 'springs.', 'torsion_springs.', 'friction.'
 
 
 class NotGenerated(FourBarError):
@@ -169,11 +171,14 @@ class GeneratedModel:
     def _asked(self) -> frozenset[int]:
         """Return the indices in the data of what is asked to change at run time; refuse others."""
         names = [name for name, _ in self.names]
-        wanted = self.parameters or ()
-        topics = self.from_topics
+        wanted, whole = self.parameters or (), self._recorded[0]
+        topics, used = self.from_topics, whole.needed(flat(whole.results))
         for name in wanted:
             if name not in names:
                 raise InvalidParameter('parameters', name, one_of(filter(None, names), name))
+            if name.startswith(ELEMENTS) and whole.count + names.index(name) not in used:
+                raise InvalidParameter('parameters', name, 'no result depends on it: where it is '
+                                       '0, as in this scene, the formula is without it')
             if self.moves_by_torque and name.rpartition('.')[0] not in topics:
                 raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
                                    'motion by torque has the numbers of the scene')

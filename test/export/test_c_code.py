@@ -383,6 +383,8 @@ def test_what_cannot_be_generated_is_refused_by_name(tmp_path):
             ({'as_': 'pascal'}, 'pascal')):
         with pytest.raises(InvalidParameter, match=words):
             generate('paper', tmp_path, **options)
+    with pytest.raises(InvalidParameter, match='slip_speed.*no result depends on it'):
+        generate('press', tmp_path, parameters=['friction.drive.slip_speed'])
     with pytest.raises(NotGenerated, match='a1.*motion by torque'):
         generate('released', tmp_path, parameters=['a1'])
     with pytest.raises(InvalidParameter, match='parameters'):
