@@ -44,7 +44,7 @@ from functools import cached_property, partial
 from math import remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter, MissingBodies
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
@@ -159,7 +159,7 @@ class Equation:
 
     ``extra_inertia``: constant, on the input, as of a flywheel [kg m^2], [kg]. ``coordinate``: one
     of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate, while the
-    extra inertia stays on the input. Raises MissingBodies without masses.
+    extra inertia stays on the input. Raises MissingBodies without masses, UnknownBaseMotion.
     """
 
     def __init__(self, mechanism: Mechanism, extra_inertia: float = 0.0,
@@ -170,8 +170,7 @@ class Equation:
         self.coordinate: DrivenLinks = mechanism if coordinate is None else coordinate
         self.extra_inertia = finite('extra_inertia', extra_inertia, 'must be zero or more',
                                     least=0.0)
-        if mechanism.bodies is None:
-            raise MissingBodies
+        mechanism.require_loads()
         # (link, body, applied load), without links that add nothing
         self._bodies = [(name, body, applied)
                         for name, (body, applied) in mechanism.loads_of_links().items()
@@ -315,7 +314,7 @@ class Equation:
                 energy, size = energy - work, size + n.fabs(work)
             for element in self._springs:
                 stored = element.energy(n, motions)
-                energy, size = energy + stored, size + stored
+                energy, size = energy + stored, size + n.fabs(stored)
             return energy, size
         return potential
 
@@ -371,3 +370,10 @@ class Equation:
         """Return kinetic plus potential energy [J]."""
         kinetic: Value = 0.5 * self.terms(position).inertia * rate * rate
         return kinetic + self.potential(position)
+
+
+def require_input(equation: Any) -> None:
+    """Raise InvalidParameter but for an Equation in the input, which its drive acts on."""
+    if not (isinstance(equation, Equation) and equation.is_input):
+        raise InvalidParameter('equation', equation, 'must be an Equation of the input, as '
+                                                     'Equation(mechanism)')

@@ -21,7 +21,7 @@ varies.
 from math import tau
 from typing import NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.equation import Equation, require_input
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
@@ -32,6 +32,8 @@ import numpy as np
 SAMPLES, MOST_SAMPLES = 1024, 2**17     # of a turn
 NARROWEST = 16.0       # samples times the distance of a singularity from the real inputs
 CHANGES = 1e-6         # of the inertia by twice the samples, at which it counts as converged
+# Rounds of motion and torque at most; error of the rates, over their mean, that may be left.
+ROUNDS, RESOLVED = 300, 1e-6
 
 
 class Flywheel(NamedTuple):
@@ -54,8 +56,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     ``rate``: mean of the largest and the smallest rate [rad/s], 1e-100 to 1e100 in size;
     ``fluctuation``: the largest coefficient of speed fluctuation allowed. Raises InvalidParameter.
     """
-    if not isinstance(equation, Equation):
-        raise InvalidParameter('equation', equation, 'must be an Equation, as Equation(mechanism)')
+    require_input(equation)
     rate = rate_of_input('rate', rate)
     fluctuation = finite('fluctuation', fluctuation, 'must be a positive number', above=0.0)
     if abs(rate) < 1.0 / FASTEST:
@@ -78,6 +79,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
     return wheel
 
 
+@np.errstate(all='ignore')      # without inertia there is no speed
 def _with_samples(equation: Equation, count: int, rate: float, most: float) -> Flywheel:
     """Return the flywheel by ``count`` samples of a turn, of a fluctuation of ``most`` at most."""
     # Damping and friction depend on the rate: motion and torque are found in turn, until the rates
@@ -86,8 +88,10 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
     position: Array = np.arange(mechanism.turns * count) * (tau / count)
     terms, rates = equation.terms(position), np.full(position.size, rate)
     resisting, change = np.zeros((2, position.size))        # R of (E9), dw/dt
+    derivative = 1j * np.arange(position.size // 2 + 1) / mechanism.turns       # of harmonics
+    total, series = terms.inertia, np.zeros(derivative.size, complex)
     most = min(most, 2.0)                # at which it comes to rest
-    for _ in range(100):
+    for _ in range(ROUNDS):
         if equation.has_resistance:         # from the drive that the loads of the motion need
             drive = getattr(mechanism.loads(position, rates, change), mechanism.drive_load)
             resisting = drive - (equation.torque(position, rates, change)
@@ -97,11 +101,16 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
                                        'not lock itself by friction')
         force, before = terms.force - terms.damping * rates - resisting, rates
         torque = -float(np.mean(force))                                                  # (W1)
-        # the integral G of a function of zero mean and period 2 pi, by its Fourier series
-        series = np.fft.rfft(force + torque)
-        series[1:] /= 1j * np.arange(1, series.size)
-        series[0] = series[-1] = 0.0
-        gained, inertia = mechanism.turns * np.fft.irfft(series, position.size), 0.0
+        # The integral G of a function of zero mean, by its Fourier series. More energy fades, as
+        # more speed is damped more: by this part of it per angle, in the middle of all positions.
+        # With that the rounds converge however strong damping is; once G stays it cancels out.
+        momenta = total * rates
+        fading = np.divide(terms.damping, momenta, out=np.zeros_like(rates), where=momenta != 0.0)
+        stiff = 0.5 * (fading.max() + fading.min())
+        series = np.divide(np.fft.rfft(force + torque) + stiff * series, derivative + stiff,
+                           out=np.zeros_like(series), where=derivative != 0.0)
+        series[-1] = 0.0
+        gained, inertia = np.fft.irfft(series, position.size), 0.0
 
         def lack(fluctuation: float, gained: Array = gained) -> float:
             """Return how far the bounds (W2) of E0 are from meeting, without a flywheel."""
@@ -118,6 +127,10 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
         energy = np.max(0.5 * (rate * (1.0 - 0.5 * fluctuation))**2 * total - gained)
         rates = np.copysign(np.sqrt(2.0 * (energy + gained) / total), rate)
         change = (force + torque - terms.half_slope * rates * rates) / total
-        if np.max(np.abs(rates - before)) <= 1e-14 * abs(rate):
+        left = np.max(np.abs(rates - before)) / abs(rate)
+        if not left > 1e-14:
             break
+    if not left * (1.0 + abs(stiff)) <= RESOLVED:
+        raise InvalidParameter('equation', None, 'must be that of a mechanism with less damping '
+                               'or friction, or more inertia: no steady speed is found')
     return Flywheel(inertia, torque, float(np.ptp(rates)) / abs(rate), position, rates)

@@ -25,7 +25,7 @@ exponentially.
 from math import inf, nan, pi, sqrt, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.dynamics.equation import Equation
+from fourbar_ros.dynamics.equation import Equation, require_input
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.numerics.arguments import finite
@@ -66,8 +66,7 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
     spring, is no equilibrium. With friction the equilibria are the pieces in which it holds the
     mechanism, :meth:`.Mechanism.holding`: they are stable.
     """
-    if not isinstance(equation, Equation):
-        raise InvalidParameter('equation', equation, 'must be an Equation, as Equation(mechanism)')
+    require_input(equation)
     drive, mechanism = finite('drive', drive), equation.mechanism
     results, is_held = list[Equilibrium](), bool(mechanism.friction)
 
@@ -106,9 +105,11 @@ def equilibria(equation: Equation, drive: float = 0.0) -> tuple[Equilibrium, ...
             # no equilibrium where Q + T jumps over zero
             if min(abs(below), abs(above)) <= (1e3 * abs(stiffness) * aside
                                                + 1e-6 * abs(above - below)):
+                damping = terms.damping + (         # friction that holds nothing is viscous
+                    equation.resistance(root, 1.0, 0.0, terms.inertia).friction)
                 frequency, ratio = (                                                       # (H1)
                     sqrt(stiffness / terms.inertia) / tau,
-                    terms.damping / (2.0 * sqrt(terms.inertia * stiffness))
+                    damping / (2.0 * sqrt(terms.inertia * stiffness))
                 ) if stiffness > 0.0 else (nan, nan)
                 results.append(Equilibrium(root, stiffness > 0.0, stiffness, frequency, ratio,
                                            root))

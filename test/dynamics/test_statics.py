@@ -4,14 +4,22 @@
 from dataclasses import replace
 from math import pi, sqrt
 
-from fourbar_ros import Bodies, Body, FourBar, InvalidParameter
+from fourbar_ros import (
+    Bodies,
+    Body,
+    DriveFriction,
+    FourBar,
+    InvalidParameter,
+    JointFriction,
+)
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.statics import equilibria, free_period
 from fourbar_ros.dynamics.system import System
-from fourbar_ros.mechanics.bodies import NOT_APPLIED
+from fourbar_ros.errors import UnknownBaseMotion
+from fourbar_ros.mechanics.bodies import NOT_APPLIED, UNKNOWN_BASE
 from fourbar_ros.mechanisms.elements import Attachment, PositionForce, Spring, TorsionSpring
 from fourbar_ros.mechanisms.force_table import ForceTable
 import mpmath as mp
@@ -163,6 +171,19 @@ def test_no_equilibrium_of_a_scan_is_missing_and_none_is_added(case):
         assert scanned == found.size
 
 
+@pytest.mark.parametrize('joint', ['O1', 'B', 'drive'])
+def test_viscous_friction_damps_small_swings_as_a_damper_does(joint):
+    linkage = paper_linkage(gravity=(0.0, -9.81))
+    viscous = DriveFriction(viscous=0.7) if joint == 'drive' else JointFriction(viscous=0.7)
+    links = ('coupler', 'output') if joint == 'B' else ('ground', 'crank')
+    rests = [equilibria(Equation(each)) for each in (
+        linkage.with_friction({joint: viscous}),
+        linkage.with_elements(TorsionSpring(*links, damping=0.7)))]
+    for rubbing, damped in zip(*rests, strict=True):
+        assert rubbing == pytest.approx(damped, rel=1e-9, nan_ok=True)
+    assert sum(rest.damping_ratio > 0.0 for rest in rests[0]) == 1
+
+
 def test_frequency_is_that_of_small_swings():
     place = equilibria(Equation(pendulum()))[0]
     assert place.position == pytest.approx(-pi / 2, rel=1e-15)
@@ -223,9 +244,45 @@ def test_a_flywheel_gives_its_fluctuation_in_simulation(fluctuation):
     assert 0.5 * (np.max(run.rate) + np.min(run.rate)) == pytest.approx(25.0, rel=1e-5)
 
 
+@pytest.mark.parametrize('damping, rate, most', [
+    (30.0, 1.0, 0.5), (30.0, 1.0, 1.5), (30.0, -3.0, 1.9), (1e3, 10.0, 0.05)])
+def test_a_flywheel_with_strong_dampers_gives_its_fluctuation_in_simulation(damping, rate, most):
+    """A run of a turn comes back to its rate, and fluctuates as said, without flywheel or with."""
+    linkage = paper_linkage(gravity=(0.0, -9.81)).with_elements(
+        TorsionSpring('ground', 'crank', damping=damping))
+    wheel = flywheel_for(Equation(linkage), rate, most)
+    assert wheel.fluctuation == pytest.approx(most, rel=1e-9) or (
+        wheel.inertia == 0.0 and wheel.fluctuation < most)
+    run = simulate(System(linkage, 0.0, float(wheel.rate[0]), Drive(
+        ConstantTorque(wheel.torque), flywheel=wheel.inertia)), 8.0 / abs(rate), 1e-9,
+        stop_when=lambda t, y: abs(y[0]) - 2.0 * pi)
+    rates = run.at(np.linspace(0.0, run.time[-1], 2000)).rate
+    # the convergence of its samples, 1e-6 of the inertia
+    assert run.status == EVENT and rates[-1] == pytest.approx(wheel.rate[0], rel=1e-5)
+    assert np.ptp(rates) == pytest.approx(wheel.fluctuation * abs(rate), rel=1e-4)
+    assert rates.max() + rates.min() == pytest.approx(2.0 * rate, rel=1e-5)
+
+
+def test_a_speed_that_is_not_found_is_refused():
+    linkage = paper_linkage(gravity=(0.0, -9.81)).with_elements(
+        TorsionSpring('ground', 'crank', damping=1.0))
+    with pytest.raises(InvalidParameter, match='no steady speed is found'):
+        flywheel_for(Equation(linkage), 3.0, 1.99)
+
+
 def test_no_flywheel_is_negative():
     wheel = flywheel_for(Equation(paper_linkage()), 25.0, 5.0)
     assert wheel.inertia == 0.0 and wheel.fluctuation < 5.0
+
+
+def of_output(equation):
+    """Return an equation in the other coordinate of its mechanism."""
+    return Equation(equation.mechanism, coordinate=equation.mechanism.driven_otherwise()[0])
+
+
+def test_loads_of_a_base_that_is_not_known_have_no_equation():
+    with pytest.raises(UnknownBaseMotion):
+        Equation(paper_linkage().with_base(UNKNOWN_BASE))
 
 
 @pytest.mark.parametrize('call, name', [
@@ -236,6 +293,8 @@ def test_no_flywheel_is_negative():
     (lambda equation: flywheel_for(equation, 25.0, float('nan')), 'fluctuation'),
     (lambda equation: flywheel_for(equation.mechanism, 10.0, 0.05), 'equation'),
     (lambda equation: equilibria(equation.mechanism), 'equation'),
+    (lambda equation: equilibria(of_output(equation)), 'equation'),
+    (lambda equation: flywheel_for(of_output(equation), 10.0, 0.05), 'equation'),
     (lambda equation: equilibria(equation, float('nan')), 'drive')])
 def test_what_is_wrong_is_refused_by_name(call, name):
     with pytest.raises(InvalidParameter) as caught:
