@@ -51,6 +51,10 @@ def drive_of(loop: Loop, base: str, wishes: Wishes) -> tuple[RobotJoint, Couplin
     if len(driven) > 1:
         raise Refused(f'{len(driven)} joints of this loop are driven, {", ".join(driven)}: hold '
                       'all but one by --lock')
+    if names[driven[0]].closes:
+        of_tree = [name for name, joint in names.items() if not joint.closes]
+        raise Refused(f'{driven[0]} closes the loop, so the file gives it no position: drive one '
+                      f'of {", ".join(of_tree)}, or cut the loop elsewhere in the file')
     return names[driven[0]], gear
 
 

@@ -412,6 +412,8 @@ REFUSED = [
      'the mode by --mode d1=1 or d1=2$'),
     ({}, {'drive': ['lever']}, '--drive lever: is a link, not a joint; known: .*shoulder'),
     ({}, {'drive': ['elbw']}, '--drive elbw: no loop has it; did you mean elbow?'),
+    ({}, {'drive': ['tip']}, 'tip closes the loop, so the file gives it no position: drive one of '
+     'shoulder, elbow, pivot, or cut the loop elsewhere in the file$'),
     ({}, {'base': 'lever2'}, '--base lever2: the file has no such link; did you mean lever?'),
     ({}, {'loop': 'tips'}, '--loop tips: no loop has it; did you mean tip?'),
     ({}, {'lock': ['pivo']}, '--lock pivo: the file has no such joint; did you mean pivot?'),
