@@ -22,6 +22,7 @@ import yaml
 
 KINDS = {'revolute': robots.PIN, 'continuous': robots.PIN, 'prismatic': robots.SLIDE,
          'fixed': robots.FIXED, 'ball': robots.POINT}
+MOMENTS = 'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'
 GRAVITY = 0.0, 0.0, -9.80665                                # [m/s^2], as no URDF says
 Element = ElementTree.Element
 Poses = Mapping[str, Array]
@@ -61,6 +62,41 @@ def _pose(xyz: Sequence[float], rpy_or_quaternion: Sequence[float]) -> Array:
 def _pose_in(element: Element, tag: str) -> Array:
     return _pose(_floats(_word(element, tag, 'xyz', '0 0 0')),
                  _floats(_word(element, tag, 'rpy', '0 0 0')))
+
+
+class _Inertial(NamedTuple):
+    """Mass [kg], pose in its link, inertia about the origin of that [kg m^2]."""
+
+    mass: float
+    pose: Array
+    inertia: Array
+
+
+def _inertial_of(link: Element) -> _Inertial | None:
+    element = link.find('inertial')
+    if element is None:
+        return None
+    mass, *moments = [
+        _floats(_word(element, tag, name), 1, f'for {name} of {tag} in {link.get("name")}')[0]
+        for tag, name in (('mass', 'value'), *(('inertia', name) for name in MOMENTS))]
+    inertia = np.zeros((3, 3))
+    rows, columns = (['xyz'.index(name[place]) for name in MOMENTS] for place in (1, 2))
+    inertia[rows, columns] = inertia[columns, rows] = moments
+    return _Inertial(mass, _pose_in(element, 'origin'), inertia)
+
+
+def turn_inertias(robot: Element) -> None:
+    """State all inertias of a URDF in the axes of their links, without rpy."""
+    for link in robot.findall('link'):
+        if inertial := _inertial_of(link):
+            turn = inertial.pose[:3, :3]
+            turned = turn @ inertial.inertia @ turn.T
+            for element in link.iterfind('inertial/origin'):
+                element.attrib.pop('rpy', None)
+            for element in link.iterfind('inertial/inertia'):
+                element.attrib |= {name: repr(float(turned['xyz'.index(name[1]),
+                                                           'xyz'.index(name[2])]))
+                                   for name in MOMENTS}
 
 
 class _TreeJoint(NamedTuple):
@@ -136,14 +172,8 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
 
     robot = robots.Robot('URDF', min(roots), np.array(GRAVITY), poses)
     for name in links:
-        inertial = links[name].find('inertial')
-        if inertial is not None:
-            mass, xx, yy, zz, xy, xz, yz = [
-                _floats(_word(inertial, tag, called), 1, f'for {called} of {tag} in {name}')[0]
-                for tag, called in (('mass', 'value'), *(('inertia', axes) for axes in (
-                    'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz')))]
-            robot.add_inertial(name, mass, poses[name] @ _pose_in(inertial, 'origin'),
-                               np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+        if inertial := _inertial_of(links[name]):
+            robot.add_inertial(name, inertial.mass, poses[name] @ inertial.pose, inertial.inertia)
     of_none = [name for name, (_, _, inertia) in robot.inertials.items()
                if 2.0 * np.linalg.norm(inertia, 2) > (1.0 + 1e-9) * np.trace(inertia)]
     if of_none:

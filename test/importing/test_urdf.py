@@ -131,6 +131,31 @@ def test_a_loop_closed_at_points_is_described_and_read_again(tmp_path):
     assert again.values['dyads.d1.length_1'] == pytest.approx(loop.values['dyads.d1.length_1'])
 
 
+def test_an_inertia_in_turned_axes_is_as_in_mjcf(tmp_path):
+    """MuJoCo up to 3.12 leaves out the rpy of a URDF: --check was BAD by 4e-4 of the peak."""
+    import mujoco
+    turned, about = (0.4, -0.3, 1.2), (0.5, 0.9, -1.0)
+    pad = LINK.format(name='pad', cg='0.1 0.02 0.05', mass=0.7).replace(
+        'rpy="0 0.3 0"', 'rpy="{} {} {}"'.format(*about)) + JOINT.format(
+            name='pad_joint', kind='fixed', parent='lever', child='pad', xyz='0.2 0.1 0.3',
+            rpy='{} {} {}'.format(*turned), axis='0 0 0')
+    loop, _ = good(tmp_path, robot(more=pad))
+    # the same by MuJoCo's MJCF, which states principal moments and euler angles
+    moments, axes = np.linalg.eigh([[0.04, 0.001, 0.002], [0.001, 0.05, 0.0], [0.002, 0.0, 0.03]])
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, (np.array(rotation_of(about)).T @ axes).ravel())
+    model = mujoco.MjModel.from_xml_string(
+        '<mujoco><compiler angle="radian" eulerseq="XYZ"/><worldbody><body euler="{} {} {}">'
+        '<freejoint/><inertial mass="0.7" pos="0 0 0" quat="{} {} {} {}" diaginertia="{} {} {}"/>'
+        '</body></worldbody></mujoco>'.format(*turned, *quaternion, *moments))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    to_root = data.ximat[1].reshape(3, 3)
+    expected = to_root @ np.diag(model.body_inertia[1]) @ to_root.T
+    assert loop.loop.robot.inertials['pad'].inertia == pytest.approx(expected, abs=1e-15)
+
+
 def test_moments_of_inertia_of_no_body_and_lengths_in_millimetres_are_said(tmp_path):
     """Beside MuJoCo the first was BAD without a reason; the second was said by other verbs."""
     assert 'moments' not in good(tmp_path, robot())[1]
