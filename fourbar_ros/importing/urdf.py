@@ -21,7 +21,8 @@ import numpy as np
 import yaml
 
 KINDS = {'revolute': robots.PIN, 'continuous': robots.PIN, 'prismatic': robots.SLIDE,
-         'fixed': robots.FIXED, 'ball': robots.POINT}
+         'fixed': robots.FIXED, 'ball': robots.POINT, 'floating': robots.FREE,
+         'planar': robots.FREE, 'universal': robots.BALL, 'spherical': robots.BALL}
 MOMENTS = 'ixx', 'iyy', 'izz', 'ixy', 'ixz', 'iyz'
 GRAVITY = 0.0, 0.0, -9.80665                                # [m/s^2], as no URDF says
 Element = ElementTree.Element
@@ -31,6 +32,13 @@ Poses = Mapping[str, Array]
 def _word(element: Element, tag: str, attribute: str, default: str = '') -> str:
     below = element.find(tag)
     return default if below is None else below.get(attribute, default)
+
+
+def _kind_of(joint: Element) -> str:
+    type_ = joint.get('type', '')
+    if type_ not in KINDS:
+        raise Refused(f'joint {joint.get("name")}: type {type_!r}{nearest(type_, KINDS)}')
+    return KINDS[type_]
 
 
 def _floats(text: str, count: int = 3, where: str = 'in the URDF') -> list[float]:
@@ -80,7 +88,7 @@ def _inertial_of(link: Element) -> _Inertial | None:
         _floats(_word(element, tag, name), 1, f'for {name} of {tag} in {link.get("name")}')[0]
         for tag, name in (('mass', 'value'), *(('inertia', name) for name in MOMENTS))]
     inertia = np.zeros((3, 3))
-    rows, columns = (['xyz'.index(name[place]) for name in MOMENTS] for place in (1, 2))
+    rows, columns = (['xyz'.index(name[index]) for name in MOMENTS] for index in (1, 2))
     inertia[rows, columns] = inertia[columns, rows] = moments
     return _Inertial(mass, _pose_in(element, 'origin'), inertia)
 
@@ -134,7 +142,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
         links[name] = element
     above = dict[str, str]()            # {link: the joint whose child it is}
     for element in root.findall('joint'):
-        name, kind = element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL)
+        name, kind = element.get('name', ''), _kind_of(element)
         ends = _word(element, 'parent', 'link'), _word(element, 'child', 'link')
         _check_links(f'joint {name}', ends, links)
         if name in joints:
@@ -265,7 +273,7 @@ def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
         here, there = (poses[link] @ _pose_in(element, f'{side}_origin')
                        for link, side in zip(links, ('parent', 'child')))
         axis = _word(element, 'parent_axis', 'xyz')
-        robot.add_closing(element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL),
+        robot.add_closing(element.get('name', ''), _kind_of(element),
                           links, (here, there), here[:3, :3] @ _floats(axis) if axis else None)
     for element in root.iterfind('gazebo/joint'):       # in the frame of the child
         links = (element.findtext('parent', '').strip(), element.findtext('child', '').strip())
@@ -276,7 +284,7 @@ def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
         along = np.array(_floats(element.findtext('axis/xyz', '0 0 1')))
         if element.findtext('axis/use_parent_model_frame', '').strip() in ('1', 'true'):
             along = pose[:3, :3].T @ along
-        robot.add_closing(element.get('name', ''), KINDS.get(element.get('type', ''), robots.BALL),
+        robot.add_closing(element.get('name', ''), _kind_of(element),
                           links, (here, there), here[:3, :3] @ along)
 
 

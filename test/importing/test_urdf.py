@@ -279,6 +279,12 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
     (robot(more=SECOND), {}, "two joints are called 'elbow'$"),
     (robot(more=SECOND.replace('elbow', 'knee')), {}, 'link is the child of elbow and of knee, '
      'and URDF is a tree: close the loop by frames that coincide .--close.$'),
+    (robot().replace('name="pivot" type="continuous"', 'name="pivot" type="continous"'), {},
+     "joint pivot: type 'continous'; did you mean continuous[?]$"),
+    (robot(CONSTRAINT.replace('revolute', 'prismatc')), {},
+     "joint tip: type 'prismatc'; did you mean prismatic[?]$"),
+    (robot().replace('name="pivot" type="continuous"', 'name="pivot" type="planar"'), {},
+     'pivot is a free joint inside the loop$'),
     (robot(pivot='0 0 0'), {}, 'pivot: its axis is 0 0 0$'),
     (robot(GAZEBO.format(axis='0 0 0', frame='')), {}, 'tip: its axis is 0 0 0$'),
     (robot(more='<link name="foot"/>' + MIMIC.replace('<mimic', '<limit lower="1" upper="-1"/>'
