@@ -31,13 +31,14 @@ class Result(NamedTuple):
     @property
     def text(self) -> str:
         """Return the parameter file: a section for each loop, for any node if there is one."""
-        texts = []
+        texts = dict[str, str]()
         for loop in self.loops:
-            text = as_text(loop.values)
-            if len(self.loops) > 1:
-                text = text.replace('/**:', f'{word(loop.drive.name, "loop")}:', 1)
-            texts.append(''.join(f'# {line}\n' for line in loop.report) + text)
-        return '\n'.join(texts)
+            node = word(loop.drive.name, 'loop') if len(self.loops) > 1 else '/**'
+            while node in texts:
+                node += '_2'
+            texts[node] = ''.join(f'# {line}\n' for line in loop.report) + as_text(
+                loop.values).replace('/**:', f'{node}:', 1)
+        return '\n'.join(texts.values())
 
 
 def read(path: Path, wishes: Wishes = Wishes()) -> Robot:

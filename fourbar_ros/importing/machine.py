@@ -219,8 +219,10 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
     origin = origin + plane.axes.T @ [moved.real, moved.imag, 0.0]
     frame_id = word(drive.name if drive.name in wishes.drive else loop.joints[0].name, 'loop')
     frame_id += '_plane'
-    while frame_id in loop.robot.poses:     # a body of the file, as where describe wrote it
+    # a body of the file, as where describe wrote it, or the plane of another loop
+    while frame_id in {*loop.robot.poses, *loop.robot.planes}:
         frame_id += '_2'
+    loop.robot.planes.append(frame_id)
     values = {
         'frame_id': frame_id, 'frame.parent': frame,
         'frame.xyz': [*map(float, turned @ (origin - loop.robot.poses[frame][:3, 3]))],

@@ -130,6 +130,7 @@ class Robot:
     drives: list[str] = field(default_factory=list)
     couplings: list[Coupling] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)                      # of what was left out
+    planes: list[str] = field(default_factory=list)                     # frames of its loops
 
     def add_inertial(self, body: str, mass: float, pose: Array, inertia: Array) -> None:
         """Add mass and inertia, about the origin of a pose; not those that only stand for none."""

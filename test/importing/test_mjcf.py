@@ -356,7 +356,9 @@ def test_a_pose_a_base_and_a_mode_can_be_given(tmp_path):
             'right only while lever stands still') in report
 
 
-def test_several_loops_are_sections_of_one_file(tmp_path):
+@pytest.mark.parametrize('names, nodes', [
+    (('left', 'right'), ('left', 'right')), (('a/b', 'a_b'), ('a_b', 'a_b_2'))])
+def test_several_loops_are_sections_of_one_file(names, nodes, tmp_path):
     text = robot()
     body = text[text.index('<body name="frame"'):text.index('</worldbody>')]
     for name in ('frame', 'arm', 'link', 'lever', 'shoulder', 'elbow', 'pivot'):
@@ -365,10 +367,13 @@ def test_several_loops_are_sections_of_one_file(tmp_path):
         '</equality>', CONNECT.replace('link', 'link2').replace('lever', 'lever2').replace(
             'tip', 'tip2') + '</equality>').replace(
         '</actuator>', MOTOR.replace('shoulder', 'shoulder2') + '</actuator>')
+    for drive, name in zip(('"shoulder"', '"shoulder2"'), names):
+        text = text.replace(drive, f'"{name}"')
     result = read(tmp_path, text)
     path = tmp_path / 'both.yaml'
     path.write_text(result.text)
-    first, second = (load(f'{path}:{name}') for name in ('shoulder', 'shoulder2'))
+    first, second = (load(f'{path}:{node}') for node in nodes)
+    assert (first.drive.joint, second.drive.joint) == names
     assert first.frame_id != second.frame_id
     assert first.linkage.lengths == second.linkage.lengths
     assert len(read(tmp_path, text, loop='lever2').loops) == 1
