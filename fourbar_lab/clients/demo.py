@@ -9,6 +9,7 @@ from pathlib import Path
 import signal
 import subprocess
 import sys
+from tempfile import TemporaryDirectory
 import time
 
 from fourbar_lab.clients.node_client import NoAnswer, NodeClient, opened
@@ -148,18 +149,21 @@ def run(path: str | Path, seconds: float, directory: str | Path, console: Consol
     path = find(path)
     scene = load(path)
     console.print(linkage_table(scene.linkage, path))
-    name = f'{Path(path).stem}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
-    node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
-                             '--params-file', str(path), '-p', 'recording.start:=true',
-                             '-p', f'recording.directory:={directory}',
-                             '-p', f'recording.name:={name}'])
-    try:
-        with opened(lambda ros_node: Driver(ros_node, scene), 'fourbar_demo') as client:
-            watch(client, node, seconds, console)
-            show_extrema(client, console)
-    finally:
-        node.send_signal(signal.SIGTERM)
-        code = node.wait()
+    name = f'{scene.name}_{time.strftime("%Y_%m_%d-%H_%M_%S")}'
+    with TemporaryDirectory() as folder:
+        file = Path(folder, 'scene.yaml')            # of FILE:NODE that node alone
+        file.write_text(scene.as_text, encoding='utf-8')
+        node = subprocess.Popen([sys.executable, '-m', 'fourbar_ros.ros.node.start', '--ros-args',
+                                 '--params-file', str(file), '-p', 'recording.start:=true',
+                                 '-p', f'recording.directory:={directory}',
+                                 '-p', f'recording.name:={name}'])
+        try:
+            with opened(lambda ros_node: Driver(ros_node, scene), 'fourbar_demo') as client:
+                watch(client, node, seconds, console)
+                show_extrema(client, console)
+        finally:
+            node.send_signal(signal.SIGTERM)
+            code = node.wait()
     console.print(f'the node was stopped by SIGTERM: exit code {code}')
     bag = Path(directory) / name
     recomputation = recompute(bag)
