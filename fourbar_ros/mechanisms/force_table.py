@@ -146,8 +146,9 @@ class ForceTable:
 
     def _value(self, x: Any, number: Any) -> Any:
         if self.is_periodic:
-            first = number(self.places[0])
-            x = first + (x - first) % number(self.span)
+            first, span = number(self.places[0]), number(self.span)
+            x = first + (x - first) % span
+            x = x + span if x < first else x             # % of decimals has the sign of x - first
         piece = self.pieces[bisect_right(self.starts, x)]
         a, b, c, d, start = piece if number is float else map(number, piece)
         t = x - start
