@@ -110,14 +110,12 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
     low, high = ((start - pi, start + pi) if mechanism.turns_fully else
                  mechanism.range_around(start))
     low, high = low + MARGIN * (high - low), high - MARGIN * (high - low)
-    worst, which, far, peak, peak_at = 0.0, '', 0.0, 0.0, 0.0
+    apart, far, peak, peak_at = [], [], 0.0, 0.0       # of joints and drive at each position
     step = STEP * (high - low)
     for position in map(float, np.linspace(low, high, SAMPLES)):
         away = solved(position)[0] - expected(position)
         away[turns] = (away[turns] + pi) % tau - pi
-        index = int(np.argmax(np.abs(away)))
-        if abs(away[index]) >= worst:
-            worst, which = float(abs(away[index])), joints[index][0].name
+        apart.append(np.abs(away))
         if mechanism.bodies is None:
             continue
         # d rates / d (driven joint of the file), by a difference of fourth order
@@ -133,11 +131,14 @@ def check(model: Any, qpos: Array, loop: machine.Imported, cut: Collection[str] 
         mujoco.mj_rne(model, data, 1, forces)
         _, loads = mechanism.step(position, RATE, ACCELERATION)
         theirs = drive.ratio * float(rates @ forces)
-        far = max(far, abs(theirs - getattr(loads, mechanism.drive_load)))
+        far.append(abs(theirs - getattr(loads, mechanism.drive_load)))
         if abs(theirs) > peak:
             peak, peak_at = abs(theirs), drive.ratio * position + drive.offset
     low, high = sorted(drive.ratio * end + drive.offset for end in (low, high))
-    drive_off = None if mechanism.bodies is None else far / peak if peak else 0.0
+    # the largest: NaN, if one is
+    of_joints = np.max(apart, axis=0)
+    which, worst = joints[int(np.argmax(of_joints))][0].name, float(np.max(of_joints))
+    drive_off = float(np.max(far)) / (peak or 1.0) if far else None
     return Checked(low, high, worst, which, drive_off, peak, drive.name, peak_at, is_slide)
 
 

@@ -170,7 +170,8 @@ def unit_vector(joint: str, axis: Array) -> Array:
     """Return the direction of a joint's axis; raises Refused of one without length."""
     if not np.any(axis):
         raise Refused(f'{joint}: its axis is 0 0 0')
-    return axis / np.linalg.norm(axis)
+    direction: Array = axis / np.linalg.norm(axis)
+    return direction
 
 
 def word(name: str, kind: str) -> str:

@@ -443,6 +443,12 @@ def test_a_refusal_is_a_line_that_says_what_would_help(changes, wishes, words, t
     assert '\n' not in line
 
 
+def test_a_drive_that_is_no_number_beside_mujoco_is_not_good(tmp_path, monkeypatch):
+    import mujoco
+    monkeypatch.setattr(mujoco, 'mj_rne', lambda *arguments: arguments[-1].fill(np.nan))
+    assert not read(tmp_path, robot(), check=True).is_good
+
+
 def test_links_may_turn_by_twenty_degrees_to_close_a_loop(tmp_path):
     result = read(tmp_path, robot(), at={'elbow': '20'})
     assert result.is_good
