@@ -114,6 +114,11 @@ def main(args: Sequence[str] | None = None) -> int:
             raise
         print(f'fourbar: {optional.MissingPackage(arguments.verb, error)}', file=sys.stderr)
         return 1
+    except UnicodeEncodeError as error:     # into a file or pipe of Windows
+        letters = error.object[error.start:error.end]
+        print(f'fourbar: {letters!a} cannot be written in {sys.stdout.encoding}; PYTHONUTF8=1 in '
+              'the environment writes UTF-8', file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:                 # the reader of our output is gone: head, less

@@ -4,6 +4,7 @@
 from cmath import rect
 from contextlib import suppress
 import csv
+import io
 from math import degrees, pi, radians
 import os
 from pathlib import Path
@@ -371,6 +372,15 @@ def test_a_reader_that_ends_while_a_table_is_printed_is_no_error():
 def test_it_prints_the_format_that_is_asked_for(words, root, capsys):
     assert main(['describe', 'paper', *words]) == 0
     assert ElementTree.fromstring(capsys.readouterr().out).tag == root
+
+
+def test_letters_that_the_output_does_not_have_are_an_error_in_a_line(monkeypatch, capsys):
+    monkeypatch.setattr(sys, 'stdout', io.TextIOWrapper(io.BytesIO(), encoding='cp1252'))
+    monkeypatch.setattr('fourbar_ros.description.formats.describe', lambda *_: '\u010c')
+    assert main(['describe', 'paper']) == 1
+    assert capsys.readouterr().err == (
+        "fourbar: '\\u010c' cannot be written in cp1252; PYTHONUTF8=1 in the environment writes "
+        'UTF-8\n')
 
 
 @pytest.mark.parametrize('name', ['.', '..', '', 'new/', 'a.'])
