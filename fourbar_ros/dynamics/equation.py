@@ -91,18 +91,19 @@ Wrenches = Mapping[str, Sequence[Any]]
 NO_WRENCHES: Wrenches = {}
 
 
-def compiled(make_formula: MakeFormula, links: DrivenLinks) -> Function:
+def compiled(make_formula: MakeFormula, links: DrivenLinks, count: int = 1) -> Function:
     """Return the function of one q, or of an array of them, that a formula of the links is."""
-    # The formula gives several numbers. At one q the function raises as motion does where the
-    # links cannot close; arrays have NaN there.
-    line, formula = straight_line(partial(make_formula, links)), make_formula(links, ARRAY)
+    # The formula gives several numbers; q is the first of its ``count`` arguments. At one q the
+    # function raises as motion does where the links cannot close; arrays have NaN there.
+    line, formula = straight_line(partial(make_formula, links), count), make_formula(links, ARRAY)
 
-    def results(position: Value) -> Sequence[Any]:
+    def results(position: Value, *others: Any) -> Sequence[Any]:
         if type(position) is not float and isinstance(position, np.ndarray) and position.ndim:
             with np.errstate(all='ignore'):
-                return [np.broadcast_to(row, position.shape) for row in formula(position)]
+                return [np.broadcast_to(row, position.shape)
+                        for row in formula(position, *others)]
         try:
-            of_one: Sequence[Any] = line(float(position))
+            of_one: Sequence[Any] = line(float(position), *others)
             return of_one
         except (ValueError, ZeroDivisionError):
             links.motion(float(position), 1.0, 0.0)     # its error names the input

@@ -5,8 +5,9 @@ Motion over time by scipy's solve_ivp, with the result checked: no wrong answer 
 
 A run is integrated leg by leg. A leg is one coordinate (:mod:`fourbar_ros.dynamics.coordinate`)
 and one stretch between jumps of the torque; it ends at a limit, where another coordinate takes
-over near a toggle, or at a point of a force table. DOP853 integrates, or LSODA where a shaft or a
-drive makes the system stiff.
+over near a toggle, or at a point of a force table. A crank that turns fully goes over many such
+points in one leg, by steps in the input (:mod:`.piece_steps`). DOP853 integrates, or LSODA where a
+shaft or a drive makes the system stiff.
 
 A run is compared with one at a tenth of its tolerance, all along it, and the energy less the work
 of drive and dampers must stay constant at every step. While the difference or the drift of the
@@ -27,6 +28,7 @@ from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
+from fourbar_ros.dynamics.piece_steps import BetweenSteps, Step, steps_over_pieces
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, Locked
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -61,6 +63,7 @@ STIFF = 1e4                # fastest mode at the start times the run, above whic
 HUGE = 1e100               # states and derivatives beyond it count as not finite
 WITHIN_A_STEP = 5000       # evaluations beyond the bound after which a step is broken off
 LONGER = 1.01              # first step in a piece of a table over the time in the one before
+LOW_ORDER = 1e-7           # least tolerance at which a method of order 5 is the cheaper one
 AHEAD = 1e-7               # way over the unit, and rate over the slip speed, to just after a start
 NONE_AHEAD = 1e-9          # what is not smooth at less is so at the start already
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
@@ -112,10 +115,10 @@ class Leg(NamedTuple):
 
     def at(self, times: Array) -> Array:
         """Return the states at times within the leg, (fields, times); at steps exact ones."""
-        states = self.between(times)
         steps = np.clip(np.searchsorted(self.time, times), 0, self.time.size - 1)
-        is_step = self.time[steps] == times
-        states[:, is_step] = self.states[:, steps[is_step]]
+        states, is_between = self.states[:, steps], self.time[steps] != times
+        if is_between.any():
+            states[:, is_between] = self.between(times[is_between])
         return states
 
 
@@ -133,6 +136,9 @@ class Work:
     most: float = inf              # evaluations after which the run at hand ends
     first: int = 0                 # evaluations before the run at hand
     marks: list[float] = field(default_factory=list)    # times of quarters before it is judged [s]
+    # Integrator of the rougher runs over whole pieces of tables; '': that of the finer one, which
+    # then takes two steps where they take one.
+    over_pieces: str = ''
     used: int = 0                  # evaluations so far
     began: float = field(default_factory=clock.monotonic)
     reason: str = ''               # why a run was given up
@@ -403,6 +409,7 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 def _checked(work: Work, method: str, tolerance: float) -> Run:
     """Return a run that agrees with a rougher one; tolerances are tightened until it does."""
     system, allowed = work.system, tolerance * work.system.mechanism.input_unit
+    work.over_pieces = 'RK45' if tolerance >= LOW_ORDER else ''
     rough = _first_run(work, method, max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
         fine = _run(work, rough.method, max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
@@ -416,6 +423,7 @@ def _checked(work: Work, method: str, tolerance: float) -> Run:
         tighter = max(rough.tolerance * min(TIGHTER, max(1e-4, share)), TIGHTEST / TIGHTER)
         # the finer run is the next rough one, unless both would take the same steps
         is_next = (TIGHTEST / TIGHTER <= fine.tolerance <= 2.0 * tighter
+                   and not system.equation.tables
                    and not (system.drive and system.drive.source.breaks))
         rough = fine if is_next else _run(work, rough.method, tighter)
     return rough
@@ -520,10 +528,6 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         events = [*_limits(system, coordinate), _watch(work, first)]
         if coordinate.can_end:
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
-        if coordinate.equation.tables:
-            excess = coordinate.equation.make_excess(state[0])
-            events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
-                                AT_KINK, direction=1.0))
         used = method
         if coordinate.equation.has_resistance:
             beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
@@ -539,9 +543,21 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        if first < middle < last:
-            last = middle
-        leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
+        leg = None
+        if coordinate.equation.tables:
+            if used == 'DOP853' and system.mechanism.turns_fully and not (
+                    coordinate.equation.has_resistance):
+                leg = _leg_over_pieces(coordinate, (first, last), state, tolerance, is_finer, work,
+                                       events)
+            excess = coordinate.equation.make_excess(state[0])
+            events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
+                                AT_KINK, direction=1.0))
+        if leg:
+            begun = float(leg.time[max(-leg.time.size, -3 if is_finer else -2)])
+        else:
+            if first < middle < last:
+                last = middle
+            leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
         # a leg without length, as two coordinates handing over to each other: nothing goes on
         stands = leg.time[-1] <= nextafter(first, inf)
         if stands and leg.end in (HANDED_OVER, AT_KINK):
@@ -591,6 +607,38 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
         if last is not None and last.status == 0:
             result.y[:, -1] = last.y[:, -1]
     return Leg(coordinate, result.t, result.y, result.sol, end)
+
+
+def _leg_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float],
+                     tolerance: float, is_finer: bool, work: Work, events: list[Event]
+                     ) -> Leg | None:
+    """Return the leg in steps of the input, up to that in which an event is; None: no step."""
+    method = work.over_pieces if work.over_pieces and not is_finer else 'DOP853'
+    longest = 0.5 if is_finer and not work.over_pieces else 1.0
+    steps, start = list[Step](), np.array(state)
+    before = [event.function(span[0], start) if event.before is None else event.before
+              for event in events]
+    try:
+        for step in steps_over_pieces(coordinate, span, start, method, tolerance, longest,
+                                      work.counted):
+            after = [event.function(step.time, step.state) for event in events]
+            if any(map(_is_passed, events, before, after)):
+                break
+            steps.append(step)
+            before = after
+    except ArithmeticError:         # evaluations are used up, as the next leg says
+        pass
+    if not steps:
+        return None
+    times = np.array([span[0], *[step.time for step in steps]])
+    return Leg(coordinate, times, np.array([start, *[step.state for step in steps]]).T,
+               BetweenSteps(times, steps), AT_KINK)
+
+
+def _is_passed(event: Event, before: float, after: float) -> bool:
+    """Return whether an event is between two of its values, as solve_ivp has it."""
+    return (before <= 0.0 <= after and event.direction >= 0.0
+            or before >= 0.0 >= after and event.direction <= 0.0)
 
 
 def _why_no_step(work: Work, method: str, time: float) -> str:

@@ -14,17 +14,19 @@ acts (not if nothing of the kind acts):
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import inf
 from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
-from fourbar_ros.dynamics.sources import Answer, Drive
+from fourbar_ros.dynamics.equation import compiled, Equation
+from fourbar_ros.dynamics.sources import Answer, Drive, Law
 from fourbar_ros.errors import InvalidParameter, Locked
 from fourbar_ros.mechanisms.friction import dry_joints
-from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import finite
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 
 State = Sequence[float]
 SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
@@ -79,7 +81,6 @@ class System:
         # index of the source's speed in a state: of the input's rate, or of dp/dt behind a shaft
         self._speed = 3 if shaft else 1
         self.of_source = slice(self._speed + 1, self._speed + 1 + len(source))
-        self.derivative = self.coordinates.first.derivative
 
     def __repr__(self) -> str:
         position, rate = self.start[:2]
@@ -89,6 +90,11 @@ class System:
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle the arguments only: functions cannot be pickled, and are made again."""
         return System, (self._with_stroke, *self.start[:2], self.drive)
+
+    @property
+    def derivative(self) -> Function:
+        """Return (time, state) -> d state / dt; ZeroDivisionError where there is no inertia."""
+        return self.coordinates.first.derivative
 
     @property
     def has_stroke(self) -> bool:
@@ -141,27 +147,45 @@ class System:
 
     def make_derivative(self, coordinate: MotionCoordinate) -> Function:
         """Return (time, state in a coordinate) -> d state / dt, by (E1); of the work by (E6)."""
-        terms_of, is_input = coordinate.equation.fields_of_terms, coordinate.is_input
+        equation, drive = coordinate.equation, self.drive
         if self.equation.has_resistance:
             resisting = self.make_resisting(coordinate)
             return lambda time, state: resisting(time, state).change
-
-        def conservative(time: float, state: State) -> tuple[float, ...]:
-            position, rate = state
-            inertia, half_slope, force = terms_of(position)[:3]
-            return rate, (force - half_slope * rate * rate) / inertia
+        if drive is None or drive.shaft is None and isinstance(drive.source, Law):
+            change_of = compiled(partial(self._make_change, equation), equation.coordinate,
+                                 len(self.names))
+            return lambda time, state: change_of(*state)
+        terms_of, is_input = equation.fields_of_terms, coordinate.is_input
 
         def driven(time: float, state: State) -> tuple[float, ...]:
             position, rate, ratio = state[0], state[1], 1.0
             if not is_input:
                 value, ratio, _ = coordinate.input_of(position)
                 state = (value, ratio * rate, *state[2:])
-            torque, change = self._drive(time, state) if self.drive else (0.0, ())
+            torque, change = self._drive(time, state)
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
             torque = torque * ratio - damping * rate                                        # (Q2)
             return (rate, (force + torque - half_slope * rate * rate) / inertia, *change,
                     (torque + couples) * rate)                                              # (E6)
-        return conservative if self.is_conservative else driven
+        return driven
+
+    def _make_change(self, equation: Equation, links: DrivenLinks, n: NumberType) -> Function:
+        """Return the formula of a state -> its derivative, driven by a law or not at all."""
+        terms_of, law = equation.make_terms(links, n), self.drive and self.drive.source
+
+        def change(position: Scalar, rate: Scalar, *others: Scalar) -> tuple[Scalar, ...]:
+            terms, torque, of_source = terms_of(position), 0.0, others[:-1]
+            changes = list[Scalar]()
+            if isinstance(law, Law):
+                speed, state = terms.ratio * rate, of_source[0] if of_source else 0.0
+                piece = law.piece(speed, state, n)
+                torque = piece.torque_at(speed, state) * terms.ratio                        # (Q2)
+                changes += [piece.change_at(speed, state)] * len(of_source)
+            torque = torque - terms.damping * rate
+            power = [] if self.is_conservative else [(torque + terms.couples) * rate]       # (E6)
+            return (rate, (terms.force + torque - terms.half_slope * rate * rate) / terms.inertia,
+                    *changes, *power)
+        return change
 
     def make_resisting(self, coordinate: MotionCoordinate
                        ) -> Callable[[float, State], Resisted]:

@@ -9,6 +9,7 @@ from fourbar_ros.dynamics import simulation
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.node_step import Mover, OK
+from fourbar_ros.dynamics.piece_steps import BetweenSteps
 from fourbar_ros.dynamics.simulation import REACHED, simulate, STOPPED
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine
 from fourbar_ros.dynamics.statics import equilibria
@@ -243,9 +244,11 @@ def test_the_shipped_engine_reaches_five_seconds():
     assert run.status == REACHED and run.error <= 1e-8 and run.drift <= 1e-8
 
 
-def test_runs_whose_difference_is_the_error_take_other_steps_in_a_piece(monkeypatch):
-    # pieces end at the same times in both, each took the step of a piece's length: a step that was
-    # too long was too long in both (of an inverted slider-crank 8.3e-7 rad for 1.4e-8)
+@pytest.mark.parametrize(('tolerance', 'are_methods_different'), [(1e-6, True), (1e-8, False)])
+def test_runs_whose_difference_is_the_error_take_other_steps_in_a_piece(
+        monkeypatch, tolerance, are_methods_different):
+    # pieces end at the same inputs in both, each took the step of a piece's length: a step that
+    # was too long was too long in both (of an inverted slider-crank 8.3e-7 rad for 1.4e-8)
     runs, integrate = [], simulation._integrate
 
     def noted(*arguments):
@@ -254,9 +257,32 @@ def test_runs_whose_difference_is_the_error_take_other_steps_in_a_piece(monkeypa
             legs.append(leg)
             yield leg
     monkeypatch.setattr(simulation, '_integrate', noted)
-    run = simulate(engine(), 0.05, 1e-6)
+    run = simulate(engine(), 0.05, tolerance)
     rough, fine = (sum(leg.time.size - 1 for leg in legs) for legs in runs[-2:])
-    assert run.status == REACHED and fine >= 1.7 * rough
+    methods = [{type(step.between) for leg in legs if isinstance(leg.between, BetweenSteps)
+                for step in leg.between.steps} for legs in runs[-2:]]
+    assert run.status == REACHED and all(len(each) == 1 for each in methods)
+    assert methods[0] != methods[1] if are_methods_different else fine >= 1.7 * rough
+
+
+@pytest.mark.parametrize('tolerance', [1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize('speed', [150.0, -150.0])
+def test_steps_of_the_input_are_the_motion_of_steps_in_time(monkeypatch, tolerance, speed):
+    run, times = simulate(engine(speed=speed), 0.05, tolerance), np.linspace(0.0, 0.05, 334)
+    steps = [step for leg in run.legs if isinstance(leg.between, BetweenSteps)
+             for step in leg.between.steps]
+    assert len(steps) >= 80             # over 5 deg each
+    again = pickle.loads(pickle.dumps(run))
+    assert np.array_equal(again.at(times).position, run.at(times).position)
+    monkeypatch.setattr(simulation, '_leg_over_pieces', lambda *arguments: None)
+    in_time = simulate(engine(speed=speed), 0.05, tolerance)
+    assert run.evaluations <= 0.8 * in_time.evaluations
+    exact = simulate(engine(speed=speed), 0.05, 1e-11, times=times)
+    allowed = run.error + exact.error + 1e-14 * abs(exact.position[-1])
+    assert np.max(np.abs(run.at(times).position - exact.position)) <= allowed
+    # and errors of the rate are those of the position within a step
+    shortest = min(np.diff([step.time for step in steps]))
+    assert np.max(np.abs(run.at(times).rate - exact.rate)) <= allowed / shortest
 
 
 def test_the_steps_of_a_node_follow_the_engine():

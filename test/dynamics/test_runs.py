@@ -192,8 +192,8 @@ def test_wrong_times_of_a_run_are_errors_of_ours(times):
 
 @pytest.mark.parametrize('until', [1e6, 1e12, 1e300])
 def test_an_end_far_away_costs_nothing_where_a_run_stops(until):
-    near = simulate(SYSTEMS['forces'], 5.0, 1e-8, stop_when=lambda t, y: y[0] - 2.0)
     far = simulate(SYSTEMS['forces'], until, 1e-8, stop_when=lambda t, y: y[0] - 2.0)
+    near = simulate(SYSTEMS['forces'], 5.0, 1e-8, far.method, stop_when=lambda t, y: y[0] - 2.0)
     assert far.status == EVENT and far.evaluations <= 2 * near.evaluations
     assert far.time[-1] == pytest.approx(near.time[-1], abs=4e-8 / abs(near.rate[-1]))
 
