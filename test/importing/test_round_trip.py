@@ -3,10 +3,13 @@
 """What describe writes of every shipped scene, import reads: the same joints, the same drive."""
 from math import pi, tau
 
+from fourbar_ros.description.connections import connections_of
 from fourbar_ros.description.formats import describe
 from fourbar_ros.errors import MissingBodies
 from fourbar_ros.importing.files import import_file, Wishes
 from fourbar_ros.mechanics.bodies import field_of
+from fourbar_ros.mechanisms.curves import point_of
+from fourbar_ros.mechanisms.parts import GROUND
 from fourbar_ros.scene.base import rotation_of
 from fourbar_ros.scene.files import shipped
 from fourbar_ros.scene.scene import from_values, load
@@ -103,3 +106,33 @@ def test_an_imported_scene_is_described_and_imported_again(format_, tmp_path):
         scene = result.loops[0].scene
         frames.append(scene.frame_id)
     assert len({*frames}) == 3
+
+
+@pytest.mark.parametrize('name', ['paper', 'cylinder', 'jansen', 'gripper', 'lift_table'])
+def test_pins_are_where_mujoco_has_them_in_the_world(name, tmp_path):
+    """By frame.xyz and frame.rpy, on a base that stands askew."""
+    mujoco = pytest.importorskip('mujoco', reason='mujoco is not installed')
+    text = describe(unloaded(load(name)), 'mjcf').replace(
+        '<worldbody>', '<worldbody><body pos="0.3 -0.2 0.5" euler="0.7 -1.1 2.3">', 1).replace(
+        '</worldbody>', '</body></worldbody>')
+    path = tmp_path / 'robot.xml'
+    path.write_text(text)
+    (loop,) = import_file(path).loops
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_kinematics(model, data)
+    scene, base = loop.scene, data.body(loop.scene.frame.parent)
+    to_world = base.xmat.reshape(3, 3)
+    turned = to_world @ np.array(rotation_of(scene.frame.rpy)).T
+    motion = scene.linkage.motion(loop.drive.coordinate, 0.0, 0.0)
+    pins = [(joint, connection) for joint, connection in zip(
+        loop.joints.values(), connections_of(scene.linkage))
+        if connection.axis is None and not joint.closes]
+    for joint, connection in pins:
+        x, y = connection.on_parent if connection.parent == GROUND else point_of(
+            scene.linkage.link_motion(motion, connection.parent), *connection.on_parent)[:2]
+        away = turned.T @ (data.joint(joint.name).xanchor - base.xpos
+                           - to_world @ scene.frame.xyz) - [x, y, 0.0]
+        assert np.hypot(*away[:2]) < 2.0**6 * np.finfo(float).eps * loop.loop.size(), joint.name
+    assert len(pins) > 1
