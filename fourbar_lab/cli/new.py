@@ -195,6 +195,8 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     from fourbar_ros.mechanics.bodies import flat_bar, round_rod
     import yaml
     names = [point.name for point in points]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InvalidParameter('--points', twice[0], 'must be given once')
     links = links or [*zip(names, names[1:])]
     drawing = read_drawing(
         {point.name: point.place for point in points}, links,

@@ -203,6 +203,8 @@ def test_weight_of_points_waits_behind_a_hash_as_that_of_a_kind(capsys):
     ('--points "O1 0 0" "A 0 1" "B 2 1" "O4 3 1"', 'modes.B: must be given, 1 or 2'),
     ('--points "O1 0 0" "A 0 1" "B 2 1 mode 3" "O4 3 1"', 'mode'),
     ('--links O1-A --a1 3', '--points'), ('--points "O1 0 0" --a1 3', '--points'),
+    ('--points "O1 0 0" "A 1 1" "B 3 2" "O4 3 0" "A 1 2" --links O1-A A-B B-O4',
+     "--points = 'A': must be given once"),
     ('--points "O1 0 0" --mode 1', 'in place of kind, lengths and mode'),
     ('--points "O1 0 0" --kind slider_crank', 'in place of kind, lengths and mode'),
     ('--a1 1 --a2 3 --a3 2 --a4 2.5 --material pla', 'is that of --bar or --rod')])
