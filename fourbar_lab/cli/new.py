@@ -72,8 +72,8 @@ def add(verbs: Verbs) -> None:
                           'that slides on the ground "NAME X Y slide 30deg"; of a pin whose links '
                           'lie flat "NAME X Y mode 2"')
     new.add_argument('--links', nargs='+', type=lambda text: text.split('-'), metavar='LINK',
-                     help='with --points: points of each link, the crank first, O1-A A-B-P B-O4; '
-                          'default: one after another')
+                     help='with --points: points of each link but the ground, the crank first, '
+                          'O1-A A-B-P B-O4; default: one after another')
     new.add_argument('--mode', type=assembly_mode, metavar='MODE',
                      help='assembly mode: 1 (crossed) or 2 (open, the default)')
     new.add_argument('--speed', type=of('rad/s'), metavar='SPEED',

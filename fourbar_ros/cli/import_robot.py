@@ -42,7 +42,8 @@ def add(verbs: Verbs) -> None:
                       help="hold a joint as in the file's pose")
     verb.add_argument('--cut', action='append', default=[], metavar='JOINT',
                       help='leave out a joint that closes a loop')
-    verb.add_argument('--key', default='', metavar='NAME', help='pose of an MJCF: a key')
+    verb.add_argument('--key', default='', metavar='NAME',
+                      help='pose of the file: a key of MJCF, a group_state of URDF')
     verb.add_argument('--at', action='append', default=[], type=_pair, metavar='JOINT=VALUE',
                       help='position of a joint in the pose [degrees, of a slide m], or with a '
                            'unit: 0.5rad, 50mm')
@@ -51,7 +52,8 @@ def add(verbs: Verbs) -> None:
     verb.add_argument('--gravity', type=_vector, default=(), metavar='X,Y,Z',
                       help='[m/s^2] in the root; default: that of MJCF, of URDF 0,0,-9.80665')
     verb.add_argument('--check', action='store_true',
-                      help='compare joints and drive with MuJoCo over the range')
+                      help='compare joints and drive with MuJoCo over the range; unasked where '
+                           'axes are not parallel')
     verb.set_defaults(run=_import)
 
 
