@@ -66,10 +66,11 @@ def _run(arguments: argparse.Namespace) -> None:
     from fourbar_ros.terminal import make_console, make_table
     scene = load(arguments.scene)
     loads = balancing.Loads(scene.linkage, scene.drive.speed)
-    radii = {link: radius for link, radius in arguments.radius if link}
-    if not radii:
-        longest = max(map(abs, scene.linkage.lengths))
-        for_all = next((radius for _, radius in arguments.radius), 0.5 * longest)
+    radii = dict(arguments.radius)
+    if len(radii) < len(arguments.radius) or '' in radii and len(radii) > 1:
+        raise balancing.BalanceError('--radius is one M for all links, or LINK=M once for each')
+    if '' in radii or not radii:
+        for_all = radii.get('', 0.5 * max(map(abs, scene.linkage.lengths)))
         radii = {link.name: for_all for link in scene.linkage.LINKS if link.turns}
     sites = balancing.Places(loads, radii)
     names, most = arguments.minimize, arguments.mass        # loads, and the mass to be added [kg]

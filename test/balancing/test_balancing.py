@@ -280,6 +280,8 @@ def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
     assert 'none below' in capsys.readouterr().out and (tmp_path / 'front.svg').exists()
     for arguments, text in ((['--minimize', 'force'], '--minimize needs --mass'),
                             (['--mass', '1'], 'go with --minimize'),
+                            (['--radius', '0.3', 'crank=0.2'], 'one M for all links, or LINK=M'),
+                            (['--radius', 'crank=0.3', 'crank=0.2'], 'once for each'),
                             (['--minimize', 'forse', '--mass', '1'], 'did you mean force')):
         assert main(['balance', 'paper', *arguments]) == 1
         assert text in capsys.readouterr().err
