@@ -156,16 +156,19 @@ class OverInput:
 
     @cached_property
     def _ranges(self) -> Ranges:
-        """Return the parts of the input that lie ``within``, cut by friction; () for all of it."""
-        unit = self._linkage.input_unit
+        """Return the parts of the input ``within``, cut at ends of pieces; () for all of it."""
+        unit, rubs = self._linkage.input_unit, self._linkage.friction and self._quantity.is_load
+        if self._within is None and not rubs:
+            return ()
         ranges = () if self._within is None else tuple([
             (unit * path.low.x, unit * path.high.x)
             for path in input_paths(self._linkage, SAMPLES, self._within)
             if path.low and path.high])
-        if not self._linkage.friction or not self._quantity.is_load:
-            return ranges
-        from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
-        return smooth_ranges(self._linkage, with_friction(self._linkage, self._rates).ends, ranges)
+        ends: Sequence[float] = ()
+        if rubs:
+            from fourbar_ros.mechanisms.pieces import with_friction  # few mechanisms have any
+            ends = with_friction(self._linkage, self._rates).ends
+        return smooth_ranges(self._linkage, ends, ranges)
 
     @property
     def _is_constant(self) -> bool:

@@ -35,6 +35,7 @@ def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Rang
     # a cycle before or after it.
     parts = list[tuple[float, float]]()
     cuts = {*mechanism.flat_inputs}
+    ends = [*ends, *(mechanism.pieces.ends if mechanism.pieces else ())]
     if ranges and not mechanism.is_driven_by_slide:
         ends = [x + turn * mechanism.cycle for x in ends for turn in (-1, 0, 1)]
     if not ranges and mechanism.turns_fully:
@@ -43,7 +44,7 @@ def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Rang
     if not mechanism.is_driven_by_slide:        # flat in each turn; a cycle is one, or a few
         turns = round(ranges[0][0] / (2.0 * pi))
         cuts |= {x + 2.0 * pi * turn for x in cuts for turn in range(turns - 2, turns + 3)}
-    cuts |= {*ends, *(mechanism.pieces.ends if mechanism.pieces else ())}
+    cuts |= {*ends}
     for low, high in ranges:
         inner = sorted({x for x in cuts if low < x < high})
         parts += zip([low, *inner], [*inner, high])

@@ -8,6 +8,8 @@ from fourbar_ros import Bodies, Body, flat_bar, FourBar, InvertedSlider, load_sc
 from fourbar_ros.extrema import Extremum, find_extrema, output_ranges, OverInput
 from fourbar_ros.extrema.over_input import most_extreme
 from fourbar_ros.machine import Dyad, Machine, Point
+from fourbar_ros.mechanisms.elements import Attachment, PositionForce
+from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.inertia import held_rigid, mean_rigid
 import numpy as np
 import pytest
@@ -33,6 +35,20 @@ def test_figures_of_a_yoke_are_those_of_a_sine():
         0.05e90 / sqrt(2.0), rel=64 * EPS)
     assert OverInput(ScotchYoke(0.05), 'slide_acceleration', 1e99).rms == pytest.approx(
         0.05e198 / sqrt(2.0), rel=64 * EPS)                 # its square overflows
+
+
+@pytest.mark.parametrize('turn', [0, 1, -1, 10])
+def test_means_between_two_inputs_see_a_narrow_table(turn):
+    """A couple on the crank, a trapezoid over the input, at rest: its integral in closed form."""
+    width, low, high = 1e-3, 0.5 + turn * tau, 1.6 + turn * tau
+    couple = ForceTable([0.0, 1.01, 1.01 + width / 3, 1.01 + width / 1.5, 1.01 + width, tau],
+                        [0.0, 0.0, 300.0, 300.0, 0.0, 0.0], is_periodic=True, is_linear=True)
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(*[Body(1.0)] * 3), gravity=(0.0, 0.0))
+    linkage = linkage.with_elements(PositionForce(Attachment('crank'), couple, direction=None))
+    torque = OverInput(linkage, 'driving_torque', 0.0, within=(low, high))
+    error = 1e-12 + 64 * EPS * abs(high) / width  # of the points of the table beside its width
+    assert torque.mean == pytest.approx(-300.0 * width / 1.5 / (high - low), rel=error)
+    assert torque.rms == pytest.approx(300.0 * sqrt(5.0 / 9.0 * width / (high - low)), rel=error)
 
 
 def test_the_mean_of_a_rate_is_what_the_output_moves_though_it_is_unbounded():
