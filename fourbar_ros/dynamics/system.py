@@ -22,7 +22,6 @@ from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.equation import compiled, Equation
 from fourbar_ros.dynamics.sources import Answer, Drive, Law
 from fourbar_ros.errors import InvalidParameter, Locked
-from fourbar_ros.mechanisms.friction import dry_joints
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import finite
@@ -190,6 +189,7 @@ class System:
     def make_resisting(self, coordinate: MotionCoordinate
                        ) -> Callable[[float, State], Resisted]:
         """Return (time, state) -> :class:`Resisted`; it raises Locked."""
+        from fourbar_ros.mechanisms.friction import dry_joints  # few mechanisms have any
         terms_of, resistance = coordinate.equation.fields_of_terms, coordinate.equation.resistance
 
         def resisting(time: float, state: State) -> Resisted:
