@@ -132,8 +132,8 @@ def test_a_loop_closed_at_points_is_described_and_read_again(tmp_path):
 
 
 def test_an_inertia_in_turned_axes_is_as_in_mjcf(tmp_path):
-    """MuJoCo up to 3.12 leaves out the rpy of a URDF: --check was BAD by 4e-4 of the peak."""
     """The rpy of a URDF is left out by MuJoCo up to 3.12: --check was BAD by 4e-4 of the peak."""
+    import mujoco
     turned, about = (0.4, -0.3, 1.2), (0.5, 0.9, -1.0)
     pad = LINK.format(name='pad', cg='0.1 0.02 0.05', mass=0.7).replace(
         'rpy="0 0.3 0"', 'rpy="{} {} {}"'.format(*about)) + JOINT.format(
