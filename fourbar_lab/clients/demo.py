@@ -17,6 +17,7 @@ from fourbar_lab.drawing.tables import linkage_table, rates_in_words
 from fourbar_msgs.msg import Extremum
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.cli.common import Parser
+from fourbar_ros.cli.main import terminable
 from fourbar_ros.cli.scene import errors_and_times
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms.quantities import known_quantities, positions
@@ -186,7 +187,8 @@ def main(args: Sequence[str] | None = None) -> int:
                         help='directory for the bag (default bags)')
     arguments = parser.parse_args(args)
     try:
-        good = run(arguments.scene, arguments.seconds, arguments.directory, make_console())
+        with terminable():
+            good = run(arguments.scene, arguments.seconds, arguments.directory, make_console())
     except FourBarError as error:
         print(f'fourbar_demo: {error}', file=sys.stderr)
         return 1

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros.messages import Message, resolve
+from fourbar_ros.ros.node.start import caught_signals, Signals
 from fourbar_ros.ros.refusals import in_one_line, init
 from fourbar_ros.scene.files import NODE
 from fourbar_ros.scene.topics import full_name, INPUT_DEPTH, INPUTS, SERVICES, Topic
@@ -17,6 +18,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 PATIENCE = 10.0             # [s] to find a node or get an answer; discovery may take 4 s
@@ -39,11 +41,17 @@ class NodeClient:
         self.executor = EventsExecutor()
         self.executor.add_node(node)
         self._services: dict[str, rclpy.client.Client] = {}
+        self.signals: Signals = []           # that have come and end the program
 
     def spin(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0.0:
-            self.executor.spin_once(timeout_sec=left)
+            self._spin_once(left)
+
+    def _spin_once(self, seconds: float) -> None:
+        self.executor.spin_once(timeout_sec=seconds)
+        if self.signals:        # the executor survives no exception of their handlers
+            raise SystemExit(128 + self.signals[0])
 
     def until(self, condition: Callable[[], bool], failure: str,
               patience: float | None = None) -> None:
@@ -53,7 +61,7 @@ class NodeClient:
         while not condition():
             if time.monotonic() > end:
                 raise NoAnswer(f'{failure} (waited {patience:g} s)')
-            self.executor.spin_once(timeout_sec=POLL)
+            self._spin_once(POLL)
 
     def subscribe(self, topic: Topic, take: Callable[[Message], None], node: str = NODE,
                   depth: int = INPUT_DEPTH) -> Subscription:
@@ -93,10 +101,11 @@ AnyClient = TypeVar('AnyClient', bound=NodeClient)
 @contextmanager
 def opened(make: Callable[[Node], AnyClient], name: str) -> Iterator[AnyClient]:
     """Initialise ROS for a ``with`` block; give ``make(a new node of this name)``, close all."""
-    init()
+    init(signal_handler_options=SignalHandlerOptions.NO)
     try:
-        with in_one_line():
+        with in_one_line(), caught_signals() as signals:
             client = make(rclpy.create_node(name))
+            client.signals = signals
             try:
                 yield client
             finally:

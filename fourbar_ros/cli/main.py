@@ -102,7 +102,7 @@ def main(args: Sequence[str] | None = None) -> int:
             autocomplete(command)
     arguments = command.parse_args(words)
     try:
-        with _terminable(), _warnings_at_the_end():
+        with terminable(), _warnings_at_the_end():
             outputs = [getattr(arguments, name) for name in getattr(arguments, 'written', ())]
             refuse_overwriting(filter(None, outputs), getattr(arguments, 'force', False))
             return arguments.run(arguments) or 0
@@ -150,8 +150,8 @@ _ENDING = [signal.Signals[name] for name in ('SIGTERM', 'SIGHUP') if hasattr(sig
 
 
 @contextlib.contextmanager
-def _terminable() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP end a verb by an exception: no partial output is left."""
+def terminable() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP end a verb by an exception: it leaves no partial output, no node."""
     def end(signal_number: int, _: object) -> NoReturn:
         raise SystemExit(128 + signal_number)
 
