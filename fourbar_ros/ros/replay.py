@@ -110,7 +110,7 @@ def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: 
     ahead = reached = unknown = 0
     waiting: list[reader.Raw] = []
     stamped = {topic for topic, publisher in publishers.items()
-               if hasattr(publisher.msg_type, 'header')}
+               if [*publisher.msg_type.get_fields_and_field_types()][:1] == ['header']}
     for raw in bag.raw(set(publishers)):
         motion = bag.decode(raw) if for_a_node else None
         if motion and isfinite(motion.position) and isnan(motion.velocity + motion.acceleration):
