@@ -156,10 +156,11 @@ def _publisher(node: Node, bag: reader.Bag, topic: str, name: str) -> Publisher 
         return None
     offered, is_latched = _offered(bag, topic), _is_latched(bag, topic)
     is_best_effort, depth = offered.get('reliability') in ('best_effort', 2), offered.get('depth')
-    is_depth = isinstance(depth, int) and 0 < depth < 2**31
+    if not isinstance(depth, int) or not 0 < depth < 2**31:
+        depth = 1
     try:
         return node.create_publisher(message_class, name, QoSProfile(
-            depth=max(depth if is_depth else 1, 1 if is_latched else DEPTH),
+            depth=max(depth, 1 if is_latched else DEPTH),
             reliability=(ReliabilityPolicy.BEST_EFFORT if is_best_effort
                          else ReliabilityPolicy.RELIABLE),
             durability=(DurabilityPolicy.TRANSIENT_LOCAL if is_latched

@@ -200,7 +200,9 @@ def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_pa
 def test_names_and_quality_of_service_that_ros_does_not_know_stop_no_other_topic(
         client, tmp_path, offered):
     """Anybody may have made the bag."""
+
     class Strange(metadata.Channel):
+
         @property
         def metadata(self):
             return {**super().metadata, metadata.QOS: offered}
