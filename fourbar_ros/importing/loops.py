@@ -190,6 +190,9 @@ def normal_of(loop: Loop) -> tuple[Array, float]:
     for link in loop.links:
         if all(joint.kind in (POINT, robots.BALL) for joint in loop.joints_of(link)):
             raise Refused(f'{loop.name_of(link)} is a rod on balls, which may leave the plane')
+    for joint in loop.joints:
+        if joint.kind in (POINT, robots.BALL) and not joint.closes:
+            raise Refused(f'{joint.name} is a ball joint, whose position is not one number')
     return normal, worst
 
 

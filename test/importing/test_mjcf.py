@@ -417,6 +417,8 @@ REFUSED = [
      'the mode by --mode d1=1 or d1=2$'),
     ({}, {'drive': ['lever']}, '--drive lever: is a link, not a joint; known: .*shoulder'),
     ({}, {'drive': ['elbw']}, '--drive elbw: no loop has it; did you mean elbow?'),
+    ({'axis': '0 0 1" type="ball', 'equality': CONNECT + CONNECT.replace('tip', 'tip_z').replace(
+        '0.3 0"', '0.3 0.1"')}, {}, 'pivot is a ball joint, whose position is not one number$'),
     ({}, {'drive': ['tip']}, 'tip closes the loop, so the file gives it no position: drive one of '
      'shoulder, elbow, pivot, or cut the loop elsewhere in the file$'),
     ({}, {'base': 'lever2'}, '--base lever2: the file has no such link; did you mean lever?'),
