@@ -125,8 +125,8 @@ def test_printed_peaks_are_the_extrema(name, tmp_path, capsys):
     forces = [float(one['value']) for one in found['extrema'] for reaction in linkage.REACTIONS
               if one['quantity'] == reaction.magnitude and not reaction.couple]
     assert float(pin['force']) == max(forces)
-    load = '' if pin['load'] == pin['joint'] else f' ({pin["load"]})'
-    assert f'worst pin  {pin["joint"]}{load} {max(forces):.6g} N at ' in text
+    of_load = '' if pin['load'] == pin['joint'] else f' ({pin["load"]})'
+    assert f'worst pin  {pin["joint"]}{of_load} {max(forces):.6g} N at ' in text
     file, speeds = tmp_path / 'servo.csv', [f'{speed!r}'] * 2
     said(capsys, 'table', name, '--speeds', *speeds, '-o', str(file))
     _, *rows = csv.reader(file.read_text().splitlines())
