@@ -88,8 +88,9 @@ def wishes_of(arguments: Namespace) -> Any:
 def _import(arguments: Namespace) -> int:
     from fourbar_ros.importing.files import import_file
     result = import_file(arguments.file, wishes_of(arguments))
-    print('\n'.join(result.report))
+    report = result.report
     if arguments.out and result.loops:
         arguments.out.write_text(result.text, encoding='utf-8')
-        print(arguments.out)
+        report = [*report, str(arguments.out)]
+    print('\n'.join(report))
     return 0 if result.is_good else BAD

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Loops of URDF: one small file for each way of saying where it is cut, beside MuJoCo."""
+import io
 import re
 import sys
 
@@ -106,6 +107,14 @@ def test_the_frame_is_right_where_x_of_the_scene_is_z_of_the_robot(gravity, tmp_
     pivot = scene.values['dyads.d1.second.along'], scene.values['dyads.d1.second.across']
     for point, there in ((elbow, (0.0, 0.0, 0.4)), (pivot, (1.0, 0.0, 0.0))):
         assert scene.frame.xyz + turned @ [*point, 0.0] == pytest.approx(there, abs=1e-15)
+
+
+def test_scenes_are_written_before_a_report_that_the_output_cannot_take(tmp_path, monkeypatch):
+    read(tmp_path, robot().replace('"elbow"', '"\u010c"'))
+    monkeypatch.setattr(sys, 'stdout', io.TextIOWrapper(io.BytesIO(), encoding='cp1252'))
+    assert main(['import', str(tmp_path / 'urdf' / 'robot.urdf'), '-o',
+                 str(tmp_path / 'scene.yaml')]) == 1
+    assert '\u010c' in read_values(tmp_path / 'scene.yaml')['joint_names']
 
 
 def test_gravity_is_three_finite_numbers_in_any_unit(tmp_path, capsys):
