@@ -158,6 +158,8 @@ class Equation:
     """
     The equation of motion (E1) of a mechanism with all that acts on it; a stroke is no limit here.
 
+    Friction and forces one way, R of (E9), are in :attr:`resistance` alone.
+
     ``extra_inertia``: constant, on the input, as of a flywheel [kg m^2], [kg]. ``coordinate``: one
     of ``mechanism.driven_otherwise()``: q and all terms then refer to that coordinate, while the
     extra inertia stays on the input. Raises MissingBodies without masses, UnknownBaseMotion.
@@ -329,13 +331,13 @@ class Equation:
         return Terms(*self.fields_of_terms(position))
 
     def acceleration(self, position: Value, rate: Value, drive: float = 0.0) -> Value:
-        """Return dw/dt under the torque (force) of the drive on the input, by (E1)."""
+        """Return dw/dt under the torque (force) of the drive on the input, by (E1), without R."""
         inertia, half_slope, force, damping, *_ = self.terms(position)
         change: Value = (force + drive - (damping + half_slope * rate) * rate) / inertia
         return change
 
     def torque(self, position: Value, rate: Value, acceleration: Value) -> Value:
-        """Return the torque (force) of the drive that this motion needs, by (E1)."""
+        """Return the torque (force) of the drive that this motion needs, by (E1), without R."""
         inertia, half_slope, force, damping, *_ = self.terms(position)
         torque: Value = inertia * acceleration + (half_slope * rate + damping) * rate - force
         return torque
