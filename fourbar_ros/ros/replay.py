@@ -77,7 +77,8 @@ def replay(path: str | Path, topics: Mapping[str, str] | None = None, rate: floa
                 for raw, ahead, reached in _messages(                # noqa: B007 (tick)
                         bag, publishers, waits_for_node):
                     first = first or raw.time
-                    passed = (raw.time - first) * 1e-9 - start
+                    # messages of several topics need not be written in the order of their times
+                    passed = max(raw.time - first, 0) * 1e-9 - start
                     if passed < 0.0:
                         skipped += [raw] if _is_latched(bag, raw.topic) else []
                         continue

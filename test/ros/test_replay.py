@@ -214,6 +214,15 @@ def test_names_and_quality_of_service_that_ros_does_not_know_stop_no_other_topic
     assert code == 0 and '2 messages published' in said and "'/no name': left out" in said, said
 
 
+def test_messages_before_the_first_in_the_file_are_sent(client, tmp_path):
+    writer = BagWriter(tmp_path, 'run', [bags.channel('/text', 'std_msgs/msg/String')], {})
+    for time in (0.02, 0.01, 0.0, 0.1):
+        writer.clock = lambda time=time: 10**18 + round(time * 1e9)
+        writer.write(0, bags.encode('std_msgs/msg/String', data='text'))
+    code, said = finished(fourbar('replay', writer.close(), '--delay', '0'), client)
+    assert code == 0 and said == '4 messages published\n', said
+
+
 def test_recording_from_the_command_line(run_node, client, tmp_path):
     run_node({**PAPER, 'outputs': ['state'], 'recording.directory': str(tmp_path / 'bags')})
     client.listen(['state'])
