@@ -147,15 +147,16 @@ def _source(code: Code) -> str:
 
 def build(source: Path, library: Path, command: str = '',
           flags: Sequence[str] = tuple(FLAGS.split())) -> None:
-    """Compile C into a shared library; NotGenerated without a compiler, or with its first line."""
+    """Compile C to a shared library; NotGenerated without a compiler, or of its first error."""
     command = command or next(filter(None, map(shutil.which, COMPILERS)), '')
     if not command:
         raise NotGenerated(f'no C compiler ({", ".join(COMPILERS)}) on the path')
     done = subprocess.run([command, *flags, '-shared', '-fPIC', '-o', str(library), str(source),
                            '-lm'], capture_output=True, text=True, check=False)
     if done.returncode:
-        raise NotGenerated(f'{source.name}: the C compiler refuses it: '
-                           f'{(done.stderr.splitlines() or ["no message"])[0]}')
+        lines = done.stderr.splitlines() or ['no message']
+        first = next((line for line in lines if ' error: ' in line), lines[0])
+        raise NotGenerated(f'{source.name}: the C compiler refuses it: {first}')
 
 
 # --- descriptions --------------------------------------------------------------------------------

@@ -126,6 +126,13 @@ def test_out_of_range_is_a_status_and_parameters_change(paper):
 
 
 @needs_compiler
+def test_the_first_error_of_a_compiler_is_said(tmp_path):
+    (tmp_path / 'bad.c').write_text('#warning "a warning"\nint f(void) { return none; }\n')
+    with pytest.raises(fmu.NotGenerated, match='bad.c: the C compiler refuses it: .* error: .*none'):
+        fmu.build(tmp_path / 'bad.c', tmp_path / 'bad.so')
+
+
+@needs_compiler
 def test_a_scene_may_be_called_like_a_word_of_the_source(tmp_path):
     """Of GUIDE it made {23dc...}E_step: no binary, and sources that nobody can build."""
     written = generate('paper', tmp_path, 'fmu2', name='GUIDE')
