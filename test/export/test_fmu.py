@@ -128,7 +128,7 @@ def test_out_of_range_is_a_status_and_parameters_change(paper):
 @needs_compiler
 def test_the_first_error_of_a_compiler_is_said(tmp_path):
     (tmp_path / 'bad.c').write_text('#warning "a warning"\nint f(void) { return none; }\n')
-    with pytest.raises(fmu.NotGenerated, match='bad.c: the C compiler refuses it: .* error: .*none'):
+    with pytest.raises(fmu.NotGenerated, match='bad.c: the C compiler refuses it: .* error: '):
         fmu.build(tmp_path / 'bad.c', tmp_path / 'bad.so')
 
 
