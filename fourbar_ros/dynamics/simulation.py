@@ -136,9 +136,8 @@ class Work:
     most: float = inf              # evaluations after which the run at hand ends
     first: int = 0                 # evaluations before the run at hand
     marks: list[float] = field(default_factory=list)    # times of quarters before it is judged [s]
-    # Integrator of the rougher runs over whole pieces of tables; '': that of the finer one, which
-    # then takes two steps where they take one.
-    over_pieces: str = ''
+    # RK45 takes the place of DOP853 in the rougher run; else the finer one cuts pieces of tables
+    is_rough_of_low_order: bool = False
     used: int = 0                  # evaluations so far
     began: float = field(default_factory=clock.monotonic)
     reason: str = ''               # why a run was given up
@@ -409,7 +408,9 @@ def simulate(system: System, until: float, tolerance: float = 1e-8, method: str 
 def _checked(work: Work, method: str, tolerance: float) -> Run:
     """Return a run that agrees with a rougher one; tolerances are tightened until it does."""
     system, allowed = work.system, tolerance * work.system.mechanism.input_unit
-    work.over_pieces = 'RK45' if tolerance >= LOW_ORDER else ''
+    breaks = system.drive.source.breaks if system.drive else ()
+    work.is_rough_of_low_order = bool(tolerance >= LOW_ORDER and system.equation.tables and not (
+        breaks or system.equation.has_resistance))
     rough = _first_run(work, method, max(TIGHTER * tolerance, TIGHTEST / TIGHTER))
     while rough.status != STOPPED:
         fine = _run(work, rough.method, max(TIGHTER * rough.tolerance, TIGHTEST), is_finer=True)
@@ -418,13 +419,15 @@ def _checked(work: Work, method: str, tolerance: float) -> Run:
             return fine
         if fine.tolerance < 2.0 * TIGHTEST:
             return replace(fine, status=NOT_CONVERGED)
+        if work.is_rough_of_low_order and rough.method == 'DOP853':
+            work.is_rough_of_low_order, rough = False, fine
+            continue
         # as if errors were in proportion to the tolerance
         share = AIM * allowed / fine.error if fine.error > 0.0 else TIGHTER
         tighter = max(rough.tolerance * min(TIGHTER, max(1e-4, share)), TIGHTEST / TIGHTER)
         # the finer run is the next rough one, unless both would take the same steps
         is_next = (TIGHTEST / TIGHTER <= fine.tolerance <= 2.0 * tighter
-                   and not system.equation.tables
-                   and not (system.drive and system.drive.source.breaks))
+                   and not system.equation.tables and not breaks)
         rough = fine if is_next else _run(work, rough.method, tighter)
     return rough
 
@@ -510,7 +513,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     # A leg ends where the torque jumps, the coordinate hands over to another one, a piece of a
     # force table ends, or the run stops. is_finer: legs between jumps of the torque, and in a
     # piece that takes as long as the one before, are cut in two, so that the run whose error is
-    # estimated and the finer one do not take the same steps.
+    # estimated and the finer one do not take the same steps, unless that takes another method.
     system, stop_when = work.system, work.stop_when
     source = system.drive.source if system.drive else None
     breaks: Array = np.array(source.breaks if source else (), float)
@@ -528,7 +531,8 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         events = [*_limits(system, coordinate), _watch(work, first)]
         if coordinate.can_end:
             events.append(Event(coordinate.excess, HANDED_OVER, 1.0))
-        used = method
+        is_of_low_order = work.is_rough_of_low_order and method == 'DOP853'
+        used = 'RK45' if is_of_low_order and not is_finer else method
         if coordinate.equation.has_resistance:
             beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0
             is_slow = beyond < 0.0 if abs(beyond) > AHEAD else bool(
@@ -545,17 +549,18 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         last = float(breaks[after]) if after < breaks.size else work.until
         leg = None
         if coordinate.equation.tables:
-            if used == 'DOP853' and system.mechanism.turns_fully and not (
+            if used in EXPLICIT and system.mechanism.turns_fully and not (
                     coordinate.equation.has_resistance):
-                leg = _leg_over_pieces(coordinate, (first, last), state, tolerance, is_finer, work,
-                                       events)
+                longest = 0.5 if is_finer and not is_of_low_order else 1.0
+                leg = _leg_over_pieces(coordinate, (first, last), state, used, tolerance, longest,
+                                       work, events)
             excess = coordinate.equation.make_excess(state[0])
             events.append(Event(lambda time, state, excess=excess: excess(float(state[0])) - SAME,
                                 AT_KINK, direction=1.0))
         if leg:
             begun = float(leg.time[max(-leg.time.size, -3 if is_finer else -2)])
         else:
-            if first < middle < last:
+            if first < middle < last and not is_of_low_order:
                 last = middle
             leg = _leg(coordinate, (first, last), state, used, tolerance, work, events, step)
         # a leg without length, as two coordinates handing over to each other: nothing goes on
@@ -610,11 +615,9 @@ def _leg(coordinate: MotionCoordinate, span: tuple[float, float], state: list[fl
 
 
 def _leg_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], state: list[float],
-                     tolerance: float, is_finer: bool, work: Work, events: list[Event]
-                     ) -> Leg | None:
+                     method: str, tolerance: float, longest: float, work: Work,
+                     events: list[Event]) -> Leg | None:
     """Return the leg in steps of the input, up to that in which an event is; None: no step."""
-    method = work.over_pieces if work.over_pieces and not is_finer else 'DOP853'
-    longest = 0.5 if is_finer and not work.over_pieces else 1.0
     steps, start = list[Step](), np.array(state)
     before = [event.function(span[0], start) if event.before is None else event.before
               for event in events]

@@ -557,7 +557,8 @@ def test_a_second_scene_and_the_scene_as_it_was_are_drawn_in_pale(driver, file, 
 
 
 def test_a_run_from_torque_is_played_along_its_time_line(driver, file, address):
-    linkage, run = load_scene('released').linkage, simulate_scene(load_scene('released'), 5.0).run
+    linkage, run = load_scene('released').linkage, simulate_scene(
+        load_scene('released'), 5.0, 1e-4).run
     for page in (file('released'), f'{address}?scene=released'):
         tab = Tab(driver, page)
         if page.startswith('http'):
