@@ -96,6 +96,7 @@ def singular_inputs(linkage):
 def run_of_engine():
     from fourbar_ros.scene.simulated import simulate_scene
     loaded = scene('engine')
+    simulate_scene(loaded, 0.01, 1e-6)      # scipy is there then, as for the steps of the node
     return lambda: simulate_scene(loaded, 1.0, 1e-6), 1
 
 
