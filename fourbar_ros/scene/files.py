@@ -86,14 +86,14 @@ def shipped() -> dict[str, Path]:
 
 def read_values(path: str | Path) -> YamlTree:
     """
-    Return the flat dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
+    Return the dict of parameters in a ROS 2 parameter file as ROS reads them, unchecked.
 
     Tables of forces are read from their files. ``path`` is a file or a name for :func:`find`, for
     any node called fourbar, or ``FILE:NODE`` for one by its full name. Raises SceneError if the
     file cannot be read, is no parameter file, or has nothing for the node.
     """
     path, node = located(path)
-    return with_tables(_flat(path, node), [path.parent])
+    return with_tables(_values_for(path, node), [path.parent])
 
 
 def loadable_text(scene: str | Path) -> str:
@@ -105,14 +105,14 @@ def loadable_text(scene: str | Path) -> str:
     """
     path, node = located(scene)
     text = text_of(path)
-    if node is None and not any(map(TABLE.fullmatch, _flat(path, node))):
+    if node is None and not any(map(TABLE.fullmatch, _values_for(path, node))):
         return text
     return ''.join(takewhile(lambda line: line.startswith('#'), text.splitlines(True))) + as_text(
         read_values(scene))
 
 
-def _flat(path: Path, node: str | None) -> YamlTree:
-    """Return the flat dict of parameters in a file for a node, without the numbers of tables."""
+def _values_for(path: Path, node: str | None) -> YamlTree:
+    """Return the dict of parameters in a file for a node, without the numbers of tables."""
     trees = sections(path)
     values: YamlTree = {}
     for key, tree in trees.items():
@@ -135,7 +135,7 @@ def nothing_for(node: str, path: str | Path, keys: Iterable[str], way_out: str =
 
 def overrides(arguments: Sequence[str], node: str) -> YamlTree:
     """
-    Return the flat dict of parameters that ROS arguments give a node by its full name.
+    Return the dict of parameters that ROS arguments give a node by its full name.
 
     The last of ``--params-file FILE`` and ``-p NAME:=VALUE`` counts, also where its type differs
     from that of one before: rcl would keep both and take either. Raises SceneError for a file that

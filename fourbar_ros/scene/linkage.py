@@ -158,11 +158,11 @@ def bodies_of_links(values: ParameterValues, links: Sequence[Link], lengths: Map
     def has(name: str) -> bool:
         return not isinstance(values[name], float) or not isnan(values[name])
 
-    round_section, flat_section = SECTIONS
-    section = flat_section if any(has(RODS + field) for field in flat_section) else round_section
+    round_section, bar_section = SECTIONS
+    section = bar_section if any(has(RODS + field) for field in bar_section) else round_section
     of_rods = [RODS + field for field in ('density', *section)]     # their parameters
     has_rods = any(map(has, ROD_PARAMETERS))
-    if section == flat_section and has(RODS + 'radius'):
+    if section == bar_section and has(RODS + 'radius'):
         raise InvalidParameter(RODS + 'radius', values[RODS + 'radius'],
                                'give either the radius of round rods or width and thickness')
     for name in of_rods if has_rods else ():
