@@ -177,8 +177,8 @@ class GeneratedModel:
             if name not in names:
                 raise InvalidParameter('parameters', name, one_of(filter(None, names), name))
             if name.startswith(ELEMENTS) and whole.count + names.index(name) not in used:
-                raise InvalidParameter('parameters', name, 'no result depends on it: where it is '
-                                       '0, as in this scene, the formula is without it')
+                raise InvalidParameter('parameters', name, 'no result depends on it: formulas are '
+                                       'without what is 0 or infinite in the scene')
             if self.moves_by_torque and name.rpartition('.')[0] not in topics:
                 raise NotGenerated(f'{self.name}: parameter {name} cannot be changed, as the '
                                    'motion by torque has the numbers of the scene')
