@@ -50,7 +50,8 @@ class TurnCounter:
     repeats after two turns it must count them. That it wraps shows where a step is a turn away
     from the one expected at the rate so far, to half of that, while all positions lie within a
     turn. From then on a position is in the turn nearest to the one expected. ``wraps`` tells
-    whether it does. One position beyond a turn is then a bad one; after two in a row it does not.
+    whether it does. One position beyond a turn is then a bad one, as is one a turn away in
+    positions that do not lie within one; after two in a row the count begins afresh.
     """
 
     def __init__(self, gap: float) -> None:
@@ -75,13 +76,13 @@ class TurnCounter:
         steps_a_turn = (is_known and abs(position - before) > pi
                         and abs(abs(position - due) - tau) < SURE + 0.5 * abs(due - before))
         low, high = min(self._low, position), max(self._high, position)
-        is_beyond = high - low > TURN
-        self._is_bad = is_beyond and self.wraps and not self._is_bad
+        wraps, is_beyond = self.wraps or steps_a_turn, high - low > TURN
+        self._is_bad = wraps and is_beyond and not self._is_bad
         if self._is_bad:
             return continued(due, position), True
-        begins_afresh = is_beyond and (self.wraps or steps_a_turn)
+        begins_afresh = wraps and is_beyond
         self._low, self._high = (position, position) if begins_afresh else (low, high)
-        self.wraps = not is_beyond and (self.wraps or steps_a_turn)
+        self.wraps = wraps and not is_beyond
         counted = continued(due, position) if self.wraps else position
         if passed > 0.0 or is_paused or isnan(before):           # it is not late
             step = counted - before          # a step of more than half a turn tells no rate

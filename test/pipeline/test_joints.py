@@ -210,8 +210,20 @@ def test_a_bad_position_does_not_end_the_count_of_turns_for_good(bad, turns):
     sent[bad] += 4.0
     joint, found, in_doubt = counted(sent, t)
     apart = np.delete(found - angles, bad)[-300:]
-    assert joint.wraps and 0 < in_doubt <= 3 and np.ptp(apart) < 1e-12
+    assert joint.wraps and 0 < in_doubt <= 4 and np.ptp(apart) < 1e-12
     assert abs(apart[-1]) <= 2.0 * np.pi * turns + 1e-12
+
+
+@pytest.mark.parametrize('turn', [2.0 * np.pi, -2.0 * np.pi])
+def test_one_position_a_turn_away_makes_no_motor_wrap_that_counts_its_turns(turn):
+    """As of an encoder that reads its turn and its angle at different times."""
+    t = np.arange(600) * 0.01
+    angles = 30.0 + 2.0 * t
+    sent = angles.copy()
+    sent[400] += turn                    # all before it are beyond a turn
+    for rates in (None, np.full(600, 2.0)):
+        joint, found, in_doubt = counted(sent, t, rates)
+        assert np.abs(found - angles).max() < 1e-12 and in_doubt == 1 and not joint.wraps
 
 
 def test_after_a_pause_the_turn_of_an_encoder_that_wraps_is_in_doubt():
