@@ -193,6 +193,10 @@ def imported(loop: Loop, wishes: Wishes) -> Imported:
             if key.startswith(f'{name}_')))
     start = drive.coordinate
     if drive.limits:
+        lower, upper = drive.limits
+        if lower > upper:
+            raise Refused(f'{drive.name}: its lower limit, {lower:g}, is above the upper, '
+                          f'{upper:g}')
         low, high = plane.values['linkage.range'] = sorted(
             (limit - drive.offset) / drive.ratio for limit in drive.limits)
         if not low <= start <= high:

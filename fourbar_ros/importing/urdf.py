@@ -85,7 +85,8 @@ def _inertial_of(link: Element) -> _Inertial | None:
     if element is None:
         return None
     mass, *moments = [
-        _floats(_word(element, tag, name), 1, f'for {name} of {tag} in {link.get("name")}')[0]
+        _floats(_word(element, tag, name, '0' * (name in MOMENTS[3:])), 1,     # products may lack
+                f'for {name} of {tag} in {link.get("name")}')[0]
         for tag, name in (('mass', 'value'), *(('inertia', name) for name in MOMENTS))]
     inertia = np.zeros((3, 3))
     rows, columns = (['xyz'.index(name[index]) for name in MOMENTS] for index in (1, 2))
@@ -191,13 +192,11 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     for name, joint in joints.items():
         pose, element = poses[joint.child], joint.element
         low, high = (_float(element, 'limit', end) for end in ('lower', 'upper'))
-        if low > high:
-            raise Refused(f'{name}: its lower limit, {low:g}, is above the upper, {high:g}')
         robot.joints.append(robots.RobotJoint(
             name, joint.kind, joint.parent, joint.child, pose[:3, 3], pose[:3, 3],
             pose[:3, :3] @ joint.axis if joint.kind in (robots.PIN, robots.SLIDE) else None,
             positions[name],
-            (low, high) if low < high and element.get('type') != 'continuous' else None))
+            (low, high) if low != high and element.get('type') != 'continuous' else None))
         motor = _word(element, 'mimic', 'joint')
         if motor and motor not in joints:
             robot.notes.append(f'mimic of {name}: the file has no joint {motor}'

@@ -296,9 +296,9 @@ MIMIC = JOINT.format(name='pad', kind='revolute', parent='lever', child='foot', 
      'pivot is a free joint inside the loop$'),
     (robot(pivot='0 0 0'), {}, 'pivot: its axis is 0 0 0$'),
     (robot(GAZEBO.format(axis='0 0 0', frame='')), {}, 'tip: its axis is 0 0 0$'),
-    (robot(more='<link name="foot"/>' + MIMIC.replace('<mimic', '<limit lower="1" upper="-1"/>'
-                                                      '<mimic')), {},
-     'pad: its lower limit, 1, is above the upper, -1$'),
+    (robot().replace('name="shoulder" type="continuous">', 'name="shoulder" type="revolute">'
+                     '<limit lower="1" upper="-1"/>'), {},
+     'shoulder: its lower limit, 1, is above the upper, -1$'),
     (robot(''), {'close': ['link,lever@0/0.004']},
      "'0 0.004' of --close lever@0/0.004: must be 3 numbers$"),
     (robot().replace('mass value="2"', 'mass value="-2"'), {}, 'arm has a negative mass, -2 kg$'),
@@ -317,6 +317,18 @@ def test_a_refusal_is_a_line_that_says_what_would_help(text, wishes, words, tmp_
         line = str(error)
     assert re.search(words, line), line
     assert '\n' not in line
+
+
+@pytest.mark.parametrize('kind', ['fixed', 'continuous', 'revolute'])
+def test_what_no_scene_follows_from_may_be_wrong_or_lack(kind, tmp_path):
+    """Limits of other joints than the drive; products of inertia, which are 0."""
+    end = LINK.format(name='end', cg='0 0 0', mass=1) + JOINT.format(
+        name='wrist', kind=kind, parent='frame', child='end', xyz='0 0 0', rpy='0 0 0',
+        axis='0 1 0')
+    turned = end.replace('</joint>', '<limit lower="1" upper="-1"/></joint>')
+    text = robot(more=turned).replace(' iyz="0"', '')
+    assert read(tmp_path, text, check=True).is_good
+    assert read(tmp_path, text).text == read(tmp_path, robot(more=end)).text
 
 
 def test_motors_and_mimics_of_joints_that_are_not_there_are_notes(tmp_path):
