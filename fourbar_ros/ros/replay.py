@@ -25,6 +25,7 @@ from rosgraph_msgs.msg import Clock
 CLOCK = '/clock'
 FAR = 3600 * 10**9  # [ns] a stamp so long before its log time is of simulated time
 LATE = 10**9        # [ns] a stamp may be so much behind others; more: the simulation began again
+MOST_WAITING = 10_000       # messages: a bag may have no stamps and be larger than the memory
 DEPTH = 1000        # queue of a publisher: a late replay sends bursts, unlike the original
 TICK = 0.002        # [s] longest sleep
 PATIENCE = 10.0     # [s] for a node to be found
@@ -106,7 +107,8 @@ def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: 
     Yield each message, how far its log time is ahead of simulated time, and that so far [ns].
 
     ``for_a_node``: motions whose rates a node would have to estimate are left out. Stamps tell
-    simulated time, which may stand or run at any speed; messages without one wait for the next.
+    simulated time, which may stand or run at any speed; messages without one wait for the next, if
+    that is among the next MOST_WAITING.
     """
     ahead = reached = unknown = 0
     waiting: list[reader.Raw] = []
@@ -118,12 +120,13 @@ def _messages(bag: reader.Bag, publishers: Mapping[str, Publisher], for_a_node: 
             unknown += 1
             continue
         waiting.append(raw)
+        stamp = 0
         if raw.topic in stamped and len(raw.data) >= 12:
             sec, nanosec = unpack_from('<iI' if raw.data[1] & 1 else '>iI', raw.data, 4)
-            if (stamp := sec * 10**9 + nanosec) <= 0:
-                continue
+            stamp = sec * 10**9 + nanosec
+        if stamp > 0:
             ahead = raw.time - stamp if stamp < raw.time - FAR else ahead
-        elif stamped:
+        elif stamped and len(waiting) < MOST_WAITING:
             continue
         for each in waiting:
             yield each, ahead, reached

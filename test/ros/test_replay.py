@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 from bag.test_other_writers import by_mcap
 from fourbar_ros.bag import metadata
@@ -13,6 +14,7 @@ from fourbar_ros.bag.comparison import diff
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.ros import messages, replay
 import pytest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
@@ -212,6 +214,27 @@ def test_names_and_quality_of_service_that_ros_does_not_know_stop_no_other_topic
         writer.write(number, bags.encode('std_msgs/msg/String', data='text'))
     code, said = finished(fourbar('replay', writer.close(), '--delay', '0'), client)
     assert code == 0 and '2 messages published' in said and "'/no name': left out" in said, said
+
+
+def test_a_bag_without_stamps_is_not_read_to_its_end_before_the_first_message(
+        monkeypatch, tmp_path):
+    monkeypatch.setattr(replay, 'MOST_WAITING', 100)
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION], {})
+    for _ in range(250):
+        writer.write(0, bags.motion(0))
+    read, bag = [], Bag(writer.close())
+
+    class Counted(Bag):
+
+        def raw(self, *topics):
+            for message in super().raw(*topics):
+                read.append(message)
+                yield message
+    publishers = {topic: SimpleNamespace(msg_type=messages.resolve(type_name))
+                  for topic, type_name in bag.types.items()}
+    sent = replay._messages(Counted(bag.path), publishers, False)
+    next(sent)
+    assert len(read) == 100 and 1 + len([*sent]) == len(read) == 250
 
 
 def test_messages_before_the_first_in_the_file_are_sent(client, tmp_path):
