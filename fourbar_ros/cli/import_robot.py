@@ -18,7 +18,7 @@ Each loop becomes a scene in which the node is a relay for the robot's passive j
 file leaves open is asked for, never guessed: which joint drives, which to hold of several degrees
 of freedom, a pose from which the assembly mode can be read. docs/robots.md has the rest.
 
-exit code 3: a loop was refused, or is not as MuJoCo has it.
+exit code 3: a loop was refused, lacks the mass of meshes, or is not as MuJoCo has it.
 """
 
 

@@ -25,7 +25,7 @@ class Result(NamedTuple):
 
     loops: Sequence[Imported]
     report: Sequence[str]
-    is_good: bool                   # nothing was refused or differs
+    is_good: bool                   # nothing was refused, lacks mass or differs
     checks: Sequence[Checked] = ()
 
     @property
