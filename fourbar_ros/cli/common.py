@@ -147,7 +147,7 @@ def add_tolerance(parser: argparse.ArgumentParser) -> None:
                         help='largest absolute difference that counts as equal (default 0)')
 
 
-def add_topics(parser: argparse.ArgumentParser, text: str) -> None:
+def add_topics(parser: argparse._ActionsContainer, text: str) -> None:
     parser.add_argument('--topics', nargs='+', metavar='TOPIC', help=text)
 
 

@@ -3,7 +3,7 @@
 """``fourbar replay``: publish a recorded run again, or drive a live node with it."""
 import argparse
 
-from fourbar_ros.cli.common import add_node, add_verb, BAG_HELP, Verbs
+from fourbar_ros.cli.common import add_node, add_topics, add_verb, BAG_HELP, Verbs
 from fourbar_ros.scene.units import of
 
 DESCRIPTION = """\
@@ -41,7 +41,7 @@ def add(verbs: Verbs) -> None:
     replay.add_argument('--delay', type=of('s', least=0.0), default=1.0, metavar='S',
                         help='give subscribers S seconds to find the topics (default 1)')
     which = replay.add_mutually_exclusive_group()
-    which.add_argument('--topics', nargs='+', metavar='TOPIC', help='publish only these topics')
+    add_topics(which, 'publish only these topics')
     which.add_argument('--inputs-only', action='store_true',
                        help="send only the driven motion, to a live node's ~/input")
     add_node(replay)
