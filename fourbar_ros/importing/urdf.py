@@ -275,6 +275,10 @@ def _add_closing(robot: robots.Robot, root: Element, zero: Poses) -> None:
         robot.add_closing(element.get('name', ''), _kind_of(element),
                           links, (here, there), here[:3, :3] @ _floats(axis) if axis else None)
     for element in root.iterfind('gazebo/joint'):       # in the frame of the child
+        if element.get('type') in ('screw', 'gearbox'):     # they couple joints, as a mimic does
+            robot.notes.append(f'joint {element.get("name")} in gazebo is a '
+                               f'{element.get("type")}: left out')
+            continue
         links = (element.findtext('parent', '').strip(), element.findtext('child', '').strip())
         _check_links(f'joint {element.get("name")} in gazebo', links, poses)
         local = _floats(element.findtext('pose', '0 0 0 0 0 0'), 6)

@@ -331,6 +331,14 @@ def test_what_no_scene_follows_from_may_be_wrong_or_lack(kind, tmp_path):
     assert read(tmp_path, text).text == read(tmp_path, robot(more=end)).text
 
 
+@pytest.mark.parametrize('kind', ['screw', 'gearbox'])
+def test_a_screw_in_gazebo_beside_a_loop_is_a_note(kind, tmp_path):
+    screw = ('<gazebo><joint name="nut" type="KIND"><parent>arm</parent><child>lever</child>'
+             '<thread_pitch>3141.6</thread_pitch></joint></gazebo>').replace('KIND', kind)
+    result = read(tmp_path, robot(more=screw), check=True)
+    assert result.is_good and f' note: joint nut in gazebo is a {kind}: left out' in result.report
+
+
 def test_motors_and_mimics_of_joints_that_are_not_there_are_notes(tmp_path):
     result = read(tmp_path, robot(motor=MOTOR.replace('shoulder', 'shoulde')).replace(
         'name="pivot" type="continuous">', 'name="pivot" type="continuous"><mimic joint="elbo"/>'))
