@@ -27,6 +27,8 @@ def in_one_line() -> Iterator[None]:
 
 def init(arguments: Sequence[str] = (), **options: Any) -> None:
     """Initialise ROS with these arguments and the ``options`` of rclpy.init, or FourBarError."""
+    if rclpy.ok():
+        raise FourBarError('rclpy is initialised already in this program')
     with in_one_line():
         try:
             rclpy.init(args=['fourbar', *arguments], **options)

@@ -14,7 +14,9 @@ from fourbar_ros.bag.comparison import diff
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.ros import messages, replay
+from fourbar_ros.ros.refusals import init
 import pytest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
@@ -182,6 +184,11 @@ def test_what_cannot_be_replayed_is_one_line(client, bag):
         last = text.splitlines()[-1]
         assert code == 1 and last.startswith('fourbar: ') and said in last, text
         assert 'Traceback' not in text
+
+
+def test_ros_that_runs_already_is_not_said_to_have_no_log(client):
+    with pytest.raises(FourBarError, match='^rclpy is initialised already'):
+        init()
 
 
 def test_messages_of_another_definition_are_left_out_and_reported(client, tmp_path):
