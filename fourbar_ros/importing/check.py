@@ -166,6 +166,14 @@ def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
     model = mjcf.compiled(spec, path)
     model.opt.gravity[:] = robot.gravity
     model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    # MuJoCo up to 3.12 leaves out the rpy of inertias in URDF, its issue 3559, and takes the mean
+    # of moments that no body has
+    for name, inertial in robot.inertials.items() if robot.format == 'URDF' else ():
+        body, axes = model.body(name), robot.poses[name][:3, :3]
+        body.inertia[:], turn = np.linalg.eigh(axes.T @ inertial.inertia @ axes)
+        turn[:, 2] = np.cross(turn[:, 0], turn[:, 1])
+        mujoco.mju_mat2Quat(body.iquat, turn.ravel())
+        model.body_sameframe[body.id] = int(mujoco.mjtSameFrame.mjSAMEFRAME_NONE)
     pose = model.qpos0.copy()
     for joint in robot.joints:
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint.name)

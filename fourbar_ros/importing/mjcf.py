@@ -26,8 +26,8 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
         for model in root.iter('model'):        # text has no folder
             model.set('file', str((path.parent / model.get('file', '')).absolute()))
         if root.tag == 'robot':
-            from fourbar_ros.importing.urdf import turn_inertias  # MJCF alone is read without
-            turn_inertias(root)     # whose rpy MuJoCo up to 3.12 leaves out, its issue 3559
+            for inertia in root.iter('inertia'):        # MuJoCo asks for products
+                inertia.attrib = dict.fromkeys(('ixy', 'ixz', 'iyz'), '0') | inertia.attrib
             for old in root.findall('mujoco'):
                 root.remove(old)
             ElementTree.SubElement(ElementTree.SubElement(root, 'mujoco'), 'compiler',

@@ -94,20 +94,6 @@ def _inertial_of(link: Element) -> _Inertial | None:
     return _Inertial(mass, _pose_in(element, 'origin'), inertia)
 
 
-def turn_inertias(robot: Element) -> None:
-    """State all inertias of a URDF in the axes of their links, without rpy."""
-    for link in robot.findall('link'):
-        if inertial := _inertial_of(link):
-            turn = inertial.pose[:3, :3]
-            turned = turn @ inertial.inertia @ turn.T
-            for element in link.iterfind('inertial/origin'):
-                element.attrib.pop('rpy', None)
-            for element in link.iterfind('inertial/inertia'):
-                element.attrib |= {name: repr(float(turned['xyz'.index(name[1]),
-                                                           'xyz'.index(name[2])]))
-                                   for name in MOMENTS}
-
-
 class _TreeJoint(NamedTuple):
     element: Element
     kind: str
@@ -187,8 +173,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
                if 2.0 * np.linalg.norm(inertia, 2) > (1.0 + 1e-9) * np.trace(inertia)]
     if of_none:
         robot.notes.append(f'moments of inertia of {", ".join(of_none)}: the largest is more than '
-                           'the two others together, as of no body; MuJoCo takes their mean, and '
-                           'so does --check')
+                           'the two others together, as of no body')
     for name, joint in joints.items():
         pose, element = poses[joint.child], joint.element
         low, high = (_float(element, 'limit', end) for end in ('lower', 'upper'))
