@@ -166,8 +166,8 @@ def mujoco_of(path: Path, robot: robots.Robot) -> tuple[Any, Array]:
     model = mjcf.compiled(spec, path)
     model.opt.gravity[:] = robot.gravity
     model.opt.disableflags &= ~int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
-    # MuJoCo up to 3.12 leaves out the rpy of inertias in URDF, its issue 3559, and takes the mean
-    # of moments that no body has
+    # MuJoCo up to 3.12 leaves out the rpy of inertias in URDF, its issue 3559, and takes neither
+    # moments of 0, as of rods, nor those of no body
     for name, inertial in robot.inertials.items() if robot.format == 'URDF' else ():
         body, axes = model.body(name), robot.poses[name][:3, :3]
         body.inertia[:], turn = np.linalg.eigh(axes.T @ inertial.inertia @ axes)

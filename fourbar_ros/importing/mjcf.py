@@ -26,12 +26,15 @@ def spec_of(path: Path) -> tuple[Any, list[str]]:
         for model in root.iter('model'):        # text has no folder
             model.set('file', str((path.parent / model.get('file', '')).absolute()))
         if root.tag == 'robot':
-            for inertia in root.iter('inertia'):        # MuJoCo asks for products
-                inertia.attrib = dict.fromkeys(('ixy', 'ixz', 'iyz'), '0') | inertia.attrib
+            # as of balls, which MuJoCo always takes: mujoco_of() sets those of the file
+            for inertia in root.iterfind('link/inertial/inertia'):
+                mean = sum(float(inertia.get(name, '')) for name in ('ixx', 'iyy', 'izz')) / 3.0
+                inertia.attrib = {'ixx': repr(mean), 'iyy': repr(mean), 'izz': repr(mean),
+                                  'ixy': '0', 'ixz': '0', 'iyz': '0'}
             for old in root.findall('mujoco'):
                 root.remove(old)
             ElementTree.SubElement(ElementTree.SubElement(root, 'mujoco'), 'compiler',
-                                   fusestatic='false', balanceinertia='true')
+                                   fusestatic='false')
         for parent in list(root.iter()):        # what neither moves nor weighs
             for child in [each for each in parent if each.tag in WITHOUT]:
                 parent.remove(child)

@@ -166,11 +166,14 @@ def test_an_inertia_in_turned_axes_is_as_in_mjcf(tmp_path):
 
 
 def test_moments_of_inertia_of_no_body_and_lengths_in_millimetres_are_said(tmp_path):
-    """MuJoCo takes the mean of the first: BAD, said of axes that are not parallel."""
+    """MuJoCo does not take the first, nor a rod without a moment about its axis."""
     assert 'moments' not in good(tmp_path, robot())[1]
     wrong = read(tmp_path, robot().replace('izz="0.03"', 'izz="0.1"'), check=True)
     assert 'moments of inertia of arm, link, lever: the largest' in wrong.report[1]
     assert wrong.is_good and wrong.checks[0].drive < 1e-10
+    rods = re.sub('ixx=.* iyz="0"', 'ixx="0.03" iyy="0.03" izz="0" ixy="0" ixz="0" iyz="0"',
+                  robot())
+    assert read(tmp_path, rods, check=True).is_good
     in_mm = read(tmp_path, re.sub('xyz="(?!0 1 0)([^"]*)"', lambda xyz: 'xyz="{} {} {}"'.format(
         *(1000.0 * float(value) for value in xyz[1].split())), robot()))
     assert 'm: did you mean' in in_mm.report[-1], in_mm.report
