@@ -166,7 +166,7 @@ def test_an_inertia_in_turned_axes_is_as_in_mjcf(tmp_path):
 
 
 def test_moments_of_inertia_of_no_body_and_lengths_in_millimetres_are_said(tmp_path):
-    """MuJoCo does not take the first, nor a rod without a moment about its axis."""
+    """Of the first, and of a rod without a moment about its axis, MuJoCo takes none."""
     assert 'moments' not in good(tmp_path, robot())[1]
     wrong = read(tmp_path, robot().replace('izz="0.03"', 'izz="0.1"'), check=True)
     assert 'moments of inertia of arm, link, lever: the largest' in wrong.report[1]
