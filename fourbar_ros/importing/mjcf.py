@@ -201,7 +201,8 @@ def _add_equality(robot: robots.Robot, model: Any, data: Any, index: int, bodies
     first, second = ends = int(model.eq_obj1id[index]), int(model.eq_obj2id[index])
     values, is_weld = model.eq_data[index], kind == kinds.mjEQ_WELD
     has_sites = int(model.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE)
-    are_off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    off = mujoco.mjtDisableBit
+    are_off = model.opt.disableflags & (off.mjDSBL_EQUALITY | off.mjDSBL_CONSTRAINT)
     if are_off or not model.eq_active0[index]:
         robot.notes.append(f'equality {name} is not active: left out')
     elif kind == kinds.mjEQ_JOINT and second >= 0 and not np.any(values[2:5]):

@@ -153,8 +153,9 @@ def test_what_the_flags_of_a_file_switch_off_is_off(tmp_path):
     assert loop.scene.linkage.gravity in (None, (0.0, 0.0))
     loop, _ = good(tmp_path, flagged('gravity'), gravity=(0.0, 0.0, -3.7))
     assert loop.scene.linkage.gravity == pytest.approx((0.0, -3.7), abs=1e-15)
-    with pytest.raises(Refused, match='in the file; equality tip is not active: left out$'):
-        read(tmp_path, flagged('equality'))
+    for flag in ('equality', 'constraint'):
+        with pytest.raises(Refused, match='in the file; equality tip is not active: left out$'):
+            read(tmp_path, flagged(flag))
 
 
 def test_what_holds_weight_and_couples_joints_in_other_ways_is_a_note(tmp_path):
