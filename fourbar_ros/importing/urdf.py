@@ -215,6 +215,7 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
                                for frame in frames])
         for link in bodies:
             robots.check_name('--close', link, poses, 'link')
+        name += '_closing' * (name in joints)       # a joint of the tree may be called as its link
         if name not in known:
             robot.add_closing(name, how or robots.POINT, bodies, [
                 poses[link] @ pose_of(np.eye(3), _floats(point.replace('/', ' ') or '0 0 0',

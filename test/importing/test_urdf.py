@@ -334,6 +334,12 @@ def test_what_no_scene_follows_from_may_be_wrong_or_lack(kind, tmp_path):
     assert read(tmp_path, text).text == read(tmp_path, robot(more=end)).text
 
 
+def test_a_frame_that_closes_a_loop_may_be_called_as_its_joint(tmp_path):
+    frames = FRAMES.format('near', 'far').replace('of_near', 'near')
+    loop, _ = good(tmp_path, robot('', more=frames), close=['near,far'])
+    assert list(loop.scene.joint_states.leave_out) == ['near_closing']
+
+
 @pytest.mark.parametrize('kind', ['screw', 'gearbox'])
 def test_a_screw_in_gazebo_beside_a_loop_is_a_note(kind, tmp_path):
     screw = ('<gazebo><joint name="nut" type="KIND"><parent>arm</parent><child>lever</child>'
