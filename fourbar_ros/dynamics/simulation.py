@@ -67,7 +67,7 @@ LOW_ORDER = 1e-7           # least tolerance at which a method of order 5 is the
 AHEAD = 1e-7               # way over the unit, and rate over the slip speed, to just after a start
 NONE_AHEAD = 1e-9          # what is not smooth at less is so at the start already
 SAME = 1e-12               # how far beyond a piece of a table a leg ends
-COMPARED = 400             # steps of a run at which it is compared
+COMPARED, SHARE = 400, 0.25     # most times at which runs are compared, shares of steps apart
 ROUNDING = 32.0 * EPS      # of an energy over the sizes of its parts
 _LSODA = Lock()            # before scipy 1.17 it serves one thread at a time
 
@@ -745,11 +745,13 @@ def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
 
 def _difference(rough: Run, fine: Run) -> float:
     """Return the largest difference of the input of two runs [rad] or [m]."""
-    # At steps of the rougher run, between which the finer one is interpolated. Where both stop as
-    # asked, the difference of their last times counts too, times the rate.
+    # At steps of the rougher run and between them: interpolants are less exact than steps, and
+    # steps of both runs may go to the same ends of pieces. Where both stop as asked, the difference
+    # of their last times counts too, times the rate.
     if (rough.status == EVENT) != (fine.status == EVENT) or fine.status == STOPPED:
         return inf
-    times = np.unique(np.concatenate([leg.time for leg in rough.legs]))
+    steps = np.unique(np.concatenate([leg.time for leg in rough.legs]))
+    times = np.interp(np.arange(0.0, steps.size - 1 + SHARE, SHARE), np.arange(steps.size), steps)
     times = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
     times = np.unique(np.minimum(times, min(rough._end, fine._end)))
     difference = np.abs(rough._states(times)[0] - fine._states(times)[0])
