@@ -17,6 +17,7 @@ from math import copysign, floor, inf, nextafter
 from typing import Any, NamedTuple
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
+from fourbar_ros.dynamics.equation import REACH
 from fourbar_ros.numerics.arrays import Array, EPS
 import numpy as np
 
@@ -70,10 +71,10 @@ def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], s
     Yield steps through one piece after the other, the last of each to just beyond its end.
 
     ``span``: time at the state, and a later one that is not reached [s]; ``method``: an explicit
-    integrator of scipy; ``longest``: share of a piece that a step goes at most; ``counted`` makes
-    of (variable, state) -> rates a function that integrators take. The steps end where the rate
-    changes so much that the time is the better variable, no step is short enough, or no piece ends
-    ahead.
+    integrator of scipy; ``longest``: share of a piece, or of REACH, that a step goes at most;
+    ``counted`` makes of (variable, state) -> rates a function that integrators take. The steps end
+    where the rate changes so much that the time is the better variable, no step is short enough,
+    or no piece ends ahead.
     """
     from scipy import integrate
     (time, last), solver = span, None
@@ -89,7 +90,8 @@ def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], s
 
     while piece := piece_ahead(ends, cycle, *state[:2].tolist()):
         low, high, beyond = piece
-        begun, scale, step = time, float(state[1]), longest * abs(beyond - float(state[0]))
+        begun, scale = time, float(state[1])
+        step = longest * min(abs(beyond - float(state[0])), REACH)
         if solver is None:
             # its variable is the input; its states are the way that it would have gone at the rate
             # at the start of the piece, which tells the time, and all after the input

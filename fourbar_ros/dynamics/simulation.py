@@ -746,8 +746,8 @@ def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
 def _difference(rough: Run, fine: Run) -> float:
     """Return the largest difference of the input of two runs [rad] or [m]."""
     # At steps of the rougher run and between them: interpolants are less exact than steps, and
-    # steps of both runs may go to the same ends of pieces. Where both stop as asked, the difference
-    # of their last times counts too, times the rate.
+    # steps of both runs may go to the same ends of pieces. Where both stop as asked, the
+    # difference of their last times counts too, times the rate.
     if (rough.status == EVENT) != (fine.status == EVENT) or fine.status == STOPPED:
         return inf
     steps = np.unique(np.concatenate([leg.time for leg in rough.legs]))

@@ -32,7 +32,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
-from support.dynamics_problems import samples
+from support.dynamics_problems import samples, wheel
 
 BODIES = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)))
 CRANKS = [FourBar(0.4, 1.2, 0.8, 1.0, bodies=BODIES, gravity=(1.0, -9.81)),
@@ -283,6 +283,23 @@ def test_steps_of_the_input_are_the_motion_of_steps_in_time(monkeypatch, toleran
     # and errors of the rate are those of the position within a step
     shortest = min(np.diff([step.time for step in steps]))
     assert np.max(np.abs(run.at(times).rate - exact.rate)) <= allowed / shortest
+
+
+@pytest.mark.parametrize('tolerance', [1e-3, 1e-6])
+def test_a_push_within_a_long_piece_of_a_table_is_felt(tolerance):
+    """Of a wheel, by energy: a step of the whole turn passed over it, in both runs."""
+    low, high, size, rate = 0.45 * TURN - 0.4, 0.45 * TURN + 0.4, 50.0, 10.0
+
+    def push(s):
+        s = s % TURN
+        return size * sin(pi * (s - low) / (high - low)) if low < s < high else 0.0
+    nothing = ForceTable([0.0, TURN], [0.0, 0.0], is_periodic=True)
+    pushed = wheel().with_elements(*(PositionForce(Attachment('crank'), value, direction=None)
+                                     for value in (nothing, push)))
+    run = simulate(System(pushed, 0.0, rate), 0.7, tolerance)
+    work, inertia = size * (high - low) * 2.0 / pi, wheel().bodies.crank.inertia
+    assert run.status == REACHED
+    assert run.rate[-1] == pytest.approx((rate**2 + 2.0 * work / inertia)**0.5, rel=tolerance)
 
 
 def test_the_steps_of_a_node_follow_the_engine():
