@@ -65,18 +65,17 @@ def piece_ahead(ends: Sequence[float], cycle: float, position: float, rate: floa
 
 
 def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], state: Array,
-                      method: str, tolerance: float, longest: float, counted: Callable[..., Any]
-                      ) -> Iterator[Step]:
+                      integrator: Callable[..., Any], tolerance: float, longest: float,
+                      counted: Callable[..., Any]) -> Iterator[Step]:
     """
     Yield steps through one piece after the other, the last of each to just beyond its end.
 
-    ``span``: time at the state, and a later one that is not reached [s]; ``method``: an explicit
-    integrator of scipy; ``longest``: share of a piece, or of REACH, that a step goes at most;
+    ``span``: time at the state, and a later one that is not reached [s]; ``integrator``: an
+    explicit one of scipy; ``longest``: share of a piece, or of REACH, that a step goes at most;
     ``counted`` makes of (variable, state) -> rates a function that integrators take. The steps end
     where the rate changes so much that the time is the better variable, no step is short enough,
     or no piece ends ahead.
     """
-    from scipy import integrate
     (time, last), solver = span, None
     mechanism, latest = coordinate.equation.mechanism, nextafter(last, -inf)
     ends, cycle = mechanism.pieces.ends if mechanism.pieces else (), mechanism.cycle
@@ -95,7 +94,7 @@ def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], s
         if solver is None:
             # its variable is the input; its states are the way that it would have gone at the rate
             # at the start of the piece, which tells the time, and all after the input
-            solver = getattr(integrate, method)(
+            solver = integrator(
                 counted(slopes, inf), float(state[0]), np.array([0.0, *state[1:]]),
                 copysign(inf, scale), first_step=step, max_step=step,
                 rtol=max(tolerance, 100.0 * EPS), atol=tolerance)

@@ -622,8 +622,8 @@ def _leg_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], st
     before = [event.function(span[0], start) if event.before is None else event.before
               for event in events]
     try:
-        for step in steps_over_pieces(coordinate, span, start, method, tolerance, longest,
-                                      work.counted):
+        for step in steps_over_pieces(coordinate, span, start, getattr(_integrators(), method),
+                                      tolerance, longest, work.counted):
             after = [event.function(step.time, step.state) for event in events]
             if any(map(_is_passed, events, before, after)):
                 break
@@ -649,13 +649,18 @@ def _why_no_step(work: Work, method: str, time: float) -> str:
     return f'no step of {method} is short enough at {time:.6g} s{why}'
 
 
+def _integrators() -> Any:
+    try:
+        from scipy import integrate
+    except ModuleNotFoundError as error:
+        raise MissingPackage('simulation', error) from error
+    return integrate
+
+
 def _solved(rates: Callable[..., Any], span: Sequence[float], start: Array, method: str,
             tolerance: float, **options: Any) -> Any:
     """Return the result of solve_ivp, or None where numbers overflow."""
-    try:
-        from scipy.integrate import solve_ivp
-    except ModuleNotFoundError as error:
-        raise MissingPackage('simulation', error) from error
+    solve_ivp = _integrators().solve_ivp
     with warnings.catch_warnings(), _LSODA if method == 'LSODA' else nullcontext():
         warnings.simplefilter('ignore')      # of what the end of the leg says
         try:

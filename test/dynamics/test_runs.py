@@ -3,6 +3,7 @@
 """A run between its times, stopped where asked, with its loads and its picture."""
 from math import pi
 import pickle
+import sys
 
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
 from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
@@ -19,6 +20,8 @@ from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.elements import Attachment, PositionForce, Spring, Way
 from fourbar_ros.mechanisms.force_table import ForceTable
+from fourbar_ros.optional import MissingPackage
+from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -68,6 +71,15 @@ def test_the_error_between_steps_counts_as_that_at_steps(torque):
     run, times = simulate(system, 0.3, 1e-6), np.linspace(0.0, 0.3, 601)
     exact = simulate(system, 0.3, 1e-11, times=times)
     assert np.max(np.abs(run.at(times).position - exact.position)) <= 1e-6
+
+
+@pytest.mark.parametrize('name', ['motor', 'engine'])
+def test_a_run_without_scipy_says_so(name, monkeypatch):
+    scene = load(name)
+    system = scene.dynamics.system(scene.linkage)
+    monkeypatch.setitem(sys.modules, 'scipy', None)
+    with pytest.raises(MissingPackage, match='simulation requires scipy'):
+        simulate(system, 0.01)
 
 
 @pytest.mark.parametrize('drive, has_motor, states', [
