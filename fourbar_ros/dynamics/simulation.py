@@ -524,6 +524,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
     (coordinate, state), first = system.coordinates.begin(system.start), 0.0
     stop_value = nan         # last value of stop_when that is not zero: no run stops at its start
     end, step = REACHED, None
+    leg: Leg | None = None
     begun, middle = 0.0, 0.0    # times at which a piece of a table began and may be half over [s]
     while first < work.until:
         if end == HANDED_OVER:
@@ -547,10 +548,11 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        leg = None
+        # steps in the input end where a leg in time goes on
+        leg, ends_in_time = None, leg is not None and isinstance(leg.between, BetweenSteps)
         if coordinate.equation.tables:
             if used in EXPLICIT and system.mechanism.turns_fully and not (
-                    coordinate.equation.has_resistance):
+                    ends_in_time or coordinate.equation.has_resistance):
                 longest = 0.5 if is_finer and not is_of_low_order else 1.0
                 leg = _leg_over_pieces(coordinate, (first, last), state, used, tolerance, longest,
                                        work, events)

@@ -10,7 +10,7 @@ from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.node_step import Mover, OK
 from fourbar_ros.dynamics.piece_steps import BetweenSteps
-from fourbar_ros.dynamics.simulation import REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate, STOPPED
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine
 from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
@@ -283,6 +283,19 @@ def test_steps_of_the_input_are_the_motion_of_steps_in_time(monkeypatch, toleran
     # and errors of the rate are those of the position within a step
     shortest = min(np.diff([step.time for step in steps]))
     assert np.max(np.abs(run.at(times).rate - exact.rate)) <= allowed / shortest
+
+
+@pytest.mark.parametrize('beyond', [0.0, -1e-11])
+def test_a_run_that_stops_at_the_end_of_a_piece_has_few_legs(beyond):
+    """Each began in the middle of what was left of the piece, 37 of them."""
+    system = System(wheel().with_elements(PositionForce(Attachment('crank'), CYCLE,
+                                                        direction=None)), 0.0, 20.0)
+    target = 9.0 / 8.0 * TURN + beyond
+    stopped = simulate(system, 5.0, 1e-8, stop_when=lambda t, y: y[0] - target)
+    reached = simulate(system, float(stopped.time[-1]), 1e-8)
+    assert (stopped.status, reached.status) == (EVENT, REACHED)
+    for run in (stopped, reached):
+        assert run.position[-1] == pytest.approx(target, abs=1e-13) and len(run.legs) <= 3
 
 
 @pytest.mark.parametrize('tolerance', [1e-3, 1e-6])
