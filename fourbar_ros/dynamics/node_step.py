@@ -24,7 +24,7 @@ from typing import NamedTuple
 from fourbar_ros.dynamics import rosenbrock
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
 from fourbar_ros.dynamics.rosenbrock import Linearization, SMALLEST, StateVector
-from fourbar_ros.dynamics.sources import ConstantTorque, Drive, Law
+from fourbar_ros.dynamics.sources import ConstantTorque, Drive, has_law
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -116,7 +116,7 @@ class Mover:
                  takes_commands: bool = False, acting: Sequence[str] = ()) -> None:
         drive = system.drive or Drive(ConstantTorque())
         source = drive.source
-        if not isinstance(source, Law):
+        if not has_law(source):
             raise InvalidParameter('source', source, 'cannot drive steps: it must be a constant '
                                    'torque, a motor or a controller')
         self.system, self._takes_commands = system, takes_commands

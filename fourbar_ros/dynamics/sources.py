@@ -106,6 +106,11 @@ class Law(ABC):
         return piece.torque_at(speed, value), (piece.change_at(speed, value),) if state else ()
 
 
+def has_law(source: Any) -> bool:
+    """Return whether the torque of a source is that of its piece, by no method of its class."""
+    return getattr(type(source), 'torque', None) is Law.torque
+
+
 @dataclass(frozen=True)
 class ConstantTorque(Law):
     """A constant torque [N m] (of a slide a force [N]), (A2)."""

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.equation import compiled, Equation
-from fourbar_ros.dynamics.sources import Answer, Drive, Law
+from fourbar_ros.dynamics.sources import Answer, Drive, has_law, Law
 from fourbar_ros.errors import InvalidParameter, Locked
 from fourbar_ros.mechanisms.mechanism import DrivenLinks, Mechanism
 from fourbar_ros.notebook import short_repr
@@ -150,7 +150,7 @@ class System:
         if self.equation.has_resistance:
             resisting = self.make_resisting(coordinate)
             return lambda time, state: resisting(time, state).change
-        if drive is None or drive.shaft is None and isinstance(drive.source, Law):
+        if drive is None or drive.shaft is None and has_law(drive.source):
             change_of = compiled(partial(self._make_change, equation), equation.coordinate,
                                  len(self.names))
             return lambda time, state: change_of(*state)

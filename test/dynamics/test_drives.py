@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
+from fourbar_ros.dynamics.node_step import Mover
 from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
@@ -33,6 +34,24 @@ def test_constant_torque_and_flywheel():
     assert run.status == REACHED
     assert run.position[-1] == pytest.approx(0.3 + 2.0 + 0.5 * 2.0 * 4.0, abs=1e-8)
     assert run.torque[-1] == 6.0 and run.acceleration[-1] == pytest.approx(2.0, rel=1e-14)
+
+
+class Pulse(ConstantTorque):
+    """A torque that a user lets end at 1 s."""
+
+    breaks = (1.0,)
+
+    def torque(self, time, speed, state):
+        """Return it."""
+        return (self.value if time < 1.0 else 0.0), ()
+
+
+def test_a_source_that_overrides_the_torque_of_another_drives_by_its_own():
+    run = simulate(System(wheel(), 0.0, 1.0, drive=Drive(Pulse(4.0))), 2.0, 1e-8)
+    assert run.status == REACHED
+    assert run.position[-1] == pytest.approx(2.0 + 0.5 * 2.0 + 2.0, abs=1e-8)
+    with pytest.raises(InvalidParameter, match='cannot drive steps'):
+        Mover(System(wheel(), 0.0, drive=Drive(Pulse(4.0))), 1e-6, 60)
 
 
 def test_a_motor_line_nears_its_free_speed_exponentially():
