@@ -752,13 +752,15 @@ def _of_input(coordinate: MotionCoordinate, stop_when: Stop) -> Stop:
 
 def _difference(rough: Run, fine: Run) -> float:
     """Return the largest difference of the input of two runs [rad] or [m]."""
-    # At steps of the rougher run and between them: interpolants are less exact than steps, and
-    # steps of both runs may go to the same ends of pieces. Where both stop as asked, the
-    # difference of their last times counts too, times the rate.
+    # At steps of the rougher run and, of explicit methods, between them: their interpolants are
+    # less exact than steps, and both may step to the same ends of pieces. Where both stop as
+    # asked, the difference of their last times counts too, times the rate.
     if (rough.status == EVENT) != (fine.status == EVENT) or fine.status == STOPPED:
         return inf
-    steps = np.unique(np.concatenate([leg.time for leg in rough.legs]))
-    times = np.interp(np.arange(0.0, steps.size - 1 + SHARE, SHARE), np.arange(steps.size), steps)
+    times = np.unique(np.concatenate([leg.time for leg in rough.legs]))
+    if rough.method in EXPLICIT:
+        steps = np.arange(times.size)
+        times = np.interp(np.arange(0.0, times.size - 1 + SHARE, SHARE), steps, times)
     times = times[np.unique(np.linspace(0, times.size - 1, COMPARED).astype(int))]
     times = np.unique(np.minimum(times, min(rough._end, fine._end)))
     difference = np.abs(rough._states(times)[0] - fine._states(times)[0])
