@@ -14,6 +14,7 @@ acts (not if nothing of the kind acts):
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from math import inf
 from typing import NamedTuple
@@ -151,9 +152,10 @@ class System:
             resisting = self.make_resisting(coordinate)
             return lambda time, state: resisting(time, state).change
         if drive is None or drive.shaft is None and has_law(drive.source):
-            change_of = compiled(partial(self._make_change, equation), equation.coordinate,
-                                 len(self.names))
-            return lambda time, state: change_of(*state)
+            with suppress(TypeError):       # of a user's law of floats alone: no formula
+                change_of = compiled(partial(self._make_change, equation), equation.coordinate,
+                                     len(self.names))
+                return lambda time, state: change_of(*state)
         terms_of, is_input = equation.fields_of_terms, coordinate.is_input
 
         def driven(time: float, state: State) -> tuple[float, ...]:

@@ -11,7 +11,9 @@ from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,
     Drive,
+    Law,
     MotorLine,
+    Piece,
     Shaft,
     SpeedController,
     TorqueTable,
@@ -52,6 +54,19 @@ def test_a_source_that_overrides_the_torque_of_another_drives_by_its_own():
     assert run.position[-1] == pytest.approx(2.0 + 0.5 * 2.0 + 2.0, abs=1e-8)
     with pytest.raises(InvalidParameter, match='cannot drive steps'):
         Mover(System(wheel(), 0.0, drive=Drive(Pulse(4.0))), 1e-6, 60)
+
+
+class Cut(Law):
+    """A torque of a user's, of floats alone, that is cut above a speed."""
+
+    def piece(self, speed, state, n=None, command=None):
+        """Return it."""
+        return Piece(4.0 if abs(speed) < 100.0 else 0.0)
+
+
+def test_a_law_of_floats_alone_drives_a_run():
+    run = simulate(System(wheel(), 0.0, 1.0, drive=Drive(Cut())), 2.0, 1e-8)
+    assert run.status == REACHED and run.position[-1] == pytest.approx(6.0, abs=1e-8)
 
 
 def test_a_motor_line_nears_its_free_speed_exponentially():
