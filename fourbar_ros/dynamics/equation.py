@@ -186,6 +186,8 @@ class Equation:
         self.forces = [force for force in forces if not force.is_one_way]
         self._springs = [e for e in mechanism.elements if not isinstance(e, PositionForce)]
         self.tables = [force for force in forces if isinstance(force.value, TableForce)]
+        # a run has short legs then: of a user's function too nobody knows how narrow it is
+        self.has_position_forces = bool(forces)
         self.has_couples = bool(self.forces) or self._is_turned or any(
             applied.couple for _, _, applied in self._bodies)
         self.has_dampers = any(spring.damping for spring in self._springs)

@@ -427,7 +427,7 @@ def _checked(work: Work, method: str, tolerance: float) -> Run:
         tighter = max(rough.tolerance * min(TIGHTER, max(1e-4, share)), TIGHTEST / TIGHTER)
         # the finer run is the next rough one, unless both would take the same steps
         is_next = (TIGHTEST / TIGHTER <= fine.tolerance <= 2.0 * tighter
-                   and not system.equation.tables and not breaks)
+                   and not system.equation.has_position_forces and not breaks)
         rough = fine if is_next else _run(work, rough.method, tighter)
     return rough
 
@@ -440,7 +440,7 @@ def _first_run(work: Work, method: str, tolerance: float) -> Run:
         return _run(work, 'LSODA', tolerance)
     # many short legs are no sign of a stiff system: half is left for the finer run
     equation = work.system.equation
-    share = 0.5 if equation.tables or equation.has_resistance else FIRST_TRY
+    share = 0.5 if equation.has_position_forces or equation.has_resistance else FIRST_TRY
     run = _run(work, 'DOP853', tolerance, share=share)
     if run.status != STOPPED:
         return run
@@ -500,7 +500,7 @@ def _is_stiff(system: System, until: float) -> bool:
         return False
     jacobian = np.array(columns)             # transposed: its eigenvalues are the same
     # at each point of a table LSODA starts anew from its lowest order
-    allowed = 100.0 * STIFF if system.equation.tables else STIFF
+    allowed = 100.0 * STIFF if system.equation.has_position_forces else STIFF
     return bool(np.all(np.isfinite(jacobian))
                 and until * np.max(np.abs(np.linalg.eigvals(jacobian))) > allowed)
 
@@ -550,7 +550,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         last = float(breaks[after]) if after < breaks.size else work.until
         # steps in the input end where a leg in time goes on
         leg, ends_in_time = None, leg is not None and isinstance(leg.between, BetweenSteps)
-        if coordinate.equation.tables:
+        if coordinate.equation.has_position_forces:
             if used in EXPLICIT and system.mechanism.turns_fully and not (
                     ends_in_time or coordinate.equation.has_resistance):
                 longest = 0.5 if is_finer and not is_of_low_order else 1.0
@@ -573,7 +573,7 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
         # The first step into the next piece of a table, which takes about as long. Were it as long
         # as the piece, it would end exactly at its end, and scipy before 1.12 would stop there.
         first, state, end = float(leg.time[-1]), leg.states[:, -1].tolist(), leg.end
-        if end == AT_KINK and coordinate.equation.tables:
+        if end == AT_KINK and coordinate.equation.has_position_forces:
             length, begun = first - begun, first
             step, middle = LONGER * length, 0.0
             if is_finer:
