@@ -482,7 +482,7 @@ def test_every_moving_link_has_a_mass_and_the_guide_is_told_from_the_pins(paper)
     paper.until(lambda: [row[1] for row in paper.rows('Extrema')[:2]] == [
         'max\nlargest force of all joints: guide B2', 'max\nlargest force of all pins'], 'both')
     paper.until(lambda: [float(row[2].removesuffix(' N')) for row in paper.rows('Extrema')[:2]]
-                == pytest.approx([guide, max(largest.values())], rel=1e-4), 'those with that centre')
+                == pytest.approx([guide, max(largest.values())], rel=1e-4), 'their values')
 
 
 def test_a_click_without_a_drag_moves_nothing(paper):
