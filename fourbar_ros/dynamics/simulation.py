@@ -21,14 +21,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import copysign, inf, isfinite, log2, nan, nextafter
+from math import copysign, inf, isfinite, isnan, log2, nan, nextafter
 from threading import Lock
 import time as clock
 from typing import Any, NamedTuple, TYPE_CHECKING
 import warnings
 
 from fourbar_ros.dynamics.coordinate import MotionCoordinate
-from fourbar_ros.dynamics.piece_steps import BetweenSteps, Step, steps_over_pieces
+from fourbar_ros.dynamics.piece_steps import BetweenSteps, InputStep, steps_over_pieces
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError, InvalidParameter, Locked
 from fourbar_ros.mechanisms.parts import NamedFields
@@ -548,11 +548,11 @@ def _integrate(work: Work, method: str, tolerance: float, is_finer: bool) -> Ite
             events.append(Event(stop, EVENT, before=stop_value))
         after = int(np.searchsorted(breaks, first, 'right'))
         last = float(breaks[after]) if after < breaks.size else work.until
-        # steps in the input end where a leg in time goes on
-        leg, ends_in_time = None, leg is not None and isinstance(leg.between, BetweenSteps)
+        # where steps in the input have ended, a leg in time goes on to the end of the piece
+        leg, was_in_input = None, leg is not None and isinstance(leg.between, BetweenSteps)
         if coordinate.equation.has_position_forces:
             if used in EXPLICIT and system.mechanism.turns_fully and not (
-                    ends_in_time or coordinate.equation.has_resistance):
+                    was_in_input or coordinate.equation.has_resistance):
                 longest = 0.5 if is_finer and not is_of_low_order else 1.0
                 leg = _leg_over_pieces(coordinate, (first, last), state, used, tolerance, longest,
                                        work, events)
@@ -620,7 +620,7 @@ def _leg_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], st
                      method: str, tolerance: float, longest: float, work: Work,
                      events: list[Event]) -> Leg | None:
     """Return the leg in steps of the input, up to that in which an event is; None: no step."""
-    steps, start = list[Step](), np.array(state)
+    steps, start = list[InputStep](), np.array(state)
     before = [event.function(span[0], start) if event.before is None else event.before
               for event in events]
     try:
@@ -790,4 +790,6 @@ def energy_drift(run: Run) -> float:
     in_play = float(np.max(kinetic) + np.ptp(potential) + np.ptp(work))
     rounding = ROUNDING * float(np.max(kinetic) + np.max(size) + np.max(np.abs(work)))
     drift = float(np.max(np.abs(constant - constant[0]))) - rounding
+    if isnan(drift):        # of energies that are too large
+        return inf
     return drift / in_play if drift > 0.0 and in_play > 0.0 else 0.0

@@ -1,12 +1,13 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """A run between its times, stopped where asked, with its loads and its picture."""
-from math import pi
+from dataclasses import replace
+from math import inf, nan, pi
 import pickle
 import sys
 
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
+from fourbar_ros.dynamics.simulation import energy_drift, EVENT, REACHED, simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,
@@ -203,6 +204,13 @@ def test_a_plot_shows_all_of_a_run():
         assert np.array_equal(line.get_ydata()[np.isin(line.get_xdata(), run.time)], values)
     slide = System(SliderCrank(0.3, 0.9, input='slide', bodies=BODIES), 0.8)
     assert len(simulate(slide, 0.1, 1e-6, times=[0.05, 0.1]).plot().axes) == 3
+
+
+def test_an_energy_that_is_no_number_does_not_pass_for_constant():
+    run = simulate(SYSTEMS['constant'], 0.1, 1e-6)
+    leg = run.legs[-1]
+    broken = leg._replace(states=np.where(leg.time == leg.time[-1], nan, leg.states))
+    assert energy_drift(run) < 1e-6 and energy_drift(replace(run, legs=(broken,))) == inf
 
 
 @pytest.mark.parametrize('times', ['ab', ['a'], [None], [0.2, 0.1], [[0.1]], [], [float('nan')],
