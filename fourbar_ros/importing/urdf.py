@@ -72,26 +72,16 @@ def _pose_in(element: Element, tag: str) -> Array:
                  _floats(_word(element, tag, 'rpy', '0 0 0')))
 
 
-class _Inertial(NamedTuple):
-    """Mass [kg], pose in its link, inertia about the origin of that [kg m^2]."""
-
-    mass: float
-    pose: Array
-    inertia: Array
-
-
-def _inertial_of(link: Element) -> _Inertial | None:
-    element = link.find('inertial')
-    if element is None:
-        return None
+def _add_inertial(robot: robots.Robot, name: str, element: Element) -> None:
+    """Add the <inertial> of a link; products of inertia that it leaves out are 0."""
     mass, *moments = [
-        _floats(_word(element, tag, name, '0' * (name in MOMENTS[3:])), 1,     # products may lack
-                f'for {name} of {tag} in {link.get("name")}')[0]
-        for tag, name in (('mass', 'value'), *(('inertia', name) for name in MOMENTS))]
+        _floats(_word(element, tag, word, '0' * (word in MOMENTS[3:])), 1,
+                f'for {word} of {tag} in {name}')[0]
+        for tag, word in (('mass', 'value'), *(('inertia', word) for word in MOMENTS))]
     inertia = np.zeros((3, 3))
-    rows, columns = (['xyz'.index(name[index]) for name in MOMENTS] for index in (1, 2))
+    rows, columns = (['xyz'.index(word[index]) for word in MOMENTS] for index in (1, 2))
     inertia[rows, columns] = inertia[columns, rows] = moments
-    return _Inertial(mass, _pose_in(element, 'origin'), inertia)
+    robot.add_inertial(name, mass, robot.poses[name] @ _pose_in(element, 'origin'), inertia)
 
 
 class _TreeJoint(NamedTuple):
@@ -167,8 +157,8 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
 
     robot = robots.Robot('URDF', min(roots), np.array(GRAVITY), poses)
     for name in links:
-        if inertial := _inertial_of(links[name]):
-            robot.add_inertial(name, inertial.mass, poses[name] @ inertial.pose, inertial.inertia)
+        if (inertial := links[name].find('inertial')) is not None:
+            _add_inertial(robot, name, inertial)
     of_none = [name for name, (_, _, inertia) in robot.inertials.items()
                if 2.0 * np.linalg.norm(inertia, 2) > (1.0 + 1e-9) * np.trace(inertia)]
     if of_none:
@@ -225,24 +215,17 @@ def read_urdf(path: Path, wishes: robots.Wishes) -> robots.Robot:
     return robot
 
 
-class _Closure(NamedTuple):
-    """A joint of jsk's file: its links, point [m] and axis in the root's frame at zero joints."""
-
-    ends: tuple[str, str]
-    point: Array
-    axis: Array
-
-
-def _loop_closures(path: Path) -> tuple[list[str], list[_Closure]]:
+def _loop_closures(path: Path) -> tuple[list[str], list[tuple[tuple[str, str], Array, Array]]]:
     """Return the driven joints and the closures of jsk's file; raises Refused."""
+    # a closure: its two links; its point [m] and axis, in the root's frame at zero joints
     def vector(closure: Mapping[str, Sequence[float]], name: str) -> Array:
         return np.array(_floats(' '.join(map(str, closure[name])), where=f'for {name} in {path}'))
 
     try:
         tree = yaml.safe_load(text_of(path))
         return [*map(str, tree.get('independent', ()))], [
-            _Closure((str(closure['link_a']), str(closure['link_b'])),
-                     vector(closure, 'point'), vector(closure, 'axis'))
+            ((str(closure['link_a']), str(closure['link_b'])),
+             vector(closure, 'point'), vector(closure, 'axis'))
             for closure in tree['closures']]
     except (yaml.YAMLError, AttributeError, KeyError, TypeError):
         raise Refused(f'{path}: must be "independent", a list of joints, and "closures", a list '
