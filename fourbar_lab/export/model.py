@@ -33,7 +33,7 @@ _WORDS = """
     throw true try typedef typeid typename typeof union unsigned using virtual void volatile
     wchar_t while xor xor_eq linux unix errno NAN INFINITY NULL EOF"""
 RESERVED = frozenset(_WORDS.split())
-# beginnings of the parameters that formulas may be without where they are 0
+# beginnings of the parameters that formulas are without where they are 0 or infinite
 ELEMENTS = 'springs.', 'torsion_springs.', 'friction.'
 
 

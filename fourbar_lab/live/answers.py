@@ -39,7 +39,7 @@ import numpy as np
 
 Answer = dict[str, Any]         # JSON
 LONGEST = 20.0          # most time for a run [s]
-TOLERANCE = 1e-4        # of a run: a hundredth of a pixel
+TOLERANCE = 1e-4        # of a run: less than a tenth of a pixel
 GROUPS = ('linkage', 'dyads', 'cylinder', 'drive', 'gravity', 'bodies', 'springs',
           'torsion_springs', 'forces', 'external', 'friction', 'points')      # with fields
 
@@ -176,7 +176,7 @@ def _fields(scene: Scene, module: JsModule) -> list[Answer]:
 
 
 def run_answer(scene: Scene, until: float) -> Answer:
-    """Return some thousand samples of a run from torque, as of ``fourbar simulate``, until [s]."""
+    """Return some thousand samples of a run from torque, simulated until a time [s]."""
     simulated = simulate_scene(scene, until, TOLERANCE, seconds=LONGEST)
     run = simulated.run
     every = slice(None, None, 1 + run.time.size // 1000)

@@ -24,7 +24,7 @@ import numpy as np
 BESIDE = 1e-12         # [rad] distance from the ends of a piece, ...
 ROUNDED = 8.0 * EPS    # ... and over the input: within it either side may be meant
 FARTHEST = 1e6         # [rad] at most: an end of a piece is known to its rounding
-MOST_CHANGED = 4.0     # square of the rate over that at the start of a piece, or inverse, at most
+MOST_CHANGED = 2.0     # rate over that at the start of a piece, or that over it, at most
 ITERATIONS = 5         # of Newton's method to the input at a time between steps
 
 
@@ -36,7 +36,7 @@ class PieceAhead(NamedTuple):
     beyond: float      # in the next one
 
 
-class Step(NamedTuple):
+class InputStep(NamedTuple):
     """A step in the input."""
 
     time: float                        # where it ends [s]
@@ -66,7 +66,7 @@ def piece_ahead(ends: Sequence[float], cycle: float, position: float, rate: floa
 
 def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], state: Array,
                       integrator: Callable[..., Any], tolerance: float, longest: float,
-                      counted: Callable[..., Any]) -> Iterator[Step]:
+                      counted: Callable[..., Any]) -> Iterator[InputStep]:
     """
     Yield steps through one piece after the other, the last of each to just beyond its end.
 
@@ -102,18 +102,18 @@ def steps_over_pieces(coordinate: MotionCoordinate, span: tuple[float, float], s
             solver.y[0], solver.h_abs, solver.max_step = 0.0, step, step
             solver.f = solver.fun(solver.t, solver.y)
         # by the acceleration at the start: w^2 + 2 (dw/dt) way at the end
-        if not 1.0 / MOST_CHANGED < 1.0 + 2.0 * solver.f[1] * (beyond - solver.t) / scale < (
-                MOST_CHANGED):
+        if not MOST_CHANGED**-2 < 1.0 + 2.0 * solver.f[1] * (beyond - solver.t) / scale < (
+                MOST_CHANGED**2):
             return
         while True:
             solver.max_step = min(step, abs(beyond - solver.t))
             solver.step()
             before, time = time, begun + float(solver.y[0]) / scale
             if (solver.status == 'failed' or not before < time < last
-                    or not 1.0 / MOST_CHANGED < (solver.y[1] / scale)**2 < MOST_CHANGED):
+                    or not 1.0 / MOST_CHANGED < solver.y[1] / scale < MOST_CHANGED):
                 return
             state = np.array([solver.t, *solver.y[1:]])
-            yield Step(time, state, begun, scale, solver.dense_output())
+            yield InputStep(time, state, begun, scale, solver.dense_output())
             if not low < solver.t < high:
                 break
 
@@ -123,7 +123,7 @@ class BetweenSteps:
     """Times -> states, (fields, times), between steps in the input."""
 
     times: Array             # at which they begin and end [s]
-    steps: Sequence[Step]
+    steps: Sequence[InputStep]
 
     def __call__(self, times: Array) -> Array:
         columns = np.empty((self.steps[0].state.size, times.size))

@@ -27,6 +27,7 @@ from fourbar_ros.mechanisms.elements import (
 )
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.numerics.arrays import EPS
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
@@ -314,6 +315,18 @@ def test_a_push_within_a_turn_is_felt(tolerance, has_table):
     work, inertia = size * (high - low) * 2.0 / pi, wheel().bodies.crank.inertia
     assert run.status == REACHED
     assert run.rate[-1] == pytest.approx((rate**2 + 2.0 * work / inertia)**0.5, rel=tolerance)
+
+
+@pytest.mark.parametrize('speed', [150.0, -150.0])
+@pytest.mark.parametrize('cycles', [-100_000, 1000, 79_577])
+def test_a_run_whole_cycles_away_is_the_same(speed, cycles):
+    """Up to 1e6 rad in steps of the input, beyond it in time; ends of pieces are rounded there."""
+    near, shift = engine(speed=speed), cycles * 4.0 * pi
+    far, times = System(near.mechanism, shift, speed, near.drive), np.linspace(0.0, 0.05, 101)
+    for tolerance in (1e-6, 1e-8):
+        runs = [simulate(system, 0.05, tolerance) for system in (near, far)]
+        apart = np.subtract(*[run.at(times).position for run in runs]) + shift
+        assert np.max(np.abs(apart)) <= sum(run.error for run in runs) + 32.0 * EPS * abs(shift)
 
 
 def test_the_steps_of_a_node_follow_the_engine():
