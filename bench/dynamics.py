@@ -8,7 +8,8 @@ from typing import NamedTuple
 import warnings
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.run import REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft, SpeedController
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import FourBarError

@@ -25,7 +25,7 @@ import numpy as np
 
 if TYPE_CHECKING:      # figures and frames alone need them
     from fourbar_lab.drawing.paper import PaperFigure
-    from fourbar_ros.dynamics.simulation import Run
+    from fourbar_ros.dynamics.run import Run
     from pandas import DataFrame
 
 Option = float | str | None      # a number, or a text with a unit

@@ -56,7 +56,7 @@ def add(verbs: Verbs) -> None:
 
 
 def _simulate(arguments: Namespace) -> int:
-    from fourbar_ros.dynamics.simulation import REACHED
+    from fourbar_ros.dynamics.run import REACHED
     from fourbar_ros.errors import BagError
     from fourbar_ros.scene.scene import load
     from fourbar_ros.scene.simulated import simulate_scene

@@ -19,7 +19,7 @@ from fourbar_ros.optional import lazily
 if TYPE_CHECKING:
     from fourbar_ros.dynamics.equation import Equation
     from fourbar_ros.dynamics.flywheel import Flywheel, flywheel_for
-    from fourbar_ros.dynamics.simulation import (
+    from fourbar_ros.dynamics.run import (
         EVENT,
         LIMIT,
         NOT_CHECKED,
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
         REACHED,
         Run,
         RunState,
-        simulate,
         STOPPED,
         Stuck,
     )
+    from fourbar_ros.dynamics.simulation import simulate
     from fourbar_ros.dynamics.sources import (
         ConstantTorque,
         DCMotor,

@@ -307,7 +307,7 @@ class Equation:
         pose, (g_x, g_y) = self.make_pose(coordinate, n), self._gravity
 
         # V is of weight, constant forces and springs, whose balance with kinetic energy is what
-        # energy_drift() of simulation checks. Couples and forces over a position may have none.
+        # energy_drift() of a run checks. Couples and forces over a position may have none.
         def potential(position: Scalar) -> tuple[Scalar, ...]:
             motions, _ = pose(position)     # of links; of the input, which these do not need
             energy, size = 0.0, 0.0

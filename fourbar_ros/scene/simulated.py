@@ -19,7 +19,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from fourbar_ros.dynamics.node_step import DriveValues
-    from fourbar_ros.dynamics.simulation import Run
+    from fourbar_ros.dynamics.run import Run
 
 
 class Peak(NamedTuple):

@@ -6,7 +6,8 @@ from math import exp, inf, pi
 
 from fourbar_ros import Applied, Bodies, Body, External, FourBar, InvalidParameter, SliderCrank
 from fourbar_ros.dynamics.node_step import Mover
-from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.run import LIMIT, REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,

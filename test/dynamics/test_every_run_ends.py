@@ -6,7 +6,8 @@ from math import pi
 
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.node_step import Mover, NOT_FINITE, OK
-from fourbar_ros.dynamics.simulation import LIMIT, NOT_CONVERGED, REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.run import LIMIT, NOT_CONVERGED, REACHED, STOPPED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     Drive,

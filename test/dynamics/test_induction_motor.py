@@ -5,7 +5,8 @@ from math import tau
 
 from fourbar_ros import InvalidParameter
 from fourbar_ros.dynamics.node_step import Mover, OK
-from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.run import REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import Drive, InductionMotor, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.scene.scene import from_values

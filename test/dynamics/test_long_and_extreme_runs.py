@@ -5,7 +5,8 @@ from dataclasses import replace
 from math import pi
 
 from fourbar_ros import Bodies, Body, FourBar
-from fourbar_ros.dynamics.simulation import energy_drift, NOT_CONVERGED, REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.run import energy_drift, NOT_CONVERGED, REACHED, STOPPED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.statics import free_period, NotResolved
 from fourbar_ros.dynamics.system import System
 import numpy as np

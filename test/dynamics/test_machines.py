@@ -4,7 +4,8 @@
 
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.dynamics.equation import Equation
-from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.run import LIMIT, REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.machine.description import Dyad, Point

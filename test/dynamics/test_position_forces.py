@@ -5,12 +5,13 @@ from math import pi, sin
 import pickle
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics import simulation
+from fourbar_ros.dynamics import legs, simulation
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
 from fourbar_ros.dynamics.node_step import Mover, OK
 from fourbar_ros.dynamics.piece_steps import BetweenSteps
-from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate, STOPPED
+from fourbar_ros.dynamics.run import EVENT, REACHED, STOPPED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine
 from fourbar_ros.dynamics.statics import equilibria
 from fourbar_ros.dynamics.system import System
@@ -250,14 +251,14 @@ def test_runs_whose_difference_is_the_error_take_other_steps_in_a_piece(
         monkeypatch, tolerance, are_methods_different):
     # pieces end at the same inputs in both, each took the step of a piece's length: a step that
     # was too long was too long in both (of an inverted slider-crank 8.3e-7 rad for 1.4e-8)
-    runs, integrate = [], simulation._integrate
+    runs, integrate = [], simulation.integrate
 
     def noted(*arguments):
         runs.append(legs := [])
         for leg in integrate(*arguments):
             legs.append(leg)
             yield leg
-    monkeypatch.setattr(simulation, '_integrate', noted)
+    monkeypatch.setattr(simulation, 'integrate', noted)
     run = simulate(engine(), 0.05, tolerance)
     rough, fine = (sum(leg.time.size - 1 for leg in legs) for legs in runs[-2:])
     methods = [{type(step.between) for leg in legs if isinstance(leg.between, BetweenSteps)
@@ -275,7 +276,7 @@ def test_steps_of_the_input_are_the_motion_of_steps_in_time(monkeypatch, toleran
     assert len(steps) >= 80             # over 5 deg each
     again = pickle.loads(pickle.dumps(run))
     assert np.array_equal(again.at(times).position, run.at(times).position)
-    monkeypatch.setattr(simulation, '_leg_over_pieces', lambda *arguments: None)
+    monkeypatch.setattr(legs, '_leg_over_pieces', lambda *arguments: None)
     in_time = simulate(engine(speed=speed), 0.05, tolerance)
     assert run.evaluations <= 0.8 * in_time.evaluations
     exact = simulate(engine(speed=speed), 0.05, 1e-11, times=times)

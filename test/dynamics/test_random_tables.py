@@ -4,7 +4,8 @@
 from math import pi
 
 from fourbar_ros import Bodies, FourBar, InvertedSlider, round_rod, SliderCrank
-from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.run import REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.elements import Attachment, PositionForce

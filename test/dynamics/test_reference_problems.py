@@ -5,7 +5,8 @@
 from math import pi
 
 from fourbar_ros import SliderCrank
-from fourbar_ros.dynamics.simulation import REACHED, simulate
+from fourbar_ros.dynamics.run import REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
 import mpmath as mp

@@ -7,7 +7,8 @@ import pickle
 import sys
 
 from fourbar_ros import Bodies, FourBar, round_rod, SliderCrank
-from fourbar_ros.dynamics.simulation import energy_drift, EVENT, REACHED, simulate
+from fourbar_ros.dynamics.run import energy_drift, EVENT, REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import (
     ConstantTorque,
     DCMotor,

@@ -14,7 +14,8 @@ from fourbar_ros import (
 )
 from fourbar_ros.dynamics.equation import Equation
 from fourbar_ros.dynamics.flywheel import flywheel_for
-from fourbar_ros.dynamics.simulation import EVENT, REACHED, simulate
+from fourbar_ros.dynamics.run import EVENT, REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive
 from fourbar_ros.dynamics.statics import equilibria, free_period
 from fourbar_ros.dynamics.system import System

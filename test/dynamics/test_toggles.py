@@ -4,7 +4,8 @@
 from math import pi
 
 from fourbar_ros import Applied, Bodies, Body, External
-from fourbar_ros.dynamics.simulation import LIMIT, REACHED, simulate
+from fourbar_ros.dynamics.run import LIMIT, REACHED
+from fourbar_ros.dynamics.simulation import simulate
 from fourbar_ros.dynamics.sources import ConstantTorque, Drive, MotorLine, Shaft
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.mechanisms.elements import TorsionSpring
