@@ -387,6 +387,28 @@ def test_two_turns_count_in_statics_and_for_a_flywheel():
     assert run.rate[-1] == pytest.approx(run.rate[0], rel=1e-8)
 
 
+@pytest.mark.parametrize('width', [1e-1, 1e-3, 1e-6])
+@pytest.mark.parametrize('inertia', [0.3, 3.0])
+def test_a_flywheel_bears_a_push_however_short(width, inertia):
+    """
+    A push of so many radians takes 20 J: shorter than samples are apart, it was not counted.
+
+    Of a constant inertia, by hand: the drive gives 20 J over the turn and the push takes them, so
+    the largest change of energy is 20 (1 - width/2 pi), over the fluctuation and the square of
+    the speed.
+    """
+    begin, end = 1.0, 1.0 + width
+    pushes = ForceTable([0.0, begin, begin, end, end, TURN],
+                        [0.0, 0.0, -20.0 / width, -20.0 / width, 0.0, 0.0], True, is_linear=True)
+    mechanism = wheel().with_elements(PositionForce(Attachment('crank'), pushes, direction=None))
+    flywheel = flywheel_for(Equation(mechanism, extra_inertia=inertia), 10.0, 0.02)
+    span, change = end - begin, 20.0 * (1.0 - width / TURN)
+    assert flywheel.torque == pytest.approx(20.0 / TURN, rel=4.0 * EPS / span)
+    of_wheel = Equation(wheel()).terms(0.0).inertia + inertia
+    assert flywheel.inertia == pytest.approx(max(change / (0.02 * 10.0**2) - of_wheel, 0.0),
+                                             rel=8.0 * EPS / span)
+
+
 # --- tables -----------------------------------------------------------------------------------
 
 def test_a_table_is_that_of_scipy_on_floats_and_arrays():
