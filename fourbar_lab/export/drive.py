@@ -14,9 +14,10 @@ from typing import Any
 from fourbar_lab.export.model import GeneratedModel, Named, NotGenerated, struct_of
 from fourbar_lab.export.statements import filled, literal, snippet, Statements
 from fourbar_ros.dynamics import equation, node_step, rosenbrock, sources
+from fourbar_ros.dynamics.rosenbrock import StepFormulas
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
 from fourbar_ros.numerics.arguments import quantities_of
-from fourbar_ros.numerics.number_types import Function
+from fourbar_ros.numerics.number_types import Function, NumberType
 from fourbar_ros.numerics.trace import Trace
 from fourbar_ros.scene.topics import TORQUE
 
@@ -59,7 +60,7 @@ class DriveCode:
         self._mover = scene.mover
         self._system, self._drive = self._mover.system, scene.dynamics.drive
         self._source: sources.Law = self._drive.source
-        # coordinate and mode of a phase of the motion -> its formulas; at the start: the first
+        # a phase of the motion: its coordinate and assembly mode -> formulas; the first begins
         self._phases = self._mover.formulas
         if self._mover.passes and not all(self._mover.taking_over.values()):
             raise NotGenerated(f'{model.name}: motion by torque of a change point with toggles')
@@ -71,22 +72,22 @@ class DriveCode:
         writer.used |= {'power'}
         self._tables: list[PositionForce] = self._system.equation.tables
         self._functions = [
-            *self._of_phases('place', lambda formulas: formulas.make_linearization,
-                             rosenbrock.AT_STATE),
-            *self._of_phases('attempt', lambda formulas: formulas.make_attempt,
-                             rosenbrock.OF_STEP),
-            *self._of_phases('euler', lambda formulas: formulas.make_euler, rosenbrock.OF_STEP)]
+            *self._functions_by_phase('place', StepFormulas.make_linearization,
+                                      rosenbrock.AT_STATE),
+            *self._functions_by_phase('attempt', StepFormulas.make_attempt, rosenbrock.OF_STEP),
+            *self._functions_by_phase('euler', StepFormulas.make_euler, rosenbrock.OF_STEP)]
         if self._tables:
-            self._functions += self._of_phases(
-                'places_of', lambda formulas: formulas.make_table_positions)
+            self._functions += self._functions_by_phase('places_of', StepFormulas.make_table_positions, 1)
 
-    def _of_phases(self, name: str, make: Callable[[rosenbrock.StepFormulas], Function],
-                   count: int = 1) -> list[str]:
-        """Return the C functions of all phases, and the function that calls that of a phase."""
+    def _functions_by_phase(self, name: str,
+                            make_formula: Callable[[StepFormulas, NumberType], Function],
+                            inputs: int) -> list[str]:
+        """Return a C function NAME_i of each phase, and NAME, which calls that of a phase."""
+        # of a formula of so many inputs; they return whether an input is out of its domain
         functions, cases = [], []
         for i, formulas in enumerate(self._phases.values()):
-            make_formula = make(formulas)
-            trace = Trace(lambda n, _: make_formula(n), count)       # noqa: B023  # called at once
+            trace = Trace(lambda n, _: make_formula(formulas, n),   # noqa: B023  # called at once
+                          inputs)
             functions.append(self._writer.function(f'{name}_{i}',
                                                    trace.simplified(trace.literals())))
             condition = f'if (phase == {i}) ' if i + 1 < len(self._phases) else ''

@@ -52,6 +52,14 @@ class Named(NamedTuple):
     slot: int       # index of a parameter among the data of the trace, of a result among its steps
 
 
+class WholeTrace(NamedTuple):
+    """A trace of all results, and how many of its steps are before the end of some."""
+
+    trace: Trace
+    end_of_motion: int
+    end_of_loads: int
+
+
 @dataclass(frozen=True)
 class GeneratedModel:
     """A scene prepared for generation; NotGenerated or InvalidParameter where it cannot be."""
@@ -90,7 +98,7 @@ class GeneratedModel:
     @cached_property
     def trace(self) -> Trace:
         """Return the trace of motion, loads and points, with the operations of ``step``."""
-        whole, _, end_of_loads = self._recorded
+        whole, _, end_of_loads = self._whole
         of_mechanism = len(numbers_of(self.constants))
         lengths = {*range(len(self.mechanism.numbers_of_lengths)),
                    *range(of_mechanism, of_mechanism + len(self.named_points))}
@@ -106,33 +114,32 @@ class GeneratedModel:
         return whole.simplified({**whole.literals(), **zeros}, end_of_loads) if zeros else whole
 
     @cached_property
-    def _recorded(self) -> tuple[Trace, int, int]:
-        """Return the trace of all results, and its steps where motion and where loads end."""
+    def _whole(self) -> WholeTrace:
+        """Return the trace of motion, loads and points, whatever of it is wanted."""
         mechanism, ends = self.mechanism, list[int]()
 
         def make_formula(n: NumberType, data: Any) -> Function:
-            constants, points, coordinates = data
-            if points:
+            constants, named_points, coordinates = data
+            if named_points:
                 from fourbar_ros.scene.machines import with_named_points  # few scenes have any
+                values = dict(self.scene.values) | dict(zip(self.named_points, named_points))
                 constants = constants._replace(lengths=with_named_points(
-                    mechanism, {**self.scene.values, **dict(zip(self.named_points, points))}, n,
-                    constants.lengths))
-            parametric = with_any_lengths(mechanism, constants.lengths)
+                    mechanism, values, n, constants.lengths))
+            of_any_lengths = with_any_lengths(mechanism, constants.lengths)
 
             def formula(x: Any, rate: Any, acceleration: Any) -> Any:
                 motion, loads = mechanism.motion_in(n, constants, x, rate, acceleration), ()
                 ends.append(len(x.trace.steps))
                 if mechanism.bodies:
                     loads = mechanism.loads_in(n, constants, motion)
+                # of points the zeros stay, those of loads are left out: they share no step
                 ends.append(x.trace.begin_apart())
                 return tuple(motion), loads, [
-                    point_in(n, parametric, motion, point.link, *along_across)
+                    point_in(n, of_any_lengths, motion, point.link, *along_across)
                     for point, along_across in zip(self.scene.points.values(), coordinates)]
             return formula
 
-        trace = Trace(make_formula, 3, self._tree)
-        end_of_motion, end_of_loads = ends
-        return trace, end_of_motion, end_of_loads
+        return WholeTrace(Trace(make_formula, 3, self._tree), *ends)
 
     @property
     def _tree(self) -> tuple[Any, ...]:
@@ -171,7 +178,7 @@ class GeneratedModel:
     def _asked(self) -> frozenset[int]:
         """Return the indices in the data of what is asked to change at run time; refuse others."""
         names = [name for name, _ in self.names]
-        wanted, whole = self.parameters or (), self._recorded[0]
+        wanted, whole = self.parameters or (), self._whole.trace
         topics, used = self.from_topics, whole.needed(flat(whole.results))
         for name in wanted:
             if name not in names:
@@ -322,7 +329,7 @@ class GeneratedModel:
     def depends(self) -> list[int]:
         """Return what each field of the motion needs: 1 the rate, 2 the acceleration, 3 both."""
         # Terms that are zero in this scene count too.
-        trace = self._recorded[0]
+        trace = self._whole.trace
         needs = [0, 1, 2] + [0] * (len(trace.steps) - 3)      # the first steps are the inputs
         for index, step in enumerate(trace.steps):
             for i in step.arguments:
@@ -355,7 +362,7 @@ class GeneratedModel:
 
     def refusing(self, with_loads: bool) -> list[int]:
         trace = self.trace
-        _, end_of_motion, _ = self._recorded
+        end_of_motion = self._whole.end_of_motion
         end = len(trace.steps) if with_loads and self.loads else end_of_motion
         return [index for index, step in enumerate(trace.steps[:end])
                 if step.operation in REFUSING and index in trace.varies]
@@ -363,7 +370,7 @@ class GeneratedModel:
     @property
     def roots_left_out(self) -> list[int]:
         """Return the arguments of roots that zeros take out of the transmission angle."""
-        whole, trace, name = self._recorded[0], self.trace, 'transmission_angle'
+        whole, trace, name = self._whole.trace, self.trace, 'transmission_angle'
         angle = _indices_of(whole)[0][self.mechanism.MOTION._fields.index(name)]
         lost = set(whole.needed([angle])) - set(trace.needed([self.index_of(name)]))
         return [trace.steps[i].arguments[0] for i in sorted(lost)

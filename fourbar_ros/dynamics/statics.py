@@ -40,7 +40,9 @@ HALVINGS = 60
 MOST_SAMPLES = 2**17
 SAME = 1e-14           # relative difference of the means of so many and half as many samples
 RESOLVED = 1e-6        # the same, at least
-NARROWEST = 14.0       # samples times the distance of a singularity from the real inputs: e^-14
+LEAST_DECAY = 14.0     # exponent by which the error of the mean must fall at most samples
+ROUNDED = 1e-8         # below it a difference of means that does not fall is of rounding
+TOO_MANY = 'dt/du of the free motion needs more samples than allowed'
 
 
 class Equilibrium(NamedTuple):
@@ -206,21 +208,23 @@ def free_period(system: System) -> float:
                                    / (2.0 * np.abs(energy - equation.potential(q))))
         return slope
 
-    # a peak between all samples would leave no trace in the mean
-    narrowest = min((abs(z.imag) for z in mechanism.singular_inputs if z.imag), default=inf)
+    # A singular input z makes a peak as wide as its imaginary part: the mean of n samples has an
+    # error of exp(-n Im u(z) tau/cycle), and a peak between all samples leaves no trace in it.
+    nearest = min((abs(z.imag) for z in mechanism.singular_inputs if z.imag), default=inf)
     change, mean, count = inf, inf, 32
-    if narrowest / width * MOST_SAMPLES >= NARROWEST:
-        while change > SAME and count < MOST_SAMPLES:
-            count *= 2
-            samples = (np.arange(count) + 0.5) * (cycle / count)
-            before, mean = mean, float(np.mean(slowness(samples)))
-            now = abs(mean / before - 1.0)
-            if change < 1e-8 and now >= change:
-                mean = before            # rounding of E - V, next to the turning points, governs
-                break
-            change = now
+    if MOST_SAMPLES * tau / cycle * nearest / width < LEAST_DECAY:
+        raise NotResolved(TOO_MANY)
+    while change > SAME and count < MOST_SAMPLES:
+        count *= 2
+        samples = (np.arange(count) + 0.5) * (cycle / count)
+        mean_before, mean = mean, float(np.mean(slowness(samples)))
+        change_before, change = change, abs(mean / mean_before - 1.0)
+        if change_before < ROUNDED and change >= change_before:
+            # rounding of E - V, next to the turning points, governs
+            change, mean = change_before, mean_before
+            break
     if not change <= RESOLVED:
-        raise NotResolved('dt/du of the free motion needs more samples than allowed')
+        raise NotResolved(TOO_MANY)
     return cycle * mean
 
 
