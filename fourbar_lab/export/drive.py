@@ -77,7 +77,8 @@ class DriveCode:
             *self._functions_by_phase('attempt', StepFormulas.make_attempt, rosenbrock.OF_STEP),
             *self._functions_by_phase('euler', StepFormulas.make_euler, rosenbrock.OF_STEP)]
         if self._tables:
-            self._functions += self._functions_by_phase('places_of', StepFormulas.make_table_positions, 1)
+            self._functions += self._functions_by_phase(
+                'places_of', StepFormulas.make_table_positions, 1)
 
     def _functions_by_phase(self, name: str,
                             make_formula: Callable[[StepFormulas, NumberType], Function],

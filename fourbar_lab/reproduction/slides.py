@@ -3,7 +3,7 @@
 """
 What the lecture slides print, item by item: its unit, the printed value, ours, the verdict.
 
-Links have the numbers of the slides: crank 2, coupler 3, output 4. Our copy lacks some pages.
+Texts have the numbers of the slides: crank 2, coupler 3, output 4. Our copy lacks some pages.
 """
 from cmath import phase
 from collections.abc import Sequence
@@ -28,19 +28,20 @@ def sections() -> list[Section]:
 
 
 def example_7_2() -> Section:
-    m, a2 = published.EXAMPLE_7_2.motion(*published.GIVEN_7_2), published.EXAMPLE_7_2.a2
-    joint_b = point_motion(published.EXAMPLE_7_2, m, 'coupler', 0.0)
+    # our crank pin A is their B, our B their C; of what turns or points back they print the size
+    linkage, m = published.EXAMPLE_7_2, published.EXAMPLE_7_2.motion(*published.GIVEN_7_2)
+    crank_pin = point_motion(linkage, m, 'coupler', 0.0)
     title = ('Slides, Example 7.2 - slider-crank, crank 2.5 in at 30 deg, coupler 6 '
              'in, 1800 rpm clockwise')
     return Section(title, [
         printed('crank angle', 'deg', '', degrees(m.theta1), documents.ASSUMED,
                 'it is in the drawing only; the readings fit it to 2 %'),
         printed('crank speed', 'rad/s', '188.5', -m.omega1),
-        printed('speed of B', 'ft/s', '39.3', joint_b.speed / FOOT),
-        printed('acceleration of B', 'ft/s^2', '7403', hypot(*joint_b.acceleration) / FOOT,
+        printed('speed of B', 'ft/s', '39.3', crank_pin.speed / FOOT),
+        printed('acceleration of B', 'ft/s^2', '7403', hypot(*crank_pin.acceleration) / FOOT,
                 documents.ROUNDED, 'from 188.5 rad/s', within=1e-3),
         drawn('angular velocity of the coupler', 'rad/s', '68.8', m.omega_beta, 0.02),
-        drawn('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * a2 / FOOT, 0.04,
+        drawn('normal part of A_C/B', 'ft/s^2', '2367', m.omega_beta**2 * linkage.a2 / FOOT, 0.04,
               'from 68.8 rad/s, which is squared'),
         drawn('angular acceleration of the coupler', 'rad/s^2', '6640', m.alpha_beta, 0.02),
         drawn('acceleration of C', 'ft/s^2', '8000', -m.slide_acceleration / FOOT, 0.02),

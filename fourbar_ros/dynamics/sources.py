@@ -207,20 +207,23 @@ class SpeedController(Law):
             return inner
         kp, ki = self.proportional, self.integral
         wanted = self.speed if command is None else command
-        by = kp or ki          # without a proportional part, ki times one second takes its place
+        # without a proportional part, ki times one second takes its place in (A5)
+        tracking = kp or ki
 
-        def beyond(torque: float) -> tuple[Scalar, ...]:
-            change = (wanted + (torque - kp * wanted) / by, kp / by - 1.0, -ki / by) if ki else ()
-            return tuple(Piece(torque, 0.0, 0.0, *change))
-        torque = inner.torque_at(speed, state)
-        return Piece(*n.where(torque.real > limit, beyond(limit), n.where(
-            torque.real < -limit, beyond(-limit), tuple(inner))))
+        def held_at(torque: float) -> tuple[Scalar, ...]:
+            return tuple(Piece(torque) if not ki else Piece(
+                torque, change=wanted + (torque - kp * wanted) / tracking,
+                change_by_speed=kp / tracking - 1.0, change_by_state=-ki / tracking))
+        torque = inner.torque_at(speed, state)      # complex in derivatives by a complex step
+        return Piece(*n.where(torque.real > limit, held_at(limit), n.where(
+            torque.real < -limit, held_at(-limit), tuple(inner))))
 
     def _inner(self, command: Scalar | None) -> Piece:
         """Return the law between the limits of the torque, (A5)."""
         wanted = self.speed if command is None else command
         kp, ki = self.proportional, self.integral
-        return Piece(kp * wanted, -kp, ki, *((wanted, -1.0) if ki else ()))
+        torque = Piece(kp * wanted, by_speed=-kp, by_state=ki)
+        return torque._replace(change=wanted, change_by_speed=-1.0) if ki else torque
 
     def limited(self, command: Scalar | None = None) -> tuple[Piece, float] | None:
         return None if self.limit == inf else (self._inner(command), self.limit)

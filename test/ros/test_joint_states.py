@@ -193,7 +193,7 @@ def test_a_driven_joint_that_never_comes_is_missed(run_node, client, diagnosed):
         return ('did you mean motor?' in node.said
                 and "joint 'motr' never came" in diagnosed()[0].message)
     client.until(told, 'the warning')
-    assert ("drive.joint = 'motr' had a position in none of the first 20 messages on /joint_states"
+    assert ("/joint_states: drive.joint = 'motr' had a position in none of the first 20 messages"
             in node.said)
 
 

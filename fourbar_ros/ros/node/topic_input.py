@@ -1,15 +1,14 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Drive the input by the messages of a topic; missing rates are estimated."""
-from collections.abc import Sequence
 from math import isnan
 from traceback import format_exc
 from typing import Any
 
-from fourbar_ros.errors import nearest
 from fourbar_ros.pipeline import joints, rate_estimator
 from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import clock_input, entities
+from fourbar_ros.ros.node.joint_senders import JointSenders
 from fourbar_ros.ros.node.stream import Stream
 from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
 from fourbar_ros.scene.topics import INPUTS
@@ -21,7 +20,6 @@ FUTURE = 1.0           # [s] stamps further ahead of our clock are counted and l
 RESTARTED = ('the estimate of missing rates starts afresh: after a pause above drive.timeout, a '
              'step above drive.jump{}, or a clock set back')
 WRAPS = ' (for positions that wrap after a turn give drive.top_speed)'
-UNHEARD = 20           # messages without the driven joint after which a relay warns
 
 
 class TopicInput:
@@ -35,27 +33,20 @@ class TopicInput:
                         'bad_stamps', 'future', 'late', 'estimate_restarts', 'timeouts',
                         'deadlines_missed', 'turns_in_doubt', 'faults')
         self._scene = scene = stream.scene   # of the last input
-        self._settings = settings = scene.drive      # those that do not change
+        self._settings = settings = scene.drive      # topic, joint and gear: they stay
         self._topic = INPUTS[settings.source]
         self._scale = joints.Scale(settings.joint_ratio, settings.joint_offset)
         clock, self._time = entities.clock_of(node)
-        self._received = self._time()        # [ns] when the newest input came
-        self._waiting = False                # for a next input, whose silence is a timeout
-        self._horizon = 0                    # [ns] stamps up to here are known to be plausible
-        self._estimated = False              # whether rates of the last input were
-        # first messages, while the driven joint never came
-        self._without_driven: list[Message] = []
+        self._arrival = self._time()         # [ns] of the newest input
+        self._is_next_awaited = False        # whether its silence is a timeout
+        self._plausible = 0                  # [ns] stamps up to here are no surprise
         self._estimator = rate_estimator.estimator_of(scene)
+        self._are_rates_estimated = False    # of the last input
         self._counter = joints.TurnCounter(rate_estimator.gap_of(settings.timeout))
-        takes_top_speed = not (scene.must_count_turns or scene.linkage.is_driven_by_slide)
-        self._restarted = RESTARTED.format(WRAPS if takes_top_speed else '')
-        # since the last diagnostics: lists of names with the driven joint, and passive joints of
-        # ours that others sent; whether there were messages of others without the driven joint
-        self._name_lists: set[tuple[str, ...]] = set()
-        self._taken_joints: set[str] = set()
-        self._others_are_heard = False
-        self._names: Sequence[str] = ()      # of the last message with the driven joint
-        self._shown = scene.names_shown
+        # the estimator takes a wrapping angle for a jump unless a top speed is known
+        may_wrap = not (scene.must_count_turns or scene.linkage.is_driven_by_slide)
+        self._why_restarted = RESTARTED.format(WRAPS if may_wrap else '')
+        self._senders = JointSenders(settings.joint, scene.names_shown)
         self._read = entities.reader(self._topic, self._take, self._refuse)
         has_deadline = entities.has_override(node, 'subscription', self._topic, 'deadline')
         self._subscription, self._sequence = entities.counted_subscription(
@@ -78,29 +69,19 @@ class TopicInput:
 
     def age(self) -> float:
         """Return the time since the newest input [s]: steady, or simulated with use_sim_time."""
-        return (self._time() - self._received) * 1e-9
+        return (self._time() - self._arrival) * 1e-9
 
     def report(self) -> clock_input.Reported:
         """Return (values, problems): lost inputs, the quality of an estimated acceleration."""
         estimator = self._estimator
         values: dict[str, Any] = {}
-        name, heard = self._subscription.topic_name, self._sequence.heard()
-        is_ours = self._is_relay and name in self._stream.topics()
-        publishers = self._subscription.get_publisher_count() - is_ours
-        problems = []
-        # two publishers may send different joints, but not in two lists that hold the driven one
-        if publishers > 1 and (len(self._name_lists) > 1
-                               or heard - is_ours > 1 and not self._others_are_heard):
-            joint = (f' joint {self._settings.joint!r}'
-                     if self._settings.source == 'joint_state' else '')
-            problems.append(f'more than one publisher sends{joint} on {name}')
-        if is_ours and self._taken_joints:
-            problems.append(f'another publisher sends {", ".join(sorted(self._taken_joints))} on '
-                            f'{name}, which this node computes')
+        name = self._subscription.topic_name
+        problems = self._senders.problems(
+            name, self._subscription.get_publisher_count(), self._sequence.heard(),
+            is_ours=self._is_relay and name in self._stream.topics())
         for problem in problems:
             self._troubles.log(problem[:12], problem)
-        self._name_lists, self._taken_joints, self._others_are_heard = set(), set(), False
-        self._names = ()
+        self._senders.forget()
         if not self._sequence.is_numbered:
             values['lost'] = 'unknown: the middleware gives no numbers'
         if self._is_relay and self._counts['of_other_joints'] and not self._counts['received']:
@@ -118,7 +99,7 @@ class TopicInput:
                               and self._node.count_publishers(topic) > published.count(topic)]:
                     why += f'; {self._topic.type} comes on {", ".join(sorted(topics))}'
             problems.append(f'no input yet: {why}')
-        if isnan(estimator.lag) or not self._estimated:
+        if isnan(estimator.lag) or not self._are_rates_estimated:
             return values, problems
         unit = 'm/s^2' if self._stream.scene.linkage.is_driven_by_slide else 'rad/s^2'
         noise = estimator.noise
@@ -145,13 +126,15 @@ class TopicInput:
         """Step to the input of a message, with its turns and rates completed; record it."""
         motion = driven_of(message, self._settings.joint)
         if motion is None and self._is_relay:    # from ourselves, or another part of the robot
-            self._note_other_joints(message)
+            self._troubles.count('of_other_joints')
+            if why := self._senders.note_other(message, self._counts['received'] > 0):
+                self._troubles.log('of_other_joints', f'{self._subscription.topic_name}: {why}')
             return
         self._note_arrival()
         self._stream.record_input(self._topic.name, message)
         if motion is None:
-            self._others_are_heard = True
-            hint = '' if self._counts['without_joint'] else self._joint_hint([message])
+            self._senders.others_are_heard = True
+            hint = '' if self._counts['without_joint'] else self._senders.hint([message])
             self._troubles.count('without_joint', 'no position of joint '
                                  f'{self._settings.joint!r} in the input message{hint}')
             return
@@ -160,12 +143,9 @@ class TopicInput:
             motion = self._counted(nanoseconds, *motion)
         if self._settings.source == 'joint_state':
             motion = self._scale.to_input(*motion)
-            if message.name != self._names:      # else as in the last message
-                self._names = message.name
-                self._name_lists.add(tuple(message.name))
-                self._taken_joints |= set(self._shown).intersection(message.name)
+            self._senders.note(message.name)
         position, velocity, acceleration = motion
-        self._estimated = isnan(velocity) or isnan(acceleration)
+        self._are_rates_estimated = isnan(velocity) or isnan(acceleration)
         velocity, acceleration = self._completed(nanoseconds, position, velocity, acceleration)
         self._stream.step(stamp, position, velocity, acceleration)
 
@@ -183,10 +163,10 @@ class TopicInput:
         estimator = self._estimator
         late, restarts = estimator.late, estimator.restarts
         velocity, estimate = estimator.update(stamp, position, velocity, acceleration)
-        if self._estimated:
+        if self._are_rates_estimated:
             self._counts['late'] += estimator.late - late
             if estimator.restarts > restarts:
-                self._troubles.count('estimate_restarts', self._restarted)
+                self._troubles.count('estimate_restarts', self._why_restarted)
         return velocity, estimate if isnan(acceleration) else acceleration
 
     def _counted(self, stamp: int, position: float, velocity: float, acceleration: float
@@ -204,39 +184,19 @@ class TopicInput:
                                  'one beyond a turn; it may have made turns')
         return position, velocity, acceleration
 
-    def _note_other_joints(self, message: Message) -> None:
-        """Count a message without the driven joint; log once if the first ones all lack it."""
-        self._troubles.count('of_other_joints')
-        if message.name != self._shown:      # not our own answer
-            self._others_are_heard = True
-            self._taken_joints |= set(self._shown).intersection(message.name)
-        if self._counts['received'] or len(self._without_driven) >= UNHEARD:
-            return
-        self._without_driven.append(message)
-        if len(self._without_driven) == UNHEARD:
-            self._troubles.log('of_other_joints', (
-                f'drive.joint = {self._settings.joint!r} had a position in none of the first '
-                f'{UNHEARD} messages on {self._subscription.topic_name}'
-                f'{self._joint_hint(self._without_driven)}'))
-
-    def _joint_hint(self, messages: list[Message]) -> str:
-        joint = self._settings.joint
-        names = dict.fromkeys(name for message in messages for name in message.name)
-        return nearest(joint, names) if names and joint not in names else ''
-
     def _note_arrival(self) -> None:
         self._troubles.count('received')
-        self._received, self._waiting = self._time(), True
+        self._arrival, self._is_next_awaited = self._time(), True
 
     def _stamp(self, sec: int, nanosec: int) -> tuple[Stamp, int]:
         """Return the stamp of an input and the same in [ns]; the time of now if it has none."""
         stamp = sec * 10**9 + nanosec
         is_valid = is_time(sec, nanosec)
         if stamp and is_valid:
-            if stamp > self._horizon:        # the clock is read once in a while only
+            if stamp > self._plausible:        # the clock is read once in a while only
                 now = self._node.get_clock().now().nanoseconds
-                self._horizon = now + nanoseconds(FUTURE)
-                if stamp > self._horizon:
+                self._plausible = now + nanoseconds(FUTURE)
+                if stamp > self._plausible:
                     self._troubles.count('future', f'input stamped {(stamp - now) * 1e-9:.3f} s '
                                          'ahead of the clock')
             return (sec, nanosec), stamp
@@ -248,12 +208,13 @@ class TopicInput:
 
     def _watch(self) -> None:
         """Tell the stream when no input has come for ``drive.timeout``, once in a silence."""
-        self._horizon = 0                                # the clock may have been set
-        if self.age() < 0.0 or not self._received:       # simulated time went back, or has begun
-            self._received = self._time()
+        self._plausible = 0                                # the clock may have been set
+        if self.age() < 0.0 or not self._arrival:       # simulated time went back, or has begun
+            self._arrival = self._time()
         limit = self._stream.scene.drive.timeout
-        if limit != 0.0 and self._waiting and self._time() - self._received > nanoseconds(limit):
-            self._waiting = False
+        if limit != 0.0 and self._is_next_awaited and (
+                self._time() - self._arrival > nanoseconds(limit)):
+            self._is_next_awaited = False
             self._troubles.count('timeouts')
             self._estimator.reset()
             self._stream.timeout(limit)

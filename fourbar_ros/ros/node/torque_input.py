@@ -72,7 +72,7 @@ class TorqueInput(clock_input.ClockInput):
         """Go on from the state of now."""
 
     def _move(self) -> tuple[int, int, DriveValues]:
-        """Return (status, assembly mode, state) a period later; the first time, of the start."""
+        """Return (status, assembly mode, state) a period later; at first, of the start."""
         run = self._stream.run
         if self._scene is not run.scene:
             assert run.mover is not None                 # this input's scenes have one
@@ -83,7 +83,7 @@ class TorqueInput(clock_input.ClockInput):
             self._mode = self._mover.mode
             return node_step.SILENT if is_silent else OK, self._mode, self._values
         status, self._values = self._mover.next(self._values, 1.0 / self._settings.rate, command,
-                                                is_silent, self._mode)
+                                                is_silent, mode=self._mode)    # of a new scene
         self._mode = self._mover.mode
         if status != self._status:
             self._status = status
