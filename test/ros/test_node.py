@@ -7,10 +7,12 @@ import random
 from fourbar_msgs.msg import LinkageState
 from fourbar_msgs.srv import FindExtrema
 from fourbar_ros import load_scene
+from fourbar_ros.errors import FourBarError
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.mechanisms.inertia import held_rigid, input_equation
 from fourbar_ros.pipeline import stepper as codes
 from fourbar_ros.pipeline.joints import SceneJoints
+from fourbar_ros.ros.node import services
 from fourbar_ros.ros.node.entities import WAITING
 from fourbar_ros.scene import scene
 from fourbar_ros.scene.files import find, read_values
@@ -111,6 +113,29 @@ def test_find_extrema_answers_what_the_core_finds_and_a_proof_does_not_hold_up_t
     stamps = [nanoseconds(s) for s in client.received['state']]
     steps = {round((b - a) / 5e6) for a, b in zip(stamps, stamps[1:])}
     assert steps <= {1}                                          # every sample of the 200 Hz grid
+
+
+def test_an_error_in_the_second_mode_leaves_no_extrema_of_the_first():
+    service, paper = FindExtrema, scene.from_values({**PAPER, **RODS})
+    calls = []
+
+    def search(mode, most):
+        def check():
+            calls.append(mode)
+            if len(calls) > most:
+                raise FourBarError('the node ends')
+        return services.search(paper, service.Request(mode=mode, velocity=25.0,
+                                                      quantities=['omega4', 'f41']),
+                               check, service.Response())
+    search(3, math.inf)         # what is searched once is asked fewer times
+    calls.clear()
+    of_first = search(1, math.inf)
+    ended = len(calls)
+    calls.clear()
+    assert of_first.result == of_first.RESULT_OK and len(of_first.extrema) > 4
+    answer = search(3, ended)
+    assert answer.result == answer.RESULT_UNSUPPORTED and answer.message == 'the node ends'
+    assert not answer.extrema and len(calls) == ended + 1
 
 
 def test_find_extrema_where_a_robot_moves(run_node, client):

@@ -134,6 +134,7 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
                                     within=tuple(request.range) or None)
         names = [quantity.name for quantity in quantities]
         extrema.sort(key=lambda extremum: (names.index(extremum.quantity), extremum.mode))
+        response.extrema = [_message(extremum) for extremum in extrema]
         response.result = response.RESULT_OK
     except UnknownQuantity as error:
         response.result, response.message = response.RESULT_UNKNOWN_QUANTITY, str(error)
@@ -143,7 +144,6 @@ def search(scene: Scene, request: Message, check: Callable[[], None], response: 
         response.message = str(InvalidParameter(name, error.value, error.allowed))
     except FourBarError as error:
         response.result, response.message = response.RESULT_UNSUPPORTED, str(error)
-    response.extrema = [_message(extremum) for extremum in extrema]
     return response
 
 
