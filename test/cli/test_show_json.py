@@ -50,12 +50,14 @@ def test_every_number_that_is_printed_is_in_the_record(name, at, capsys):
               for vector in point.values()]
     off_square = [abs(degrees(band['worst']) - 90.0)
                   for band in found['transmission_angles'].values()]
+    strokes = [high - low for output in found['outputs'] for low, high in output['ranges']]
     places = [degrees(extremum['theta1']) for extremum in found['extrema']]
     tables = text.partition('\n')[2]          # below the path
     for word in re.findall(r'(?<![\w.^])-?\d+\.\d+(?:e[-+]?\d+)?(?![\w^])', tables):
         value, last = float(word), len(word.partition('.')[2].partition('e')[0])
         near = 10.0**-last + 1e-5 * abs(value)
-        assert any(abs(value - other) <= near for other in [*there, *off_square, *places]), word
+        assert any(abs(value - other) <= near
+                   for other in [*there, *off_square, *strokes, *places]), word
     for quantity in {extremum['quantity'] for extremum in found['extrema']}:
         assert quantity in text
     rows = [row.split() for row in text.splitlines()]
