@@ -11,7 +11,7 @@ from fourbar_ros.cli.common import add_output, add_verb, assembly_mode, Verbs
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.mechanisms.kinds import KINDS
 from fourbar_ros.scene.settings import LENGTHS
-from fourbar_ros.scene.units import of, UNITS
+from fourbar_ros.scene.units import of, UNITS, without_comma
 
 MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass': 8500.0,
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
@@ -92,9 +92,8 @@ def _bar(text: str) -> str:
     """Return the YAML of '20x5mm': a unit is that of both."""
     match = BAR.fullmatch(text)
     if not match:
-        raise ArgumentTypeError(f'{text!r}: must be ' + (
-            f'written {text.replace(",", ".")}: a comma is no decimal point' if ',' in text
-            else 'WIDTHxTHICKNESS, e.g. 20x5mm'))
+        raise ArgumentTypeError(f'{text!r}: ' + (
+            without_comma(text) if ',' in text else 'must be WIDTHxTHICKNESS, e.g. 20x5mm'))
     width, thickness = (of('m')(size + match[3]) for size in match.groups()[:2])
     return f'width: {width!r}, thickness: {thickness!r}'
 
@@ -193,7 +192,7 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
     """
     from fourbar_ros.machine import read_drawing
     from fourbar_ros.mechanics.bodies import flat_bar, round_rod
-    import yaml
+    from fourbar_ros.scene.files import parse, text_of_tree
     names = [point.name for point in points]
     if twice := [name for name in names if names.count(name) > 1]:
         raise InvalidParameter('--points', twice[0], 'must be given once')
@@ -246,7 +245,7 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
                       for name, joint in joints.items()
                       if name not in shared and joint.link != 'ground'}
     if section:
-        size = yaml.safe_load(f'{{{section}}}')
+        size = parse(f'{{{section}}}')
         tree['bodies'] = {'rods': {'density': float(density), **size}}
         blocks = {'output' if has_kind else dyad.links[1] for dyad in dyads if dyad.kind == 'RRP'}
         tree['bodies'] |= {link: {'mass': 0.0} for link in sorted(blocks)}      # give their own
@@ -259,9 +258,8 @@ def text_of_points(points: Sequence[DrawnPoint], links: Sequence[Sequence[str]] 
                        'rate': 200.0},
              'outputs': ['state', 'output', 'joint_states',
                          *(['loads', 'shaking_wrench'] if section else [])]}
-    text = yaml.safe_dump({'/**': {'ros__parameters': {
-        name: group for name, group in tree.items() if group}}}, sort_keys=False, width=100,
-        default_flow_style=None)
+    text = text_of_tree({name: group for name, group in tree.items() if group}, width=100,
+                        default_flow_style=None)
     if section:
         text = text.replace('    drive:', GRAVITY + '    drive:', 1)
     return ('# By the coordinates of its joints, with the axes of the drawing from the pivot of '

@@ -11,8 +11,8 @@ import re
 from typing import Any
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
-from fourbar_ros.scene.settings import FORCE_UNITS, ParameterValues, POSITION_UNITS
-from fourbar_ros.scene.units import spelled
+from fourbar_ros.scene.settings import FORCE_UNITS, IN_QUOTES, ParameterValues, POSITION_UNITS
+from fourbar_ros.scene.units import spelled, without_comma
 import yaml
 
 NODE = '/fourbar'
@@ -354,24 +354,36 @@ def nested(flat: Mapping[str, Any]) -> YamlTree:
 def as_text(values: ParameterValues) -> str:
     """Return a flat dict as the text of a ROS 2 parameter file for any node, without NaN."""
     tree = nested({name: value for name, value in values.items() if value == value})
-    return yaml.safe_dump({'/**': {'ros__parameters': tree}}, sort_keys=False)
+    return text_of_tree(tree)
+
+
+def text_of_tree(tree: YamlTree, **options: Any) -> str:
+    """Return a tree of parameters as the text of a file for any node; ``options`` of yaml.dump."""
+    text: str = yaml.dump({'/**': {'ros__parameters': tree}}, Dumper=RosDumper, sort_keys=False,
+                          **options)
+    return text
 
 
 class PlainYaml(yaml.SafeLoader):
-    """YAML with the numbers and truth values of rcl; every key has one value."""
+    """YAML with the numbers and truth values of rcl; every key is a text and has one value."""
 
     yaml_implicit_resolvers = {}
+    bool_values = {**yaml.SafeLoader.bool_values, 'y': True, 'n': False}
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Return a mapping; {a1: 0,4} is refused, in which a1 is 0 and 4 has no value."""
         keys, whole = [key.value for key, _ in node.value], ''
+        for key, _ in node.value:           # a point may be called no, which is False as a value
+            if isinstance(key, yaml.ScalarNode):
+                key.tag = 'tag:yaml.org,2002:str'
         for index, (key, value) in enumerate(node.value):
             is_plain = isinstance(value, yaml.ScalarNode) and not value.style
             why = ''
             if key.value in keys[:index]:
                 why = f'{key.value} is given twice'
             elif is_plain and not value.value:
-                why = (f'a comma is no decimal point: write {whole}.{key.value}'
+                typed = f'{whole},{key.value}'
+                why = (f'{typed} {without_comma(typed)}'
                        if whole and key.value[:1].isdecimal() else f'{key.value} has no value')
             if why:
                 raise yaml.MarkedYAMLError(problem=why, problem_mark=key.start_mark)
@@ -379,11 +391,25 @@ class PlainYaml(yaml.SafeLoader):
         values: dict[Any, Any] = super().construct_mapping(node, deep)
         return values
 
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        """Return a whole number; refuse 045, which is octal for ROS: 37."""
+        text = node.value
+        if text.lstrip('+-')[1:2] in ('x', 'X'):
+            return int(text, 16)
+        value = int(text)
+        if text.lstrip('+-').startswith('0') and int(text, 8) != value:
+            raise yaml.MarkedYAMLError(
+                problem=f'{text} is octal for ROS, {int(text, 8)}: write {value}, without a zero '
+                        'before it', problem_mark=node.start_mark)
+        return value
 
+
+PlainYaml.add_constructor('tag:yaml.org,2002:int', PlainYaml.construct_yaml_int)
 # 4e-1 is a number, unlike in YAML 1.1, and so are digits too many for an integer; 1_000 and 1:30
 # are texts, as every other scalar
 for _tag, _pattern in (
-        ('bool', '(?i:yes|no|true|false|on|off)'),
+        ('bool', 'y|Y|yes|Yes|YES|n|N|no|No|NO|true|True|TRUE|false|False|FALSE'
+                 '|on|On|ON|off|Off|OFF'),
         ('int', '[-+]?(0[xX][0-9a-fA-F]{1,16}|0[0-7]{0,21}|[1-9][0-9]{0,18})'),
         ('float', r'[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?'
                   r'|[-+]?(\.?(?i:inf|nan)|(?i:infinity))')):
@@ -391,8 +417,27 @@ for _tag, _pattern in (
                                     None)
 
 
+class RosDumper(yaml.SafeDumper):
+    """Writes what rcl reads: texts that it would take for other values in quotes, no aliases."""
+
+    yaml_implicit_resolvers = {**PlainYaml.yaml_implicit_resolvers,
+                               '': [('tag:yaml.org,2002:null', re.compile('$'))]}
+
+    def ignore_aliases(self, data: Any) -> bool:
+        """Return whether to write data out where they stand a second time."""
+        return True
+
+
 class RosYaml(PlainYaml):
-    """YAML of parameter files: ROS takes no list of different types."""
+    """YAML of parameter files: ROS takes no list of different types, and no alias."""
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        """Return the next node; refuse *a, which stands for what &a marks."""
+        if self.check_event(yaml.AliasEvent):
+            event: Any = self.peek_event()      # type: ignore[no-untyped-call]
+            raise yaml.MarkedYAMLError(problem=f'ROS takes no alias: write out *{event.anchor}',
+                                       problem_mark=event.start_mark)
+        return super().compose_node(parent, index)
 
     def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
         """Return a list; refuse items of several types with a hint what may have been meant."""
@@ -403,13 +448,18 @@ class RosYaml(PlainYaml):
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type: write {float(item)} for {item}',
                     problem_mark=item_node.start_mark)
-            if type(item) is not type(items[0]) or isinstance(item, list):
-                hint = ('' if {*map(type, items)} - {int, float, str} else
-                        '; give all its numbers a unit, or none')
+            if isinstance(item, (list, dict)):
+                raise yaml.MarkedYAMLError(problem='a list holds numbers or texts, no lists',
+                                           problem_mark=item_node.start_mark)
+            if type(item) is not type(items[0]):
+                types = {*map(type, items)}
+                hint = (f'; {IN_QUOTES}' if types == {bool, str} else
+                        '' if bool in types else '; give all its numbers a unit, or none')
                 for a, b in zip(node.value, node.value[1:]):       # [-1,8kN] is -1 and 8kN
                     if (a.end_mark.column + 1 == b.start_mark.column and b.value[:1].isdecimal()
                             and a.value.lstrip('+-').isdecimal()):
-                        hint = f'; did you mean {a.value}.{b.value}? A comma is no decimal point'
+                        typed = f'{a.value},{b.value}'
+                        hint = f'; {typed} {without_comma(typed)}'
                 raise yaml.MarkedYAMLError(
                     problem=f'a list must be of one type, and {item!r} is not of that of '
                             f'{items[0]!r}{hint}', problem_mark=item_node.start_mark)

@@ -183,8 +183,9 @@ def _members(values: ParameterValues, is_machine: bool) -> list[tuple[str, str]]
         elif driver != 'slide':
             links += _names([values.get('linkage.carrier')])
     else:
-        kind = kinds.KINDS.get(values.get('linkage.kind', PARAMETERS['linkage.kind'].default))
-        links = [link.name for link in kind.LINKS] if kind else []
+        kind = values.get('linkage.kind', PARAMETERS['linkage.kind'].default)
+        links = ([link.name for link in kinds.KINDS[kind].LINKS]
+                 if isinstance(kind, str) and kind in kinds.KINDS else [])
     links = [link for link in links if link != parts.GROUND]
     mentioned.update(dict.fromkeys(settings.OF_LINKS, links))
     return [(family, name) for family, names in mentioned.items()
@@ -220,7 +221,8 @@ def check_value(parameter: Parameter, value: Any, values: ParameterValues) -> An
             if choices:
                 require_choice(name, item, choices, some=True)
             elif not isinstance(item, str):
-                raise InvalidParameter(name, item, 'must be a text')
+                raise InvalidParameter(name, item, 'must be a text'
+                                       + f': {settings.IN_QUOTES}' * isinstance(item, bool))
     elif parameter.type == 'doubles':
         # angles or lengths: a text stays until the mechanism tells which, but of the input
         units = ([unit_in(parameter, values)] if name == 'linkage.range'
@@ -254,6 +256,8 @@ def _wanted(parameter: Parameter, value: Any) -> str:
                                      for word, value in parameter.words.items())
     if parameter.type == 'double':
         return f'a number in {parameter.unit}' if parameter.unit else 'a number'
+    if parameter.type == 'string' and isinstance(value, bool):
+        return f'a text: {settings.IN_QUOTES}'
     if parameter.type == 'integer' and isinstance(value, float) and value.is_integer():
         return f'a whole number: {value:.0f}'
     return IN_WORDS[parameter.type]

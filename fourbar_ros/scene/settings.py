@@ -25,6 +25,7 @@ MODES = MappingProxyType({'crossed': 1, 'open': 2})
 REQUIRED = object()        # as a default: the scene must give the value
 MACHINE, NAME, COUPLE = 'machine', 'NAME', 'couple'
 APART = 'apart'         # forces.NAME.acts between two points
+IN_QUOTES = 'names as N, y, on need quotes'      # in YAML they are truth values
 TIMER, MESSAGES = 'timer', tuple(topics.INPUTS)
 # of drive.source, with which the motion follows from torque
 SOURCES = (topics.TORQUE.name, 'motor')

@@ -60,6 +60,7 @@ SPELLINGS = str.maketrans({' ': '', '^': '', '*': '', '·': '', '²': '2', '³':
                            '°': 'deg', 'Ω': 'ohm'})
 NUMBER = re.compile(r'([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)\s*(.*)')
 COMMA = re.compile(r'[-+]?[0-9]*,[0-9]+.*')
+THOUSANDS = re.compile(r'[-+]?[1-9][0-9]{0,2}(,[0-9]{3})+([^0-9,][^,]*)?')
 
 
 class ValueInSI(float):
@@ -95,8 +96,7 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> ValueInSI:
     text = text.strip()
     match = NUMBER.fullmatch(text)
     if COMMA.fullmatch(text):
-        raise WrongQuantity(f'must be written {text.replace(",", ".", 1)}: a comma is no decimal '
-                            'point')
+        raise WrongQuantity(without_comma(text))
     digits, unit = match.groups() if match else ('nan', '')
     size, si = sizes.get(unit.translate(SPELLINGS), ('1', '')) if unit else ('1', '')
     if not match or unit and not si:
@@ -111,6 +111,15 @@ def quantity(text: str, *units: str, plain_angle: str = 'rad') -> ValueInSI:
         raise WrongQuantity('must be a finite number')
     value.unit = si
     return value
+
+
+def without_comma(text: str) -> str:
+    """Return how a number with a comma, of decimals or of thousands, must be written."""
+    decimal = text.replace(',', '.')
+    if not THOUSANDS.fullmatch(text):
+        return f'must be written {decimal}: a comma is no decimal point'
+    ways = [text.replace(',', ''), *([decimal] if text.count(',') == 1 else [])]
+    return f'must be written {" or ".join(ways)}, without a comma'
 
 
 def of(*units: str, above: float = -inf, least: float = -inf) -> Callable[[str], ValueInSI]:

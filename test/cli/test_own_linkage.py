@@ -221,6 +221,9 @@ def test_numbers_without_a_point_are_numbers_as_ros_reads_them():
     assert main(['new', 'my.yaml', *lengths, '--rod', '1um']) == 0
     assert 'a1: 5e-05 ' in Path('my.yaml').read_text()
     assert load_scene('my.yaml').linkage.a1 == 5e-5
+    points = ['O1 0 0', 'A 1mm 2mm', 'B 6mm 3mm', 'O4 5mm 1mm']         # by a machine
+    assert main(['new', 'thin', '--points', *points, '--rod', '10um']) == 0
+    assert load_scene('thin.yaml').values['bodies.rods.radius'] == 5e-6
 
 
 def test_the_mode_that_is_printed_can_be_asked_for(capsys):

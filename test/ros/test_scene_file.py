@@ -3,16 +3,18 @@
 """Scene files are read as rcl itself reads them: usual scalars, sections, wildcards."""
 from math import pi
 
+from fourbar_ros.cli.main import main
 from fourbar_ros.ros.node.node import scene_of
 from fourbar_ros.scene import load
-from fourbar_ros.scene.files import read_values, SceneError
+from fourbar_ros.scene.files import as_text, read_values, SceneError
 import pytest
 import rclpy
 from rclpy.node import Node
 
 SCALARS = r"""
-    4e-1 1 0x10 010 08 0b11 0o17 1_000 1. .5 +1 -2 +1.5 1e5 1E+5 .nan nan .inf -.inf inf Infinity
-    yes on On True TRUE No off OFF null ~ 1:30 2020-01-01 "4e-1" '1' 1.e3 NaN -inf .Inf .INF 1e
+    4e-1 1 0x10 0X1F 07 08 0b11 0o17 1_000 1. .5 +1 -2 +1.5 1e5 1E+5 .nan nan .inf -.inf inf
+    Infinity yes on On True TRUE No off OFF y Y n N yEs oN tRUE null ~ 1:30 2020-01-01 "4e-1" '1'
+    1.e3 NaN -inf .Inf .INF 1e
     4e1x 1f 0x -0 1__0 text [a,b] [yes,no] 9223372036854775807 -9223372036854775808 = <<
 """.split()
 
@@ -40,6 +42,36 @@ def test_scalars(tmp_path):
     ros, ours = asked(file), read_values(file)
     for i, text in enumerate(SCALARS):
         assert repr(ros[f'x{i}']) == repr(ours[f'x{i}']), text
+
+
+def test_names_are_texts(tmp_path):
+    """As a point that is called no, whatever it would be as a value."""
+    file = tmp_path / 'scene.yaml'
+    file.write_text('/**:\n  ros__parameters:\n    points:\n' + ''.join(
+        f'      {name}: {{along: 1.0}}\n' for name in ('no', 'On', 'y', '1e3', '010', '1', '~')))
+    assert read_values(file) == asked(file)
+    assert 'points.no.along' in read_values(file)
+
+
+def test_ros_reads_the_texts_of_scenes_that_are_written(tmp_path):
+    """Those that would be other values have quotes, and no list stands for another."""
+    file, places = tmp_path / 'scene.yaml', [1.0, 5e-05]
+    words = ['N', 'y', 'no', 'off', 'yEs', '4e-1', '010', '1_0', '08', 'Infinity', '.nan', '~', '',
+             'null', 'a: b', '1:30', '-']
+    values = {'joint_names': words, 'a': places, 'b': places, 'c': False, 'd': 3,
+              **{f'x{i}': word for i, word in enumerate(words)}}
+    file.write_text(as_text(values))
+    assert read_values(file) == values
+    assert {name: list(value) if name in 'ab' else value
+            for name, value in asked(file).items()} == values
+
+
+def test_ros_reads_a_scene_of_points_whatever_they_are_called(tmp_path):
+    file = tmp_path / 'scene.yaml'
+    assert main(['new', str(file), '--points', 'O1 0 0', 'N 10mm 20mm', 'y 60mm 30mm',
+                 'O4 50mm 0']) == 0
+    assert asked(file)['linkage.joints'] == ['O1', 'N', 'y', 'O4'] == read_values(file)[
+        'linkage.joints']
 
 
 def test_units_and_an_override_of_another_type_reach_the_node(tmp_path):

@@ -9,7 +9,7 @@ import { addDrawing } from "./draw.js";
 const MOST_ADDRESS = 100000, SOON = 150, LATER = 500;      // [characters], [ms]
 const WAYS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const SAMPLED = "The largest and the least of the samples of each curve: a peak between two can be missed. Where samples beside each other differ much none is given.";
-const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z_]\w*$/i;
+const WORDS = /^(?!(?:true|false|yes|no|on|off|null|y|n|nan|inf|infinity)$)[A-Za-z_]\w*$/i;
 
 // --- scenes: nested parameters ---
 export const leafOf = (scene, path) => path.split(".").reduce((tree, key) => tree?.[key], scene);

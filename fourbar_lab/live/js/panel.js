@@ -21,6 +21,7 @@ export function html(tag, properties = {}, ...children) {
 /** {value, hasUnit} of the number that a text means in a unit, with units as scenes have them; RangeError with words. */
 export function numberOf(text, unit, units, plainUnit = unit) {
   const trimmed = text.trim(), match = /^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/.exec(trimmed);
+  if (/^[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d,])/.test(trimmed)) throw new RangeError(`must be written ${trimmed.replaceAll(",", "")}, or with a decimal point: without a comma`);
   if (/^[-+]?\d*,\d+/.test(trimmed)) throw new RangeError(`must be written ${trimmed.replace(",", ".")}: a comma is no decimal point`);
   const spelled = word => [["²", "2"], ["³", "3"], ["µ", "u"], ["°", "deg"], ["Ω", "ohm"]].reduce((all, [a, b]) => all.replaceAll(a, b), word.replace(/[ ^*·]/g, ""));
   const known = Object.entries(units[unit] ?? { [unit]: 1 }), wanted = spelled(match?.[2] || plainUnit);
