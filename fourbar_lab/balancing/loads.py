@@ -149,8 +149,8 @@ class Loads:
         names, points, before = tuple(names), POINTS, np.inf
         most = (MOST_POINTS if self.mechanism.turns_fully and not self.mechanism.flat_inputs
                 else MOST_OF_RANGE)
-        if not names:
-            raise InvalidParameter('minimize', names, 'must name a load at least'
+        if not names or len({*names}) < len(names):
+            raise InvalidParameter('minimize', names, 'must name a load at least, each once'
                                    f'{nearest("", self.groups)}')
         while True:
             x, weights = nodes(self.acting, points)

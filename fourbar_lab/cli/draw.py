@@ -42,6 +42,9 @@ def _draw(arguments: Namespace) -> None:
     from fourbar_lab.drawing import animation, figure, views
     scene, linkage, speed = asked(arguments)
     if arguments.animate:
+        for option in ('at', 'over', 'acceleration', 'width', 'title'):
+            if getattr(arguments, option) not in (None, 0.0):
+                raise InvalidParameter('--animate', None, f'has no --{option}')
         print(animation.animate(linkage, speed, scene.points, arguments.out))
     elif arguments.at is None and not arguments.over:
         raise InvalidParameter('--at', None, 'must be given, or --animate, or --over')

@@ -68,15 +68,20 @@ def _show(arguments: Namespace) -> None:
     from fourbar_ros.scene.files import find
     path, acceleration = find(arguments.scene), arguments.acceleration
     scene, linkage, speed = asked(arguments)
+    by, driven = scene.drive, linkage.input_coordinate
+    for option, value in (('--from', arguments.low), ('--to', arguments.high),
+                          ('--hold', arguments.hold)):
+        if value is not None:
+            require(option, value, driven.unit)
     within: tuple[float, float] | None = None
     if arguments.low is not None and arguments.high is not None:
-        require('--from', arguments.low, linkage.input_coordinate.unit)
-        require('--to', arguments.high, linkage.input_coordinate.unit)
         within = (poses.position_of(linkage, arguments.low),
                   poses.position_of(linkage, arguments.high))
+        if not within[0] < within[1]:
+            raise InvalidParameter('--from', arguments.low, 'must be below --to' + (
+                '' if linkage.is_driven_by_slide else '; across 0 degrees: --from -10 --to 10'))
     elif arguments.low is not arguments.high:
         raise InvalidParameter('--from, --to', None, 'one needs the other')
-    by, driven = scene.drive, linkage.input_coordinate
     counted = (f'; joint {by.joint} = {by.joint_ratio:g} * {driven.position} + '
                f'({poses.shown(driven, by.joint_offset)})' if by.joint else '')
     pose = (None if arguments.at is None else poses.evaluate_at(

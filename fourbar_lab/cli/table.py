@@ -7,9 +7,11 @@ import sys
 
 from fourbar_lab.cli import asked
 from fourbar_ros.cli import common
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.units import of
 
+SAMPLES = 361
 TABLE = """\
 examples:
   fourbar table paper f41 shaking_force -o paper.csv     for a spreadsheet
@@ -37,7 +39,7 @@ def add(verbs: common.Verbs) -> None:
         'all else is in SI, or in --units.', TABLE)
     _add_arguments(table, 'default all')
     common.add_output(table, '-o', '--out', metavar='FILE', required=True, suffix='.csv',
-                      help='table to write: .csv, or - for standard output')
+                      can_print=True, help='table to write: .csv, or - for standard output')
     table.add_argument('--speeds', nargs=2, type=of('rad/s', 'm/s'),
                        metavar=('LOW', 'HIGH'),
                        help='instead, what the drive must give at 25 speeds of the input: root '
@@ -60,14 +62,17 @@ def _add_arguments(verb: ArgumentParser, default: str) -> None:
                       help='e.g. omega4, f41, inertia, bias or mechanical_advantage of the drive, '
                            f'middle.x or middle.speed of a point; {default}')
     common.add_rates(verb)
-    verb.add_argument('--samples', type=common.positive_integer, default=361, metavar='N',
-                      help='inputs in each range (default 361: a degree apart in a full turn)')
+    verb.add_argument('--samples', type=common.positive_integer, default=SAMPLES, metavar='N',
+                      help=f'inputs in each range (default {SAMPLES}: a degree apart in a full '
+                           'turn)')
 
 
 def _table(arguments: Namespace) -> None:
     from fourbar_lab.drawing import curves, views
     from fourbar_ros.spreadsheet import CsvStyle, STDOUT
     scene, linkage, speed = asked(arguments)
+    if arguments.speeds and (arguments.speed is not None or arguments.samples != SAMPLES):
+        raise InvalidParameter('--speeds', None, 'stands in place of --speed and --samples')
     columns = views.columns(scene, arguments.names, (linkage, speed, arguments.acceleration),
                             arguments.samples, arguments.units, arguments.speeds or ())
     missed = ''

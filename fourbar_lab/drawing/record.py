@@ -8,6 +8,7 @@ from typing import Any
 
 from fourbar_lab.drawing.poses import DrawnPose
 from fourbar_ros import Mechanism, point_motion
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.find import Extremum, find_extrema
 from fourbar_ros.extrema.over_input import (
     dead_points,
@@ -157,8 +158,8 @@ def drive_of(linkage: Mechanism, speed: float, acceleration: float = 0.0,
             record['locks'] = _locks(linkage, speed, acceleration, within)
         if not record.get('locks'):
             record |= _effort(linkage, speed, acceleration, within, extrema)
-        if hold is not None:
-            record['at_rest'] = _at_rest(linkage, hold)
+    if hold is not None:
+        record['at_rest'] = _at_rest(linkage, hold)
     frictionless = linkage.without_friction
     names = [name for name, quantity in quantities.of_drive(linkage, linkage.input).items()
              if name.startswith(('holding', 'mechanical'))
@@ -236,6 +237,8 @@ def flywheel_of(linkage: Mechanism, speed: float, most: float) -> LinkageRecord:
     """
     from fourbar_ros.dynamics.equation import Equation
     from fourbar_ros.dynamics.flywheel import flywheel_for
+    if not linkage.turns_fully:
+        raise InvalidParameter('fluctuation', most, 'is of a crank that turns fully')
     wheel = flywheel_for(Equation(linkage), speed, most)
     return {'most': most, 'inertia': wheel.inertia, 'torque': wheel.torque,
             'fluctuation': wheel.fluctuation}

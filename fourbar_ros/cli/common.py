@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from fourbar_ros import errors
 from fourbar_ros.scene.settings import MODES
 from fourbar_ros.scene.units import of, wanted_units
+from fourbar_ros.spreadsheet import STDOUT
 
 Verbs = Any     # what add_subparsers() of argparse returns: add_parser() adds a verb to it
 
@@ -198,21 +199,21 @@ def reading(path: str | Path, text: str) -> Iterator[Callable[[int], None]]:
         yield step
 
 
-def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '', **options: Any
-               ) -> None:
+def add_output(parser: argparse.ArgumentParser, *names: str, suffix: str = '',
+               can_print: bool = False, **options: Any) -> None:
     """
     Add an argument that names a file to write, and ``--force``, without which none is overwritten.
 
-    A name without a suffix gets ``suffix``.
+    A name without a suffix gets ``suffix``. ``can_print``: - is standard output.
     """
     written = parser.get_default('written')
     if written is None:
         parser.add_argument('--force', action='store_true', help='overwrite files that exist')
 
     def path_of(text: str) -> Path:
-        if text[-1:] in './':
+        if text[-1:] in './' or text == str(STDOUT) and not can_print:
             raise argparse.ArgumentTypeError(f'{text!r} names no file')
-        return Path(text if Path(text).suffix or text == '-' else text + suffix)
+        return Path(text if Path(text).suffix or text == str(STDOUT) else text + suffix)
     action = parser.add_argument(*names, type=path_of, **options)
     parser.set_defaults(written=(*(written or ()), action.dest))
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from fourbar_ros.dynamics.run import Run
 
 
+MOST = 10_000_000       # samples of a run, some GB
+
+
 class Peak(NamedTuple):
     """Smallest and largest value of a quantity over a run, and when they are reached [s]."""
 
@@ -129,9 +132,10 @@ def simulate_scene(scene: Scene, until: float, tolerance: float = 1e-8, method: 
     until = arguments.finite('until', until, 'must be a positive number', above=0.0)
     # of whole samples: 0.29 s * 100 Hz = 28.99... is 29, and the last may be rounded beyond until
     count = int(until * scene.drive.rate * (1.0 + 1e-12))
-    if count < 1:
-        raise InvalidParameter('until', until, 'is less than one sample: drive.rate is '
-                               f'{scene.drive.rate:g} Hz')
+    if not 1 <= count <= MOST:
+        raise InvalidParameter('until', until, 'is ' + (
+            'less than one sample' if count < 1 else f'more than {MOST} samples')
+            + f': drive.rate is {scene.drive.rate:g} Hz')
     times = np.arange(count + 1) / scene.drive.rate
     times[-1] = min(times[-1], until)
     run = simulate(dynamics.system(scene.linkage), until, tolerance, method, times.tolist(),

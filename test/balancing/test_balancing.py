@@ -279,6 +279,7 @@ def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
                  str(tmp_path / 'front.svg'), '--points', '5', '--radius', 'crank=0.3']) == 0
     assert 'none below' in capsys.readouterr().out and (tmp_path / 'front.svg').exists()
     for arguments, text in ((['--minimize', 'force'], '--minimize needs --mass'),
+                            (['--minimize', 'force', 'force', '--mass', '1'], 'each once'),
                             (['--mass', '1'], 'go with --minimize'),
                             (['--radius', '0.3', 'crank=0.2'], 'one M for all links, or LINK=M'),
                             (['--radius', 'crank=0.3', 'crank=0.2'], 'once for each'),
