@@ -22,7 +22,7 @@ Verbs = Any     # what add_subparsers() of argparse returns: add_parser() adds a
 
 
 INVALID_CHOICE = re.compile(r"invalid choice: '?(.*?)'? \(choose from (.*)\)", re.DOTALL)
-NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-z][\w/^]*)?(,\S*)?$')
+NEGATIVE = re.compile(r'-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?([A-Za-zµ°Ω][\w/^*·°²³]*)?(,\S*)?$')
 
 
 class Parser(argparse.ArgumentParser):

@@ -113,6 +113,7 @@ WRONG_LINES = [
     ('show cylinder --at 60deg', 1, 'takes'),
     ('show slides_7_6 --at 200', 1,
      'theta1 = 200 deg is outside the input range -130.3202 to 130.3202 deg'),
+    ('show slides_7_6 --at -200°', 1, 'theta1 = -200 deg is outside the input range'),
     ('show cylinder --at 9', 1, 'slide = 9 m is outside'),
     ('show paper --mode opne', 2, 'must be 1 or crossed, 2 or open'),
     ('show paper --mode 3', 1, 'mode = 3: must be 1 or 2'),
