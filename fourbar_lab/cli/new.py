@@ -17,7 +17,7 @@ MATERIALS = {'steel': 7850.0, 'stainless': 8000.0, 'aluminium': 2700.0, 'brass':
              'titanium': 4500.0, 'pla': 1240.0, 'wood': 700.0}      # [kg/m^3]
 BAR = re.compile(r'([\d.]+)x([\d.]+)([a-z]*)')
 SCENE = """\
-# A {title}. Lengths in m, angles in rad, masses in kg.
+# {title}. Lengths in m, angles in rad, masses in kg.
 /**:
   ros__parameters:
     linkage:
@@ -147,7 +147,8 @@ def scene_text(kind: str, lengths: Mapping[str, float], mode: int, speed: float,
     slides = [f'      {link.name}: {{mass: 0.0{", inertia: 0.0" if link.turns else ""}}}     '
               f'# {link.text}: give its own\n' for link in KINDS[kind].LINKS if not link.length]
     return SCENE.format(
-        title=kind.replace('_', '-'), kind=kind, mode=mode,
+        title=f'{"An" if kind[0] in "aeiou" else "A"} {kind.replace("_", "-")}', kind=kind,
+        mode=mode,
         lengths='\n'.join(f'      {name}: {value!r}  # {texts.get(name, "")} [m]'
                           for name, value in lengths.items()),
         bodies=BODIES.format(density=density, section=section, slides=''.join(slides),

@@ -234,6 +234,17 @@ def test_scenes_studies_and_forces_of_the_pages_are_accepted(folder):
     assert heads == {'/**', 'scene', 'forces'}
 
 
+def test_every_text_of_a_page_is_what_a_block_before_it_prints():
+    for page in PAGES:
+        before = ''
+        if page.stem == 'reference_robot':          # its texts are messages
+            continue
+        for language, text, _ in blocks(page):
+            assert language != 'text' or before == 'python' or any(
+                is_run(line) and not needs_ros(line) for line in lines_of(before)), text
+            before = language if language == 'python' else text if language in SHELL else ''
+
+
 def test_every_line_of_a_page_is_run_or_is_in_the_list_of_those_that_are_not():
     shell = [line for page in EVERY_PAGE for language, text, _ in blocks(page)
              if language in SHELL for line in lines_of(text)]
