@@ -157,7 +157,7 @@ class DCMotor(Law):
     command: ClassVar[str] = 'voltage'
     voltage: float = quantity(unit='V', text='voltage of the armature')
     resistance: float = quantity(unit='ohm', text='resistance of the armature', above=0.0)
-    constant: float = quantity(unit='N m/A', parameter='torque_constant', above=0.0,
+    constant: float = quantity(unit='N m/A or N/A', parameter='torque_constant', above=0.0,
                                text='torque per current, and voltage per speed [V s/rad]')
     inductance: float = quantity(0.0, unit='H', least=0.0, text='inductance of the armature; '
                                                                 '0: the current follows at once')
@@ -189,9 +189,9 @@ class SpeedController(Law):
     state_field: ClassVar[str] = 'speed_error_integral'
     command: ClassVar[str] = 'speed'
     speed: float = quantity(unit='rad/s or m/s', text='speed wanted of the shaft behind the gear')
-    proportional: float = quantity(unit='N m s/rad', least=0.0,
+    proportional: float = quantity(unit='N m s/rad or N s/m', least=0.0,
                                    text='torque behind the gear per error of the speed')
-    integral: float = quantity(0.0, unit='N m/rad', least=0.0,
+    integral: float = quantity(0.0, unit='N m/rad or N/m', least=0.0,
                                text='torque behind the gear per integral of that error')
     limit: float = quantity(inf, unit='N m or N', above=0.0, instead=inf, parameter='torque_limit',
                             text='largest torque behind the gear; default: no limit')

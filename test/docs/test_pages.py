@@ -234,6 +234,11 @@ def test_scenes_studies_and_forces_of_the_pages_are_accepted(folder):
     assert heads == {'/**', 'scene', 'forces'}
 
 
+def test_the_mass_of_the_balanced_linkage_is_that_of_its_page():
+    mass = sum(body.mass for body in load('paper').linkage.bodies)
+    assert f'({mass:.3g} kg of moving steel' in (ROOT / 'docs/studies.md').read_text()
+
+
 def test_every_text_of_a_page_is_what_a_block_before_it_prints():
     for page in PAGES:
         before = ''

@@ -10,7 +10,7 @@ import re
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene import from_values, load
 from fourbar_ros.scene.files import SceneError
-from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.parameters import check_value, of_name
 from fourbar_ros.scene.units import (
     in_unit,
     of,
@@ -166,6 +166,17 @@ def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
 def test_a_scene_refuses_units_of_other_kinds(values, name, text, why):
     with pytest.raises(InvalidParameter, match=re.escape(why)):
         from_values({**values, name: text})
+
+
+@pytest.mark.parametrize(('name', 'text', 'number'), [
+    ('motor.proportional', '5 kN s/m', 5000.0), ('motor.integral', '2 N/mm', 2000.0),
+    ('motor.torque_constant', '3 N/A', 3.0), ('motor.stall_torque', '1 kN', 1000.0),
+    ('shaft.stiffness', '2 N/mm', 2000.0)])
+def test_a_motor_of_a_slide_pushes(name, text, number):
+    parameter, of_slide = of_name(name), {'linkage.input': 'slide'}
+    assert check_value(parameter, text, of_slide) == number
+    with pytest.raises(InvalidParameter):
+        check_value(parameter, text, {'linkage.input': 'crank'})
 
 
 def test_offsets_of_joints_are_angles_or_lengths_by_joint():
