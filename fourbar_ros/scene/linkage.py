@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from math import inf, isnan, tau
+from math import inf, isnan, sqrt, tau
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import in_words, InvalidParameter, nearest, OutOfRange
@@ -200,6 +200,7 @@ def bodies_of_links(values: ParameterValues, links: Sequence[Link], lengths: Map
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
 STEEL = 7850.0
 FAR_THICKER = 5.0       # than a rod is long: in millimetres
+FAR, FAR_OUT = 50.0, 100.0      # as often the longest length: a point, a radius of gyration
 TYPED = '.9g'           # as many digits as are typed; an angle that was converted has more
 
 
@@ -216,9 +217,10 @@ def in_other_units(quantities: Iterable[tuple[str, float, str]], linkage: Mechan
     ``quantities``: (parameter, value, its SI unit) of those that were given without a unit.
     """
     turn = linkage.period if linkage.period < inf else tau      # two turns at some change points
+    far = min(LONGEST, FAR * longest_of(linkage))
     long, wide = list[tuple[str, float]](), list[tuple[str, float]]()
     for name, value, unit in quantities:
-        if unit == 'm' and abs(value) > LONGEST:
+        if unit == 'm' and abs(value) > (LONGEST if name.startswith('frame.') else far):
             long.append((name, value))
         elif unit == 'rad' and abs(value) > turn and float(format(value, TYPED)) == value:
             wide.append((name, value))
@@ -229,6 +231,10 @@ def in_other_units(quantities: Iterable[tuple[str, float, str]], linkage: Mechan
                + more_long)
     for name, angle in wide[:1]:
         yield f'{name} = {angle:g} rad is more than a turn: did you mean {angle:g}deg?{more_wide}'
+
+
+def longest_of(linkage: Mechanism) -> float:
+    return max(map(abs, linkage.lengths), default=inf)
 
 
 def _without_unit(scene: Scene) -> Iterator[tuple[str, float, str]]:
@@ -278,6 +284,15 @@ def _warnings(scene: Scene) -> Iterator[str]:
                        f'did you mean {value * 1e-3:g}?' if value > FAR_THICKER * shortest else
                        'give the mass and inertia of such links (bodies.LINK.mass)'))
 
+    longest = longest_of(linkage)
+    for name, body in (linkage.bodies._asdict() if linkage.bodies else {}).items():
+        inertia = f'bodies.{name}.inertia'
+        if (body.mass and inertia not in scene.with_unit and not isnan(values[inertia])
+                and body.inertia > body.mass * (FAR_OUT * longest)**2):
+            yield (f'{inertia} = {body.inertia:g} kg m^2 is that of {body.mass:g} kg at a '
+                   f'distance of {sqrt(body.inertia / body.mass):.3g} m: did you mean '
+                   f'{body.inertia:g} kg mm^2?')
+
     line = leaves_range(scene)
     if line and not linkage.stroke and scene.drive.speed != of_name('drive.speed').default:
         yield line
@@ -315,6 +330,10 @@ def _warnings(scene: Scene) -> Iterator[str]:
         if coefficient > 1.0:
             yield (f'friction.{joint}.coefficient = {coefficient:g}: dry friction is mostly below '
                    '1')
+        radius = getattr(friction, 'radius', 0.0)
+        if radius > longest:
+            yield (f'friction.{joint}.radius = {radius:g} m: the pin is thicker than all is long: '
+                   f'did you mean {radius * 1e-3:g}?')
 
 
 def leaves_range(scene: Scene) -> str:

@@ -14,6 +14,7 @@ from support.scenes import PAPER, RODS
 
 BARS = {'bodies.rods.density': 7850.0, 'bodies.rods.width': 0.02, 'bodies.rods.thickness': 0.005}
 LONG = {'linkage.a1': 50.0, 'linkage.a2': 150.0, 'linkage.a3': 100.0, 'linkage.a4': 125.0}
+SMALL = {'linkage.a1': 0.04, 'linkage.a2': 0.12, 'linkage.a3': 0.08, 'linkage.a4': 0.1}
 # from O1 to the end of the crank: 0.4 m long
 SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
           'springs.back.first.along': -0.4, 'springs.back.stiffness': 0.5}
@@ -35,6 +36,17 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({**RODS, 'friction.A.coefficient': 1.2, 'friction.A.radius': 0.01},
      ['friction.A.coefficient = 1.2: dry friction is mostly below 1']),
     ({**RODS, 'friction.A.coefficient': 1.0, 'friction.A.radius': 0.01}, []),
+    ({**RODS, 'friction.A.coefficient': 0.1, 'friction.A.radius': 8.0},
+     ['friction.A.radius = 8 m: the pin is thicker than all is long: did you mean 0.008?']),
+    ({**RODS, 'friction.A.coefficient': 0.1, 'friction.A.radius': 1.2}, []),
+    ({**SMALL, 'points.p.along': 15.0}, ['points.p.along = 15 m: did you mean 0.015?']),
+    ({**SMALL, 'points.p.along': 5.9}, []), ({**SMALL, 'points.p.along': '15m'}, []),
+    ({**SMALL, 'frame.parent': 'world', 'frame.xyz': [15.0, 0.0, 0.0]}, []),
+    ({**RODS, **SMALL, 'bodies.crank.mass': 1.5, 'bodies.crank.inertia': 1200.0},
+     ['bodies.crank.inertia = 1200 kg m^2 is that of 1.5 kg at a distance of 28.3 m: did you mean '
+      '1200 kg mm^2?']),
+    ({**RODS, **SMALL, 'bodies.crank.mass': 1.5, 'bodies.crank.inertia': 215.0}, []),
+    ({**RODS, **SMALL, 'bodies.crank.mass': 1.5, 'bodies.crank.inertia': '1200 kg m^2'}, []),
     ({**RODS, **SPRING, 'gravity.y': -9.81},
      ['springs.back.stiffness = 0.5 N/m: its force is at most 0.4 N']),
     ({**RODS, **SPRING}, []),
