@@ -176,6 +176,8 @@ def _point(text: str) -> DrawnPoint:
     if not x or more not in ([], ['ground']) and not {'slide', 'mode'} & options.keys():
         raise ArgumentTypeError(f'{text!r}: must be "NAME X Y", perhaps with "ground", "slide '
                                 'ANGLE" or "mode MODE" behind it')
+    if not re.fullmatch('[A-Za-z][A-Za-z0-9_]*', name):
+        raise ArgumentTypeError(f'{name!r} must be a name: letters, digits and _, a letter first')
     return DrawnPoint(name, (of('m')(x), of('m')(y)),
                       bool(re.fullmatch(r'O\d*', name)) or more == ['ground'],
                       radians(fmod(of('rad')(options['slide']), 360.0))

@@ -114,7 +114,7 @@ def variation(name: str, entries: Yaml, values: ParameterValues) -> Variation:
     if not isinstance(levels, int) or levels < 1 or kind == 'list' and 'levels' in entries:
         raise InvalidParameter(f'{entry}.levels', levels, 'must be an integer, 1 or more; not '
                                                           'with list, which has its own')
-    result = Variation(name, parameter.unit, kind, sizes, levels)
+    result = Variation(name, unit, kind, sizes, levels)
     for value in result.bounds:
         try:
             check_value(parameter, value, values)

@@ -119,6 +119,9 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'fourbar: {letters!a} cannot be written in {sys.stdout.encoding}; PYTHONUTF8=1 in '
               'the environment writes UTF-8', file=sys.stderr)
         return 1
+    except MemoryError:
+        print(f'fourbar: {arguments.verb}: not enough memory', file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:                 # the reader of our output is gone: head, less

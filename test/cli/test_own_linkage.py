@@ -196,6 +196,8 @@ def test_weight_of_points_waits_behind_a_hash_as_that_of_a_kind(capsys):
 
 @pytest.mark.parametrize(('line', 'text'), [
     ('--points "O1 0"', 'must be "NAME X Y"'), ('--points "O1 0 0 slid 3deg"', 'must be "NAME'),
+    *((f'--points "O1 0 0" "{name} 1 1" "B 2 0" "O4 3 0"', f"'{name}' must be a name: letters")
+      for name in ('2', 'A.x', 'A#1', 'Ä')),
     ('--points "O1 0 0" "A 1 1" "B 2 0" --links O1-A A-B', 'form no dyads'),
     ('--points "O1 0 0" "A 1 1" "B 3 2" "O4 3 0" --links O1-A A-B B-O4 O4-O1',
      'joins two points of the ground, so it does not move: leave it out'),

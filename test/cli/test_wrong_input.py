@@ -160,6 +160,7 @@ WRONG_LINES = [
     ('table paper --units mm,cm -o -', 2, 'mm and cm measure the same'),
     ('table paper --digits 0 -o -', 2, "'0' is unknown; known: 1, 2"),
     ('table paper -o x.csv --samples 0', 2, '--samples'),
+    ('table paper theta4 --samples 100000000000000 -o -', 1, 'table: not enough memory'),
     ('table paper -o nowhere/x.csv', 1, 'nowhere/x.csv'),
     ('plot paper -o x.csv', 1, 'must end in .png, .svg, .pdf'),
     ('draw paper --at x -o x.png', 2, "'x' must be a number"),

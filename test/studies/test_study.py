@@ -172,6 +172,13 @@ def test_a_study_takes_units(tmp_path):
             read(file)
 
 
+@pytest.mark.parametrize(('scene', 'unit'), [('paper', 'rad/s'), ('cylinder', 'm/s')])
+def test_what_varies_has_the_unit_of_the_scene(scene, unit):
+    study = from_document({**GOOD, 'scene': scene, 'quantities': ['driving_power'],
+                           'vary': {'drive.speed': {'range': [0.1, 0.2]}}})
+    assert [varied.unit for varied in study.vary] == [unit]
+
+
 def test_a_scene_beside_its_study_may_be_one_of_several_nodes(tmp_path, monkeypatch):
     (tmp_path / 'two.yaml').write_text(''.join(
         f'/{node}:\n  ros__parameters:\n    linkage: {{a1: {a1}, a2: 1.2, a3: 0.8, a4: 1.0}}\n'
