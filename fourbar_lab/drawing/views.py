@@ -193,6 +193,6 @@ def html(shown: Scene | Mechanism) -> str:
         parts = [html_table(('scene', shown.name), ()), *parts, html_table(
             ('parameter', 'value', 'unit', 'meaning'),
             [(name, f'{value:.10g}' if isinstance(value, float) else value,
-              parameters.unit_in(parameter, shown.values), parameter.text)
+              parameters.shown_unit(name, shown.values), parameter.text)
              for name, value, parameter in described])]
     return ''.join(parts)

@@ -6,7 +6,7 @@ from timeit import repeat
 
 from fourbar_ros.cli.common import add_output, add_scene, Verbs, write_or_print
 from fourbar_ros.scene.linkage import leaves_range, links_without_mass
-from fourbar_ros.scene.parameters import of_name, unit_in
+from fourbar_ros.scene.parameters import of_name, shown_unit
 from fourbar_ros.scene.scene import load, Scene
 from fourbar_ros.scene.topics import OUTPUTS, PICTURES
 from fourbar_ros.terminal import make_console, make_table
@@ -82,11 +82,7 @@ def _check(arguments: Namespace) -> None:
             text = str(value)
             if isinstance(value, list) and len(value) > LONG:
                 text = f'{len(value)} numbers: {value[0]}, {value[1]}, ... {value[-1]}'
-            unit = unit_in(parameter, scene.values)
-            if name.endswith('.places'):        # of the position that the table is over
-                unit = scene.values[name.replace('.places', '.place_unit')]
-            has_units = isinstance(value, list) and any(isinstance(each, str) for each in value)
-            changed.add_row(name, text, '' if has_units else unit)
+            changed.add_row(name, text, shown_unit(name, scene.values))
     for paragraph in (*([received] if scene.received else []), outputs, *not_created, changed,
                       cost_in_words):
         console.print()

@@ -286,10 +286,10 @@ def _warnings(scene: Scene) -> Iterator[str]:
 
     longest = longest_of(linkage)
     for name, body in (linkage.bodies._asdict() if linkage.bodies else {}).items():
-        inertia = f'bodies.{name}.inertia'
-        if (body.mass and inertia not in scene.with_unit and not isnan(values[inertia])
+        parameter = f'bodies.{name}.inertia'
+        if (body.mass and parameter not in scene.with_unit and not isnan(values[parameter])
                 and body.inertia > body.mass * (FAR_OUT * longest)**2):
-            yield (f'{inertia} = {body.inertia:g} kg m^2 is that of {body.mass:g} kg at a '
+            yield (f'{parameter} = {body.inertia:g} kg m^2 is that of {body.mass:g} kg at a '
                    f'distance of {sqrt(body.inertia / body.mass):.3g} m: did you mean '
                    f'{body.inertia:g} kg mm^2?')
 

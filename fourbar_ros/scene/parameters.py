@@ -22,6 +22,7 @@ LISTED = '; docs/reference_desk.md lists those of a scene, reference_robot.md of
 ABSENT = 'gears', 'cams'       # which other programs have
 OF_MACHINES = 'dyads.', 'linkage.points.'
 JOINTS = 'O1, A, B, O4, guide or drive; of a machine base or DYAD_inner'
+TABLE_COLUMN = re.compile(r'((forces\.\w+)\.(place|value))s')
 _MEMBER = re.compile(rf'({"|".join(settings.FAMILIES)})\.([A-Za-z]\w*)\.([\w.]+)')
 
 
@@ -124,6 +125,23 @@ def unit_in(parameter: Parameter, values: ParameterValues) -> str:
     """Return the unit of a parameter in a scene: of 'rad or m' that of the scene's input."""
     slides = values.get('linkage.input') in ('slide', 'cylinder')
     return parameter.unit.split(' or ')[-1 if slides else 0]
+
+
+def shown_unit(name: str, values: ParameterValues) -> str:
+    """Return the unit of a checked value of a scene; empty where each number has its own."""
+    parameter, value, column = of_name(name), values[name], TABLE_COLUMN.fullmatch(name)
+    if isinstance(value, list) and any(isinstance(item, str) for item in value):
+        return ''
+    if name == 'joint_states.offsets':          # of angles and slides
+        return parameter.unit
+    unit: str = values[f'{column[1]}_unit'] if column else unit_in(parameter, values)
+    if unit or not column:
+        return unit
+    over, kinds = values[f'{column[2]}.over'], parameter.unit.split(' or ')
+    if column[3] == 'value':                    # N or N m or Pa
+        return kinds[int(values[f'{column[2]}.acts'] == settings.COUPLE)]
+    return (unit_in(parameter, values) if over == 'input' else
+            kinds[not re.fullmatch(r'theta\w*|beta', over)])
 
 
 def _why_unknown(name: str, is_machine: bool, value: Any) -> str:

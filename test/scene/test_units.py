@@ -10,7 +10,7 @@ import re
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.scene import from_values, load
 from fourbar_ros.scene.files import SceneError
-from fourbar_ros.scene.parameters import check_value, of_name
+from fourbar_ros.scene.parameters import check_value, of_name, shown_unit
 from fourbar_ros.scene.units import (
     in_unit,
     of,
@@ -166,6 +166,21 @@ def test_a_scene_takes_units_and_holds_numbers(values, name, expected):
 def test_a_scene_refuses_units_of_other_kinds(values, name, text, why):
     with pytest.raises(InvalidParameter, match=re.escape(why)):
         from_values({**values, name: text})
+
+
+@pytest.mark.parametrize(('changes', 'units'), [
+    ({}, ('rad', 'N')), ({'place_unit': 'deg', 'value_unit': 'kN'}, ('deg', 'kN')),
+    ({'value_unit': 'bar', 'factor': 1e-4}, ('rad', 'bar')), ({'acts': 'couple'}, ('rad', 'N m')),
+    ({'over': 'theta4', 'acts': 'couple'}, ('rad', 'N m')), ({'over': 'p.x'}, ('m', 'N')),
+    ({'places': ['0deg', '1deg', '2deg', '3deg']}, ('', 'N'))])
+def test_a_table_is_shown_in_its_units(changes, units):
+    changes = {f'forces.push.{name}': value for name, value in changes.items()}
+    values = from_values({**PUSHED, 'forces.push.periodic': False, 'points.p.along': 0.1,
+                          'joint_states.offsets': [0.0] * 4, **changes}).values
+    assert tuple(shown_unit(f'forces.push.{column}', values)
+                 for column in ('places', 'values')) == units
+    assert shown_unit('joint_states.offsets', values) == 'rad or m'
+    assert shown_unit('linkage.a1', values) == 'm'
 
 
 @pytest.mark.parametrize(('name', 'text', 'number'), [

@@ -164,7 +164,7 @@ def test_a_study_takes_units(tmp_path):
     for found, expected in zip(read(file).vary, plain.vary):
         assert np.allclose(found.values, expected.values, rtol=4.0 * 2.0**-52, atol=0.0)
     assert read(file).bounds == plain.bounds
-    for old, new, why in (('0.5mm', '0,5mm', 'a comma is no decimal point: write 0.5mm'),
+    for old, new, why in (('0.5mm', '0,5mm', '0,5mm must be written 0.5mm: a comma is no'),
                           ('0.5mm', '0.5kg', r'vary.linkage.a2.uniform.*units m, '),
                           ('45deg', '45mm', 'constraints.swing.least')):
         file.write_text(UNITS.replace(old, new))
