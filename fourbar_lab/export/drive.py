@@ -165,7 +165,10 @@ class DriveCode:
             starts.append(f'  drive->{kept} = {literal(self._source.start[0])};')
         if self.modes:
             starts.append(f'  drive->mode = {literal(self._system.mechanism.mode)};')
-        argument = '0.0' if command is None else 'torque'
+        argument, limit = '0.0' if command is None else 'torque', self._scene.drive.torque_limit
+        if self.takes_torque and limit == limit:        # as node_step.limited; NaN stays
+            argument = (f'torque > {literal(limit)} ? {literal(limit)} : '
+                        f'torque < {literal(-limit)} ? {literal(-limit)} : torque')
         if command and command.field:
             argument = f'drive->{command.field}'
             starts.append(f'  {argument} = {literal(command.value)};')

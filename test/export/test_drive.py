@@ -9,7 +9,7 @@ from fourbar_lab.export import generate
 from fourbar_lab.export.fmu import build
 from fourbar_lab.export.model import NotGenerated
 from fourbar_ros import load_scene
-from fourbar_ros.dynamics.node_step import NOT_FINITE, OK, OUT_OF_BUDGET
+from fourbar_ros.dynamics.node_step import limited, NOT_FINITE, OK, OUT_OF_BUDGET
 from fourbar_ros.dynamics.rosenbrock import StateVector
 from fourbar_ros.pipeline.stepper import Stepper, Wanted
 from fourbar_ros.scene.scene import from_values
@@ -118,6 +118,16 @@ def test_steps_have_the_bits_of_the_node(name, tmp_path):
         assert not wrong, wrong[0]
         statuses |= found
     assert {OK, OUT_OF_BUDGET} <= statuses
+
+
+def test_a_torque_beyond_the_limit_of_the_scene_counts_as_the_limit(tmp_path):
+    """As in the node; without a limit of the scene any torque is taken."""
+    scene = from_values({**PUSHED, 'drive.torque_limit': 5.0})
+    mine, theirs = MoverOfC(scene, generated(scene, tmp_path)), scene.mover
+    for torque in (3.0, 40.0, -40.0, math.inf, math.nan):
+        status, values = mine.next(mine.start(), 0.005, torque)
+        wanted, expected = theirs.next(theirs.start(), 0.005, limited(torque, 5.0))
+        assert (status, bits(values)) == (wanted, bits(expected)), torque
 
 
 def test_a_change_point_that_passes_toggles_is_not_generated(tmp_path):
