@@ -6,6 +6,7 @@ A model as an FMU of FMI 2.0: description, sources, binary of this platform.
 The input and, of links that topics load, the external forces are inputs; parameters are tunable.
 A sample out of range is no error: its outputs are NaN, and ``status`` says why.
 """
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
@@ -60,6 +61,10 @@ def write(model: GeneratedModel, directory: Path) -> tuple[Path, list[str], int]
             if entry.name in texts and texts[entry.name][0]])
     code = Code(model)
     variables = _variables(model, code.drive)
+    for name, count in Counter(variable.name for variable in variables).items():
+        if count > 1:       # of a point called gravity
+            raise NotGenerated(f'{model.name}: two variables would be called {name}; rename the '
+                               'point or dyad')
     text = _source(code)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, text + repr(variables)))
     source = text.replace('"GUID"', f'"{{{guid}}}"')       # which no name of the scene is

@@ -196,6 +196,13 @@ def test_every_unit_has_a_definition_and_outputs_are_listed_once(tmp_path, sourc
     assert len(set(names)) == len(names)
 
 
+def test_two_variables_of_one_name_are_refused(tmp_path, sources_alone):
+    scene = from_values({**load_scene('paper').values, 'points.gravity.link': 'coupler'})
+    with pytest.raises(fmu.NotGenerated, match='two variables would be called gravity.x'):
+        generate(scene, tmp_path, 'fmu2', name='paper')
+    assert not [*tmp_path.iterdir()]
+
+
 def test_the_same_scene_gives_the_same_bytes(tmp_path):
     one, two = (generate('slides_7_6', tmp_path / name, 'fmu2').files[0] for name in 'ab')
     assert one.read_bytes() == two.read_bytes()
