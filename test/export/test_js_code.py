@@ -158,12 +158,14 @@ def test_what_is_no_parameter_is_refused_by_name(tmp_path):
     said = node("""
 const { prepare } = await import(process.argv[2]);
 for (const changed of [{ 'linkage.a9': 1 }, { 'linkage.a1': 0 }, { 'bodies.rods.radius': NaN },
-                       { 'gravity.y': NaN }, { 'linkage.a2': Infinity }]) {
+                       { 'gravity.y': NaN }, { 'linkage.a2': Infinity }, { 'linkage.mode': 3 },
+                       { 'linkage.mode': 1.5 }]) {
   try { prepare(changed); console.log('taken'); } catch (error) { console.log(`${error}`); }
 }""", str(tmp_path / 'module.mjs')).splitlines()
     assert said[0] == 'RangeError: linkage.a9: no parameter of this structure'
     assert said[1] == 'RangeError: linkage.a1 = 0: must be above 0'
-    assert said[2:] == [f'RangeError: {name}: must be a finite number' for name in (
+    assert said[5:] == [f'RangeError: linkage.mode = {mode}: must be 1 or 2' for mode in (3, 1.5)]
+    assert said[2:5] == [f'RangeError: {name}: must be a finite number' for name in (
         'bodies.rods.radius = NaN', 'gravity.y = NaN', 'linkage.a2 = Infinity')]
 
 

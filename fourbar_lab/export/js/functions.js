@@ -80,6 +80,7 @@ export function prepare(changed = {}) {
   for (const name in changed) {
     if (!Object.hasOwn(parameters, name)) throw new RangeError(`${name}: no parameter of this structure`);
     if (!Number.isFinite(changed[name])) throw new RangeError(`${name} = ${changed[name]}: must be a finite number`);
+    if (name.endsWith('.mode') && changed[name] !== 1 && changed[name] !== 2) throw new RangeError(`${name} = ${changed[name]}: must be 1 or 2`);
   }
   const p = { ...parameters, ...changed };
   for (const [name, least, isAllowed] of bounds) {
