@@ -27,7 +27,7 @@ from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.elements import element_names
-from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.parameters import find_parameter
 from fourbar_ros.scene.parametric import alike, constants_of, point_quantities_of
 from fourbar_ros.scene.scene import Scene
 
@@ -224,10 +224,8 @@ class JsModule:
         """Return (name, least value, whether it may be reached) of parameters that have one."""
         bounds = list[tuple[str, float, bool]]()
         for name in self.parameters:
-            parameter = of_name(name) if not name.startswith('base.') else None
-            if name.endswith(('.mass', '.inertia')):
-                bounds.append((name, 0.0, True))
-            elif parameter and (parameter.positive or name.startswith('bodies.rods.')):
+            parameter = find_parameter(name)        # those of a base are none of the scene
+            if parameter and parameter.positive:
                 bounds.append((name, 0.0, False))
             elif parameter and parameter.low > -inf:
                 bounds.append((name, parameter.low, True))

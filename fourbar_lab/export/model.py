@@ -16,7 +16,7 @@ from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType
 from fourbar_ros.numerics.trace import flat, REFUSING, Trace
 from fourbar_ros.scene.elements import element_names, group_in
-from fourbar_ros.scene.parameters import of_name
+from fourbar_ros.scene.parameters import find_parameter, of_name
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import BASE
 
@@ -256,14 +256,11 @@ class GeneratedModel:
 
     def bound_of(self, name: str) -> str:
         """Return how a parameter must compare with 0: '>', '>=', or '' if it may be any number."""
-        if name.startswith('bodies.') and name.endswith(('.mass', '.inertia')):
-            return '>='
-        if name.startswith('linkage.points.') and '.distance_' in name:
-            return '>='
-        if name.startswith('friction.'):
-            return '>' if name.endswith('.length') else '>='
-        return '>' if any(length.name == name and not length.signed
-                          for length in self.mechanism.LENGTHS) else ''
+        # lengths of links and dyads stand without their group here
+        known = filter(None, map(find_parameter, (name, f'linkage.{name}', f'dyads.{name}')))
+        parameter = next(known, None)       # a sign and a base are none of the scene
+        return ('' if parameter is None else '>' if parameter.positive else
+                '>=' if parameter.low == 0.0 else '')
 
     @cached_property
     def motion(self) -> tuple[Named, ...]:

@@ -253,6 +253,25 @@ def test_lengths_of_dyads_can_be_changed(name, changed, tmp_path):
     assert not (run(inputs, broken)[0] == 0).any()
 
 
+def test_elements_that_no_scene_can_have_give_no_number(tmp_path):
+    """A scene and JavaScript refused these springs, C took them."""
+    scene = from_values({**load_scene('paper').values, **{
+        f'springs.s.{name}': value for name, value in (
+            ('first.across', 0.4), ('second.link', 'output'), ('second.along', 0.4),
+            ('stiffness', 900.0), ('free_length', 0.2), ('damping', 3.0))},
+        'torsion_springs.t.second': 'output', 'torsion_springs.t.stiffness': 40.0,
+        'friction.A.coefficient': 0.1, 'friction.A.radius': 0.02})
+    code = Code(scene, tmp_path, 'paper')
+    run, inputs = code.compiled(*C), np.array([(0.5, 3.0, 0.0)])
+    assert (run(inputs)[0] == 0).all()
+    for name in ('springs.s.stiffness', 'springs.s.free_length', 'springs.s.damping',
+                 'torsion_springs.t.stiffness', 'friction.A.coefficient', 'friction.A.radius'):
+        for value, is_good in ((-1e-3, False), (0.0, True)):
+            values = [value if one.name == name else one.value for one in code.model.tunable]
+            assert values != [one.value for one in code.model.tunable]
+            assert (run(inputs, values)[0] == 0).all() == is_good, (name, value)
+
+
 def test_every_length_of_every_scene_can_be_changed():
     for path in SCENES:
         scene = load_scene(path)
