@@ -23,11 +23,14 @@ SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)     # as hard as it gets
 
 
 def mjcf(model: RobotModel) -> str:
-    """Return the MJCF of a model; raise NoDescription if a loop is cut at a slide."""
+    """Return the MJCF of a model; raise NoDescription if a loop is cut at a slide or drive."""
     for closure in model.closures:
         if closure.connection.axis is not None:
             raise NoDescription(f'the loop of joint {closure.name} is cut at a slide, for which '
                                 'MuJoCo has no constraint')
+        if closure.is_driven:       # B of a four-bar
+            raise NoDescription(f'the loop is cut at joint {closure.name}, which is driven, and '
+                                'MuJoCo has no motor there')
     root = Element('mujoco', model=model.name)
     comment(root, model.title)
     # roll, pitch, yaw about fixed axes, as in URDF

@@ -330,10 +330,11 @@ def test_without_masses_there_are_no_inertials_and_mujoco_takes_the_shapes():
 @pytest.mark.parametrize('wrong, why', [
     ({'joint_states.ratios': [1.0, 2.0, 1.0, 1.0]}, 'ratio of coupler must be 1 or -1, not 2'),
     ({'frame_id': 'tip', **TIP}, "two frames would be named 'tip'"),
+    ({'linkage.input': 'B', 'drive.start': 1.5}, 'cut at joint coupler_output, which is driven'),
 ])
 def test_what_no_description_can_hold_is_refused_in_one_line(wrong, why):
     with pytest.raises(NoDescription, match=why):
-        describe(from_values({**PAPER, **wrong}))
+        describe(from_values({**PAPER, **wrong}), 'mjcf')
 
 
 def test_an_unknown_format_is_refused():
