@@ -30,7 +30,7 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
     """
     bag = Bag(path, progress)
     topics = {name: _topic(name.partition('.')[0], bag) for name in (*names, *([x] if x else []))}
-    pieces: dict[str, list[tuple[Array, Array]]] = {name: [] for name in topics}
+    pieces: dict[str, list[tuple[Array, Array, Array]]] = {name: [] for name in topics}
     fields: set[str] = set()
     for columns in bag.columns(sorted(set(topics.values()))):
         table, stamps = table_of(columns), columns.stamps
@@ -41,15 +41,15 @@ def make_figure(path: str | Path, names: Sequence[str], progress: Progress | Non
             values = table.get(name.partition('.')[2])
             if values is not None and values.dtype.kind in 'iufb':
                 # those that nobody stamped are where they were recorded
-                pieces[name].append((columns.times if stamps is None else
+                pieces[name].append((columns.indices, columns.times if stamps is None else
                                      np.where(stamps == 0, columns.times, stamps), values))
     bag.refuse_damage()
     curves: dict[str, RecordedCurve] = {}
     for name, of_name in pieces.items():
         if not of_name:
             raise BagError(f'{name}: no such field{nearest(name, sorted(fields))}')
-        stamps, values = map(np.concatenate, zip(*of_name))
-        order = np.argsort(stamps, kind='stable')
+        indices, stamps, values = map(np.concatenate, zip(*of_name))
+        order = np.lexsort((indices, stamps))
         curves[name] = (stamps[order], values[order],
                         unit_of(name, units_in(bag, topics[name])))
     start = min(stamps[0] for stamps, _, _ in curves.values())

@@ -7,7 +7,7 @@ Joint states of equal stamp, as a robot and a relay send them, are the same if t
 """
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Sequence
-from itertools import repeat
+from itertools import count, repeat
 import json
 from math import inf
 from pathlib import Path
@@ -89,8 +89,7 @@ def _positions(topic: Sequence[reader.Columns]) -> dict[tuple[int, bytes, int], 
     The key is the stamp [ns] (0 without a stamp), the names of the joints (b'' without joints),
     and how many messages before had both.
     """
-    positions: dict[tuple[int, bytes, int], Position] = {}
-    times_met: Counter[tuple[int, bytes]] = Counter()
+    messages = list[tuple[int, Position, tuple[int, bytes]]]()
     for index, columns in enumerate(topic):
         stamps = columns.stamps
         if stamps is None:
@@ -99,9 +98,13 @@ def _positions(topic: Sequence[reader.Columns]) -> dict[tuple[int, bytes, int], 
         names: Iterable[bytes] = repeat(b'')
         if fields:
             names = [b'\0'.join(row) for row in columns.records[fields].tolist()]
-        for row, (stamp, name) in enumerate(zip(stamps.tolist(), names)):
-            positions[stamp, name, times_met[stamp, name]] = index, row
-            times_met[stamp, name] += 1
+        messages += zip(columns.indices.tolist(), zip(repeat(index), count()),
+                        zip(stamps.tolist(), names))
+    positions: dict[tuple[int, bytes, int], Position] = {}
+    times_met: Counter[tuple[int, bytes]] = Counter()
+    for _, position, stamp_and_name in sorted(messages):
+        positions[*stamp_and_name, times_met[stamp_and_name]] = position
+        times_met[stamp_and_name] += 1
     return positions
 
 
@@ -127,9 +130,11 @@ def _parameters_apart(first: Array, second: Array) -> dict[str, float]:
             a, b = map(json.loads, texts)
             for name in sorted(a.keys() | b.keys()):
                 x, y = a.get(name), b.get(name)
-                if x != y and not (x != x and y != y):      # NaN: not set
-                    are_numbers = isinstance(x, (int, float)) and isinstance(y, (int, float))
-                    largest[name] = max(largest.get(name, 0.0), abs(x - y) if are_numbers else inf)
-    except (ValueError, TypeError, AttributeError):
+                are_numbers = isinstance(x, (int, float)) and isinstance(y, (int, float))
+                apart = (outputs.distance(float(x), float(y)) if are_numbers else
+                         inf if x != y else 0.0)
+                if apart > 0.0:
+                    largest[name] = max(largest.get(name, 0.0), apart)
+    except (ValueError, TypeError, AttributeError, OverflowError):
         return {}
     return largest

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from math import inf, isfinite, isnan
 from typing import Any
 
+from fourbar_ros.bag.outputs import distance
 from fourbar_ros.dynamics.node_step import DriveValues, KEY, limited, Mover, NAME, OK, SILENT
 from fourbar_ros.scene.scene import Scene
 from fourbar_ros.scene.topics import TORQUE
@@ -89,7 +90,7 @@ class DriveStates:
         self._before, self._mode, self._stamp = known, mode, stamp
 
     def _note_values(self, values: DriveValues, expected: DriveValues) -> float:
-        apart = [_distance(*pair) for pair in zip(values, expected)]
+        apart = [distance(*pair) for pair in zip(values, expected)]
         for field, difference in zip(DriveValues._fields, apart):
             self._note(field, difference)
         return max(apart)
@@ -100,21 +101,14 @@ class DriveStates:
             return 0.0 if isnan(command) else inf
         has_zero = self._scene.drive.when_silent == 'zero'
         if status == SILENT and has_zero:
-            return _distance(command, 0.0)
+            return distance(command, 0.0)
         if self._torque is None:                         # sent before the bag began
             return 0.0
         torque = limited(self._torque, self._scene.drive.torque_limit)
         # At a limit or out of budget the status says that, though the topic may be silent too.
         may_be_silent = has_zero and status not in (OK, SILENT)
-        return min(_distance(command, torque),
-                   _distance(command, 0.0) if may_be_silent else inf)
+        return min(distance(command, torque),
+                   distance(command, 0.0) if may_be_silent else inf)
 
     def _note(self, field: str, difference: float) -> None:
         self.largest[field] = max(self.largest.get(field, 0.0), difference)
-
-
-def _distance(a: float, b: float) -> float:
-    """Return |a - b|; NaN equals NaN and is infinitely far from a number."""
-    if a == b or (isnan(a) and isnan(b)):
-        return 0.0
-    return inf if isnan(a - b) else abs(a - b)

@@ -73,11 +73,12 @@ class Record(NamedTuple):
 
 
 class Columns(NamedTuple):
-    """Messages of one topic, in order."""
+    """Messages of one topic that are laid out alike, in order."""
 
     topic: str
     times: Array        # (n,) log times [ns]
     records: Array      # (n,), fields are named by their paths: records['header.stamp.sec']
+    indices: Array      # (n,) in the order of writing, from 0, among all messages of the topic
 
     @property
     def stamps(self) -> Array | None:
@@ -224,21 +225,23 @@ class Bag:
     def columns(self, topics: Collection[str] | None = None) -> Iterator[Columns]:
         """Yield the messages of each topic, those whose texts are of equal length together."""
         waiting: dict[str, list[Raw]] = {}
+        before: Counter[str] = Counter()        # messages that were yielded, by topic
         for raw in self.raw(topics):
             of_topic = waiting.setdefault(raw.topic, [])
             of_topic.append(raw)
             if len(of_topic) >= BLOCK:
-                yield from self._columns(waiting.pop(raw.topic))
-        for of_topic in waiting.values():
-            yield from self._columns(of_topic)
+                yield from self._columns(waiting.pop(raw.topic), before[raw.topic])
+                before[raw.topic] += BLOCK
+        for topic, of_topic in waiting.items():
+            yield from self._columns(of_topic, before[topic])
 
-    def _columns(self, messages: list[Raw]) -> Iterator[Columns]:
+    def _columns(self, messages: list[Raw], first: int) -> Iterator[Columns]:
         if (latest := max(raw.time for raw in messages)) >= 2**63:
             raise BagError(f'{self.path}: {messages[0].topic}: a log time of {latest} ns is none '
                            'of ROS')
         times = np.array([raw.time for raw in messages], np.int64)
         for rows, records in self.arrays(messages[0].topic, [raw.data for raw in messages]):
-            yield Columns(messages[0].topic, times[rows], records)
+            yield Columns(messages[0].topic, times[rows], records, first + rows)
 
     def arrays(self, topic: str, messages: list[bytes]) -> Iterator[tuple[Array, Array]]:
         """Yield (rows, records) of messages of a topic, see :func:`.layout.arrays`."""

@@ -99,12 +99,14 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
     """
     Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state.
 
-    Rows are sorted by log times; a column that not all messages of a topic have is NaN or '' in
-    the rest. ``units`` as of :func:`export`.
+    Rows are sorted by log times, and as they were written; a column that not all messages of a
+    topic have is NaN or '' in the rest. ``units`` as of :func:`export`.
     """
     blocks: dict[str, list[TopicTable]] = {}
+    indices: dict[str, list[Array]] = {}
     for columns in bag.columns(topics):
         blocks.setdefault(columns.topic, []).append(table_of(columns))
+        indices.setdefault(columns.topic, []).append(columns.indices)
     tables: dict[str, TopicTable] = {}
     kinds = list[str]()         # SI units of the columns
     for topic, of_topic in blocks.items():

@@ -318,6 +318,44 @@ def test_messages_that_nobody_stamped_are_compared_by_their_place(tmp_path):
     assert found.largest['position'] == 3.0
 
 
+def bag_of(path, kind, rows, about=None):
+    """Write messages of a type on /a, each its fields, at one log time; return the bag's path."""
+    writer = BagWriter(path.parent, path.name, [bags.channel('/a', kind)], about or {},
+                       clock=lambda: 7)
+    for fields in rows:
+        writer.write(0, bags.encode(kind, **fields))
+    return writer.close()
+
+
+def test_texts_of_one_time_keep_their_order(tmp_path):
+    """Texts of other lengths are other blocks of columns."""
+    orders = ('start', 'stop', 'go'), ('go', 'stop', 'start')
+    paths = [bag_of(tmp_path / f'run_{k}', 'std_msgs/msg/String', [{'data': text} for text in texts])
+             for k, texts in enumerate(orders)]
+    found, = diff(*paths)
+    assert (found.messages, found.largest) == (3, {'data': math.inf}) and not found.is_same()
+    assert diff(paths[0], paths[0])[0].is_same()
+    for path, texts in zip(paths, orders):
+        export(path, path / 'all.npz')
+        assert np.load(path / 'all.npz')['a/data'].tolist() == [*texts]
+
+
+@pytest.mark.parametrize('kind, sign', [('UInt64', 1), ('Int64', -1)])
+def test_whole_numbers_beyond_the_digits_of_floats_are_compared_exactly(kind, sign, tmp_path):
+    """Times in ns: floats of that size are 256 apart."""
+    first, second = (bag_of(tmp_path / f'run_{more}', f'std_msgs/msg/{kind}', [
+        {'data': sign * (17 * 10**17 + more)}]) for more in (0, 100))
+    assert diff(first, second)[0].largest == {'data': 100.0} and diff(first, first)[0].is_same()
+
+
+def test_a_parameter_that_one_scene_alone_gives_is_a_difference(tmp_path):
+    text, nothing = 'std_msgs/msg/String', {'data': '{"x": NaN, "y": NaN, "z": 1}'}
+    first, second, third = (bag_of(tmp_path / f'run_{k}', text, [row]) for k, row in enumerate((
+        nothing, {'data': '{"x": 2.5, "y": NaN, "z": 1}'}, {'data': f'{{"z": 1{"0" * 400}}}'})))
+    assert diff(first, second)[0].largest == {'x': math.inf}
+    assert diff(first, first)[0].is_same() and not diff(first, third)[0].is_same()
+
+
 # --- the command line ----------------------------------------------------------------------------
 
 def test_exit_codes_and_messages(bag, tmp_path, capsys):
