@@ -37,6 +37,7 @@ from mcap.stream_reader import CRCValidationError, get_chunk_data_stream, Stream
 from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC
 import numpy as np
+from rosbags.interfaces import Nodetype
 from rosbags.serde.errors import SerdeError
 from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 from rosbags.typesys.store import Typestore
@@ -215,6 +216,9 @@ class Bag:
                     if before.name != schema.name:
                         raise BagError(f'{file}: {record.topic} has two types, {schema.name} and '
                                        f'{before.name}')
+                    if before.data != schema.data and not _are_alike(before, schema):
+                        raise BagError(f'{file}: {record.topic} has two definitions of '
+                                       f'{schema.name}')
                     channels[record.id] = self._topics[record.topic] = record, schema
 
     def records(self, topics: Collection[str] | None = None, start: int = 0) -> Iterator[Record]:
@@ -394,12 +398,31 @@ def _types(name: str, definition: bytes) -> Typestore:
     """Return the types that a definition gives; reading a definition takes 10 ms and more."""
     store = get_typestore(Stores.EMPTY)
     store.register(get_types_from_msg(definition.decode(), name))
+    for _, fields in store.fielddefs.values():
+        for _, (kind, content) in fields:
+            if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+                (kind, content), _ = content
+            if kind == Nodetype.NAME and content not in store.fielddefs:
+                raise ValueError(f'it does not define {content}')
     return store
 
 
-def _record_spans(stream: BinaryIO, summary: Summary | None) -> Iterator[tuple[int, int, int]]:
+def _are_alike(first: Schema, second: Schema) -> bool:
+    """Return whether two definitions of one type have the same fields, whatever their comments."""
+    if {first.encoding, second.encoding} != {'ros2msg'}:
+        return True             # neither is decoded, or those alone that are in ros2msg
+    with suppress(Exception):   # of any kind: a definition that cannot be read
+        first_fields, second_fields = (
+            {name: fields for name, (_, fields) in _types(each.name, each.data).fielddefs.items()}
+            for each in (first, second))
+        return first_fields == second_fields
+    return False
+
+
+def _record_spans(stream: BinaryIO, summary: Summary | None, kinds: Collection[int] = KINDS
+                  ) -> Iterator[tuple[int, int, int]]:
     """
-    Yield (first byte, kind, size [bytes]) of the records of a file that are read.
+    Yield (first byte, kind, size [bytes]) of the records of some kinds in a file.
 
     The head of a record tells where the next record begins. The index of a finished file, if
     there is one, is more reliable about chunks and metadata, so the walk goes on at the index
