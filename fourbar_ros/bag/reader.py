@@ -32,7 +32,7 @@ from fourbar_ros.numerics.arrays import Array
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.reader import make_reader
-from mcap.records import Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import CRCValidationError, get_chunk_data_stream, StreamReader
 from mcap.summary import Summary
 from mcap.writer import MCAP0_MAGIC
@@ -49,9 +49,12 @@ LARGEST = 2**28             # [bytes] of a chunk, packed and unpacked
 LINE = 160                  # longest reason [characters] that is quoted of a library
 HEAD = Struct('<BQ')        # of a record: opcode, length
 MESSAGE = Struct('<HIQQ')   # channel, sequence number, log time, publish time
-# the records that are read; the rest are indexes and statistics
-KINDS: dict[int, Any] = {Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.MESSAGE: Message,
-                         Opcode.CHUNK: Chunk, Opcode.METADATA: Metadata}
+CRC = Struct('<I')
+# the records that hold something; the rest are indexes and statistics
+CONTENT: dict[int, Any] = {Opcode.SCHEMA: Schema, Opcode.CHANNEL: Channel, Opcode.CHUNK: Chunk,
+                           Opcode.MESSAGE: Message, Opcode.METADATA: Metadata,
+                           Opcode.ATTACHMENT: Attachment}
+KINDS = CONTENT.keys() - {Opcode.ATTACHMENT}        # those that messages need
 Progress = Callable[[int], object]      # called with the count of bytes read
 
 
@@ -348,20 +351,26 @@ class Bag:
         """Note once as damage that a channel is not described: its messages have no topic."""
         self._note(index, f': messages of channel {channel}, which is not described')
 
-    def contents(self, index: int) -> Iterator[list[McapRecord]]:
+    def contents(self, index: int, kinds: Collection[int] = KINDS
+                 ) -> Iterator[list[McapRecord]]:
         """Yield the records of a file, those of a chunk together; note damage and go on."""
         file, summary = self.files[index], self.summaries[index]
         before = sum(earlier.stat().st_size for earlier in self.files[:index])
-        are_packed = str(self._described.get('compression_mode')).lower() == 'message'
+        mode = self._described.get('compression_mode')
         counts: Counter[int] = Counter()        # messages of each channel
         with open(file, 'rb') as stream:
             if summary:
                 yield [*summary.schemas.values(), *_described_in(summary)]
-            for begin, opcode, size in _record_spans(stream, summary):
+            for begin, opcode, size in _record_spans(stream, summary, kinds):
                 try:
                     record = _record_at(stream, begin, opcode, size)
                     content = _unpacked(record) if isinstance(record, Chunk) else [record]
-                    if are_packed:          # by rosbag2, each message for itself
+                    if isinstance(record, Metadata) and record.name == metadata.RECORD:
+                        # rosbag2 writes metadata.yaml at the end alone, this before all messages
+                        with suppress(Exception):       # of any kind, for wrong bytes
+                            mode = mode or metadata.loaded(record.metadata[metadata.KEY]).get(
+                                'compression_mode')
+                    if str(mode).lower() == 'message':      # by rosbag2, each for itself
                         content = [replace(each, data=_unzipped(each.data, LARGEST))
                                    if isinstance(each, Message) else each for each in content]
                 except Exception as error:      # whatever a library makes of wrong bytes
@@ -439,7 +448,7 @@ def _record_spans(stream: BinaryIO, summary: Summary | None, kinds: Collection[i
     known = {first: (kind, size, behind) for first, kind, size, behind in spans
              if size > HEAD.size}
     starts = sorted(known)
-    kinds: Collection[int] = KINDS
+    is_behind_data = False
     begin, end = len(MCAP0_MAGIC), stream.seek(0, SEEK_END)
     while begin + HEAD.size <= end:
         after = bisect(starts, begin)
@@ -452,7 +461,7 @@ def _record_spans(stream: BinaryIO, summary: Summary | None, kinds: Collection[i
             opcode, length = HEAD.unpack(stream.read(HEAD.size))
             size, behind = HEAD.size + length, 0
         if opcode == Opcode.DATA_END:       # a damaged summary follows, unless this is the damage
-            kinds = [Opcode.CHUNK]
+            is_behind_data, kinds = True, [Opcode.CHUNK]
         if begin + size > limit or summary and not opcode:
             if summary or size > LARGEST:       # else the file was cut in this record
                 yield begin, 0, size
@@ -461,7 +470,7 @@ def _record_spans(stream: BinaryIO, summary: Summary | None, kinds: Collection[i
         if opcode in kinds:
             yield begin, opcode, size
         begin += size + behind
-    if summary and kinds is KINDS:      # the walk went past the end of the data
+    if summary and not is_behind_data:      # the walk went past the end of the data
         yield begin, 0, 0
 
 
@@ -471,7 +480,7 @@ def _record_at(stream: BinaryIO, begin: int, opcode: int, size: int) -> McapReco
     if size > LARGEST:
         raise ValueError(f'a record of {size} bytes')
     stream.seek(begin + HEAD.size)
-    return _parsed(opcode, stream.read(size - HEAD.size), 0, size)
+    return _parsed(opcode, stream.read(size - HEAD.size), 0, size - HEAD.size)
 
 
 def _unpacked(chunk: Chunk) -> list[McapRecord]:
@@ -504,14 +513,17 @@ def _unzipped(data: bytes, most: int) -> bytes:
 
 
 def _parsed(opcode: int, content: bytes, begin: int, end: int) -> McapRecord:
-    """Return the record of a kind, one of KINDS, in the bytes from ``begin`` to ``end``."""
+    """Return the record of a kind, one of CONTENT, in the bytes from ``begin`` to ``end``."""
     if opcode == Opcode.MESSAGE:        # most are
         channel, sequence, time, published = MESSAGE.unpack_from(content, begin)
         return Message(channel, time, content[begin + MESSAGE.size:end], published, sequence)
     stream = BytesIO(content[begin:end])
-    record: McapRecord = KINDS[opcode].read(ReadDataStream(stream))
-    if opcode == Opcode.CHUNK and stream.read(1):       # the length in the head is damaged
-        raise ValueError('a chunk that ends before its length says')
+    record: McapRecord = CONTENT[opcode].read(ReadDataStream(stream))
+    if opcode in (Opcode.CHUNK, Opcode.ATTACHMENT) and stream.read(1):
+        raise ValueError('a record that ends before its length says')       # which is damaged
+    if opcode == Opcode.ATTACHMENT and CRC.unpack_from(content, end - CRC.size)[0] not in (
+            0, crc32(content[begin:end - CRC.size])):
+        raise CRCValidationError(0, 0, record)
     return record
 
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from fourbar_ros.bag import metadata
 from fourbar_ros.bag.metadata import FileContent, TopicCount
-from fourbar_ros.bag.reader import Bag, Progress
+from fourbar_ros.bag.reader import Bag, CONTENT, Progress
 from fourbar_ros.errors import BagError
-from mcap.records import Channel, Message, Metadata, Schema
+from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from mcap.writer import Writer
 
 NO_END = 'without an end: a crash, a kill, a power cut or a full disk'
@@ -28,7 +28,7 @@ class Recovered(NamedTuple):
 def recover(path: str | Path, out: str | Path | None = None, progress: Progress | None = None
             ) -> Recovered:
     """
-    Copy every readable message of a bag into a new bag with index, statistics and metadata.
+    Copy all that can be read of a bag into a new bag with index, statistics and metadata.
 
     ``path`` is a folder or .mcap file, cut or not; ``out`` the folder of the new bag, by default
     ``NAME_recovered`` beside the old bag. The new bag appears only when it is whole; the old bag
@@ -68,7 +68,7 @@ def _copied(bag: Bag, index: int, path: Path) -> FileContent:
     with open(path, 'xb') as stream:
         writer = Writer(stream, CHUNK, enable_data_crcs=True)
         writer.start('ros2', 'fourbar_ros recover')
-        for records in bag.contents(index):
+        for records in bag.contents(index, CONTENT):
             for record in records:
                 if isinstance(record, Schema) and record.id not in schemas:
                     schemas[record.id] = record, writer.register_schema(
@@ -87,6 +87,9 @@ def _copied(bag: Bag, index: int, path: Path) -> FileContent:
                     span = (min(span[0], time), max(span[1], time)) if span else (time, time)
                 elif isinstance(record, Metadata) and record.name != metadata.RECORD:
                     writer.add_metadata(record.name, record.metadata)
+                elif isinstance(record, Attachment):
+                    writer.add_attachment(record.create_time, record.log_time, record.name,
+                                          record.media_type, record.data)
             if len(records) > 1:
                 writer.flush()
         bag.check(index)

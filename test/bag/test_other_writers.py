@@ -16,19 +16,21 @@ from bag.test_reader import records_of
 from fourbar_ros.bag import metadata
 from fourbar_ros.bag.comparison import diff
 from fourbar_ros.bag.overview import info
-from fourbar_ros.bag.reader import Bag, records
+from fourbar_ros.bag.reader import Bag, CONTENT, records
 from fourbar_ros.bag.recomputation import recompute
 from fourbar_ros.bag.recovery import recover
 from fourbar_ros.bag.tables import export
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
 from mcap.opcode import Opcode
+from mcap.records import Attachment
 from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 from support import bags
 from support.scenes import PAPER
+import zstandard
 
 MOTIONS = 40
 KINDS = [kind for kind in IndexType if kind not in (IndexType.NONE, IndexType.ALL)]
@@ -81,13 +83,21 @@ def content(path):
     return sorted((raw.topic, raw.time, raw.data) for raw in Bag(path).raw())
 
 
-def by_mcap(run, path, messages=None, **options):
+def attachments(path):
+    bag = Bag(path)
+    return [record for index in range(len(bag.files)) for records in bag.contents(index, CONTENT)
+            for record in records if isinstance(record, Attachment)]
+
+
+def by_mcap(run, path, messages=None, about=None, **options):
     """Write a run again, or some of its messages, with the library mcap; metadata in between."""
     bag = Bag(run)
     with open(path, 'wb') as stream:
         writer = Writer(stream, **{'chunk_size': 2000, **options})
         writer.start('ros2', 'test')
         writer.add_metadata('mine', {'key': 'value'})
+        if about:
+            writer.add_metadata(metadata.RECORD, {metadata.KEY: metadata.dumped(about)})
         channels = {topic: writer.register_channel(topic, 'cdr', writer.register_schema(
             kind, 'ros2msg', bags.text_of(kind).encode())) for topic, kind in bag.types.items()}
         for raw in messages or bag.raw():
@@ -135,6 +145,7 @@ def assert_all_is_read(path, run, tmp_path):
     assert content(path) == everything
     recovered = recover(path, tmp_path / 'recovered')
     assert recovered.was_whole and content(recovered.path) == everything
+    assert attachments(recovered.path) == attachments(path)
     assert info(recovered.path, check=True).is_sound
     rows = export(path, tmp_path / 'tables')
     assert sum(rows.values()) == len(everything)
@@ -291,6 +302,30 @@ def test_a_definition_that_is_not_ours_is_one_line(run, tmp_path, capsys):
     assert main(['bag', 'recompute', str(tmp_path / 'run_0.mcap')]) == 1
     said = capsys.readouterr().err
     assert 'a definition of a message is not ours' in said and said.count('\n') == 1
+
+
+@pytest.mark.parametrize('options', [{}, {'index_types': IndexType.CHUNK}, NO_SUMMARY], ids=str)
+def test_an_attachment_is_recovered_or_named(run, tmp_path, options, capsys):
+    path = by_mcap(run, tmp_path / 'run_0.mcap', **options)
+    kept, = attachments(recover(path, tmp_path / 'new').path)
+    assert (kept.name, kept.media_type, kept.data) == ('a', 'text/plain', b'some' * 100)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b'somesome', b'sameSome', 1))
+    assert main(['bag', 'recover', str(path), '-o', str(tmp_path / 'rest')]) == 3
+    assert 'its checksum is wrong' in capsys.readouterr().out
+    assert content(tmp_path / 'rest') == content(run)
+
+
+def test_packed_messages_of_a_bag_that_rosbag2_did_not_finish_are_unpacked(run, tmp_path):
+    """Its file says how, before all messages; metadata.yaml comes at the end alone."""
+    everything = [raw._replace(data=zstandard.compress(raw.data)) for raw in Bag(run).raw()]
+    path = by_mcap(run, tmp_path / 'run_0.mcap', everything, about={
+        'compression_format': 'zstd', 'compression_mode': 'MESSAGE'})
+    for data in (path.read_bytes(), path.read_bytes()[:-3000]):
+        path.write_bytes(data)
+        found = content(path)
+        assert found and {*found} <= {*content(run)} and not info(path, check=True).misfits
+    assert recompute(recover(path).path).largest == 0.0
 
 
 def test_a_chunk_missing_in_the_index_is_read(run, tmp_path):
