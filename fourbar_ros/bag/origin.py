@@ -42,7 +42,8 @@ def origin_of(path: str | Path | reader.Bag, node: str | None = None) -> Origin:
     about = bag.about
     try:
         topics = json.loads(about['topics'])
-        is_ours = isinstance(topics, dict) and DRIVEN.name in topics and 'scene' in about
+        is_ours = (isinstance(topics, dict) and DRIVEN.name in topics and 'scene' in about
+                   and all(isinstance(topic, str) for topic in topics.values()))
     except (KeyError, TypeError, ValueError, RecursionError):
         is_ours = False
     if is_ours:

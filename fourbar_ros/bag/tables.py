@@ -8,6 +8,7 @@ from typing import Any
 
 from fourbar_ros import optional, spreadsheet
 from fourbar_ros.bag import metadata, reader
+from fourbar_ros.bag.outputs import names_in
 from fourbar_ros.errors import BagError
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.scene.units import in_unit, require_columns, UNITS
@@ -69,6 +70,8 @@ def export(path: str | Path, out: str | Path, kind: str | None = None,
         raise BagError(f'{out}: exists already')
     tables = _tables(bag, names, units)
     bag.refuse_damage()
+    if not tables:
+        raise BagError(f'{path}: no message on {", ".join(names)}')
     if out == spreadsheet.STDOUT:
         for table in tables.values():
             _write_csv(out, table, style)
@@ -111,10 +114,14 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
     kinds = list[str]()         # SI units of the columns
     for topic, of_topic in blocks.items():
         known = units_in(bag, topic) if units is not None else {}
-        order = np.argsort(np.concatenate([block['log_time'] for block in of_topic]),
-                           kind='stable')
-        table = tables[topic.strip('/').replace('/', '.')] = {}
-        for column in dict.fromkeys(name for block in of_topic for name in block):
+        name = topic.strip('/').replace('/', '.')
+        if name in tables:
+            raise BagError(f'{bag.path}: {topic} and another topic would both be the table '
+                           f'{name}; export them one by one')
+        order = np.lexsort((np.concatenate(indices[topic]),
+                            np.concatenate([block['log_time'] for block in of_topic])))
+        table = tables[name] = {}
+        for column in dict.fromkeys(column for block in of_topic for column in block):
             filled = next(block[column] for block in of_topic if column in block)
             nothing = np.full(1, '' if filled.dtype.kind == 'U' else np.nan)
             values = np.concatenate([
@@ -146,22 +153,24 @@ def unit_of(column: str, units: Mapping[str, str]) -> str:
 def table_of(columns: reader.Columns) -> TopicTable:
     """Return the columns of messages: log time, stamp, each number and each text."""
     table, stamps = {'log_time': columns.times}, columns.stamps
-    # the names of a JointState, unless they change: position[crank], else position[0]
-    joints = [columns.records[field][0].decode() for field in columns.records.dtype.names or ()
-              if field.startswith('name[') and len(set(columns.records[field].tolist())) == 1]
+    # the names of a JointState, unless they change or are equal: position[crank], else position[0]
+    names = [{*columns.records[field].tolist()} for field in names_in(columns.records)]
+    joints = [name.decode(errors='replace') for of_joint in names for name in of_joint]
     if stamps is not None:
         table['header.stamp'] = stamps
     for field in columns.records.dtype.names or ():
         values = columns.records[field]
-        if field.startswith('header.stamp.') or (values.ndim > 1 and values.dtype.itemsize == 1):
+        if field.startswith('header.stamp.') or (
+                values.ndim > 1 and values.itemsize == 1 and values.dtype.kind != 'b'):
             continue            # bytes of a picture are no columns
         if values.dtype.kind == 'S':
             table[field] = np.array([text.decode(errors='replace') for text in values.tolist()])
         elif values.ndim == 1:
             table[field] = values
         else:               # a column for each number of an array
-            names = joints if len(joints) == values.shape[1] else range(values.shape[1])
-            table |= {f'{field}[{name}]': values[:, i] for i, name in enumerate(names)}
+            are_named = len(set(joints)) == len(joints) == len(names) == values.shape[1]
+            keys = joints if are_named else range(values.shape[1])
+            table |= {f'{field}[{key}]': values[:, i] for i, key in enumerate(keys)}
     return table
 
 

@@ -15,8 +15,10 @@ from fourbar_ros.bag import diff, export, info, recompute, recover
 from fourbar_ros.bag.origin import origin_of
 from fourbar_ros.bag.reader import Bag, records
 from fourbar_ros.bag.recorder import BagWriter
+from fourbar_ros.bag.tables import table_of
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import BagError
+from fourbar_ros.scene.scene import from_values
 import matplotlib
 from mcap.writer import Writer
 import numpy as np
@@ -126,6 +128,39 @@ def test_a_topic_of_another_encoding_is_left_out_and_named(bag, tmp_path, capsys
     assert main(['bag', 'diff', str(file), str(file), '--topics', '/fourbar/state']) == 0
     assert recover(file, tmp_path / 'new').messages == sum(
         topic.messages for topic in info(file).topics)
+
+
+@pytest.mark.parametrize('out', ['a.csv', 'all.npz', 'tables', '-'])
+def test_a_topic_without_messages_is_one_line(tmp_path, capsys, out):
+    path = bag_of(tmp_path / 'run', 'std_msgs/msg/String', [])
+    assert main(['bag', 'export', str(path), '-o', out if out == '-' else str(tmp_path / out)]) == 1
+    assert capsys.readouterr().err == f'fourbar: {path}: no message on /a\n'
+    assert not (tmp_path / out).exists()
+
+
+def test_two_topics_of_one_table_are_refused(tmp_path):
+    names = '/a/b', 'a/b'           # of a writer beside ROS
+    writer = BagWriter(tmp_path, 'run', [bags.MOTION._replace(topic=name) for name in names], {})
+    for channel in (0, 1, 1):
+        writer.write(channel, bags.motion(channel))
+    path = writer.close()
+    with pytest.raises(BagError, match='would both be the table a.b'):
+        export(path, tmp_path / 'out')
+    assert [export(path, tmp_path / f'{name[0]}.csv', topics=[name])
+            for name in names] == [{'a.b': 1}, {'a.b': 2}]
+
+
+def test_joints_of_one_name_are_columns_by_number_and_flags_are_columns(tmp_path):
+    path = bag_of(tmp_path / 'run', JOINTS, [
+        {'header': bags.stamp(1), 'name': ['x', 'x'], 'position': np.array([1.0, 2.0]),
+         'velocity': np.zeros(0), 'effort': np.zeros(0)}])
+    export(path, tmp_path / 'all.npz')
+    found = np.load(tmp_path / 'all.npz')
+    assert [found[f'a/position[{k}]'].tolist() for k in (0, 1)] == [[1.0], [2.0]]
+    flags, = Bag(path).columns()
+    flags = flags._replace(records=np.array([([True, False], [1, 2])],
+                                            [('on', '?', 2), ('data', 'u1', 2)]))
+    assert sorted(table_of(flags)) == ['log_time', 'on[0]', 'on[1]']
 
 
 def test_what_exists_is_not_touched_and_what_fails_leaves_nothing(bag, tmp_path, capsys):
@@ -437,6 +472,16 @@ def test_a_scene_in_a_bag_is_bounded(with_scene, capsys, changes):
         said = capsys.readouterr().err
         assert 'its scene cannot be read: a scene ' in said and 'a bag may have' in said
         assert said.count('\n') == 1 and len(said) < 300
+
+
+@pytest.mark.parametrize('topics', [{'driven': ['/a']}, {'driven': '/a', 'state': {}},
+                                    {'driven': 1}])
+def test_topics_in_metadata_that_are_no_texts_are_one_line(tmp_path, capsys, topics):
+    path = bag_of(tmp_path / 'run', 'std_msgs/msg/String', [{'data': ''}], {
+        'topics': json.dumps(topics), 'scene': json.dumps(from_values(FULL).values)})
+    for verb in ('scene', 'recompute'):
+        assert main(['bag', verb, str(path)]) == 1
+        assert 'holds no run of a fourbar_node' in capsys.readouterr().err
 
 
 def test_a_foreign_bag_is_not_recomputed_but_reported_as_foreign(mixed):
