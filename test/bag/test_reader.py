@@ -359,7 +359,8 @@ def test_two_types_on_one_topic_are_one_line(tmp_path, capsys):
 @pytest.mark.parametrize('second, says', [
     ('float64 y\nfloat64 x\n', '/a has two definitions of a/msg/P'),
     ('float64 x  # [m]\nfloat64 y\nuint8 NEW=1\n', '')])
-def test_two_definitions_on_one_topic_are_one_line_if_fields_differ(tmp_path, capsys, second, says):
+def test_two_definitions_on_one_topic_are_one_line_if_fields_differ(
+        tmp_path, capsys, second, says):
     """As in bags of two versions that were merged: the older messages took the newer fields."""
     file = tmp_path / 'two.mcap'
     with open(file, 'wb') as stream:
