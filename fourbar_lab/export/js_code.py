@@ -22,6 +22,7 @@ from fourbar_ros import __version__
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanics.bodies import Base
 from fourbar_ros.mechanisms import curves, elements, evaluation
+from fourbar_ros.mechanisms.geometry import BESIDE_FLAT_LIMITS
 from fourbar_ros.mechanisms.points import point_in, with_any_lengths
 from fourbar_ros.mechanisms.quantities import fields_of
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
@@ -205,7 +206,7 @@ class JsModule:
 
     @property
     def _reach(self) -> list[str]:
-        """Return the statements that refuse inputs that overflow or lie outside the stroke."""
+        """Return the statements that refuse inputs that overflow, as Mechanism.reaches does."""
         mechanism, cut, period = self.mechanism, self.mechanism.cut, self.mechanism.period
         far = 'x0' if mechanism.is_driven_by_slide else f'x0 * {mechanism.overflowing!r}'
         lines = [f'if (({far} + x1 * x1 + x2) * 0 !== 0) return refuse(to);']
@@ -217,7 +218,10 @@ class JsModule:
             lines += [f'const away = {away}, slack = 2 ** -51 * Math.abs(away);',
                       f'if (!(x0 - away >= {JS.literal(low)} - slack '
                       f'&& x0 - away <= {JS.literal(high)} + slack)) return refuse(to);']
-        return lines
+        turns = '' if mechanism.is_driven_by_slide else f' - {tau!r} * Math.round(far / {tau!r})'
+        return lines + [f'{{ const far = x0 - {JS.literal(flat)}; if (Math.abs(far{turns}) <= '
+                        f'{BESIDE_FLAT_LIMITS * mechanism.input_unit!r}) return refuse(to); }}'
+                        for flat in sorted(set(mechanism.flat_limits))]
 
     @property
     def _bounds(self) -> list[tuple[str, float, bool]]:

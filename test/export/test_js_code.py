@@ -143,6 +143,18 @@ def test_a_crank_with_a_range_goes_no_further_in_any_turn(ends):
     assert (statuses == [module.sample(*values)[0] for values in inputs]).all()
 
 
+def test_beside_a_limit_where_a_dyad_lies_flat_it_refuses_as_python_does():
+    """Accelerations are noise there: 1e7 rad/s^2 of some 0.03, with status 0."""
+    scene = from_values({**read_values('peaucellier'), 'linkage.points.P.along': 0.2,
+                         'linkage.points.O.x': -0.2})
+    module, flats = JsModule(scene, 'inversor'), sorted(set(scene.linkage.flat_limits))
+    inputs = [(flat + turn + side * 10.0**-power, 1.0, 0.5) for flat in flats
+              for turn in (0.0, 2.0 * np.pi) for side in (-1.0, 1.0) for power in range(4, 14)]
+    statuses = in_node(module.text, inputs)[0].tolist()
+    assert statuses == [module.sample(*values)[0] for values in inputs]
+    assert len(flats) == 2 and set(statuses) == {0, 1}
+
+
 def test_a_joint_that_locks_itself_has_a_pose_and_no_loads():
     scene = from_values({**read_values('slider_crank'), 'friction.guide.coefficient': 0.5,
                          'friction.A.coefficient': 0.9, 'friction.A.radius': 0.09,
