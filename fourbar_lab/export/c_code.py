@@ -125,9 +125,9 @@ class Code:
             preparation = ['int i;', *preparation, f'if (!({are_good}))\n    '
                            f'for (i = 0; i < {count}; ++i) made->k[i] = NAN;']
         fields = {entry.slot: entry.field for entry in model.tunable}
-        signs = [f'to->{fields[index]} = mode == {literal(second)} ? '
-                 f'{literal(sign_of[second])} : {literal(sign_of[first])};'
-                 for index, sign_of in model.signs.items() for first, second, *_ in [sign_of]]
+        signs = [f'to->{fields[index]} = ' + ' : '.join(
+                    f'mode == {literal(mode)} ? {literal(sign)}' for mode, sign in sign_of.items())
+                 + ' : NAN;' for index, sign_of in model.signs.items()]
         set_mode = filled(snippet('model.c', 'set_mode'), {'NAME': name, 'SIGNS': lines_of(signs)})
         functions = [*([set_mode] if signs else []), *self._guards(), *self._functions,
                      *(self.drive.source() if self.drive else ()), self._self_check()]

@@ -205,6 +205,19 @@ def test_motion_and_loads_are_those_of_both_modes(rocker, tmp_path):
             assert said == wanted == OK and bits(found) == bits(expected)
 
 
+def test_a_mode_that_the_drive_never_has_gives_no_number(rocker):
+    _, code = rocker
+    parameters, constants, motion, loads = ((ctypes.c_double * 1000)() for _ in range(4))
+    statuses = []
+    for mode in (1.0, 2.0, 3.0, 0.0, math.nan):
+        code.code_defaults(parameters)
+        code.code_set_mode(parameters, ctypes.c_double(mode))
+        code.code_prepare(parameters, constants)
+        statuses.append(code.code_step(constants, (ctypes.c_double * 3)(-0.5, 1.0, 0.0), motion,
+                                       loads))
+    assert statuses[:2] == [OK, OK] and OK not in statuses[2:]
+
+
 def test_a_state_can_be_set_and_a_wrong_step_holds_it(rocker):
     scene, code = rocker
     mine, theirs = MoverOfC(scene, code), scene.mover
