@@ -147,8 +147,8 @@ def test_two_topics_of_one_table_are_refused(tmp_path):
     path = writer.close()
     with pytest.raises(BagError, match='would both be the table a.b'):
         export(path, tmp_path / 'out')
-    assert [export(path, tmp_path / f'{name[0]}.csv', topics=[name])
-            for name in names] == [{'a.b': 1}, {'a.b': 2}]
+    assert [export(path, tmp_path / f'{k}.csv', topics=[name])
+            for k, name in enumerate(names)] == [{'a.b': 1}, {'a.b': 2}]
 
 
 def test_joints_of_one_name_are_columns_by_number_and_flags_are_columns(tmp_path):
