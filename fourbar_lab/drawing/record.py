@@ -214,15 +214,14 @@ def _effort(linkage: Mechanism, speed: float, acceleration: float,
 def _locks(linkage: Mechanism, speed: float, acceleration: float,
            within: tuple[float, float] | None) -> list[LinkageRecord]:
     """Return where a linkage locks itself, as users count inputs, and at which joints."""
-    ranges = list(linkage.locked_ranges(speed, acceleration, within))
-    (first, _), (_, last) = linkage.input_ranges[0], linkage.input_ranges[-1]
+    ranges, cycle = list(linkage.locked_ranges(speed, acceleration, within)), linkage.cycle
     if linkage.turns_fully and len(ranges) > 1 and (
-            ranges[0][0] == first and ranges[-1][1] == last):      # one range, over the half turn
-        ranges = [*ranges[1:-1], (ranges[-1][0], ranges[0][1] + last - first)]
+            ranges[-1][1] - ranges[0][0] == cycle):     # one range, over the seam of the cycle
+        ranges = [*ranges[1:-1], (ranges[-1][0], ranges[0][1] + cycle)]
     records = list[LinkageRecord]()
     for low, high in ranges:
         joints = locking_joints(linkage, (low, high), speed, acceleration)
-        ends = ((0.0, last - first) if linkage.turns_fully and high - low >= last - first else
+        ends = ((0.0, cycle) if linkage.turns_fully and high - low >= cycle else
                 (counted(linkage, low), counted(linkage, high)))
         records.append({'from': ends[0], 'to': ends[1], 'joints': list(joints)})
     return records

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, KW_ONLY, replace
-from math import inf, tau
+from math import inf
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, Locked, one_of, Toggle
-from fourbar_ros.mechanisms.parts import DRIVE, Ranges, Reaction
+from fourbar_ros.mechanisms.parts import clipped, DRIVE, Ranges, Reaction
 from fourbar_ros.numerics.arguments import check_quantities, quantity
 from fourbar_ros.numerics.arrays import Array
 from fourbar_ros.numerics.number_types import NumberType, Scalar
@@ -168,12 +168,13 @@ def holding(mechanism: Mechanism, position: ArrayLike) -> tuple[Any, Any]:
 
 def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
                   within: tuple[float, float] | None) -> Ranges:
-    from fourbar_ros.mechanisms.pieces import samples_of_range  # pieces ask for friction too
+    # pieces ask for friction too
+    from fourbar_ros.mechanisms.pieces import ranges_of, samples_of_range
     # within: two inputs; those ranges alone that overlap with the range between them
     ranges = list[tuple[float, float]]()
-    for low, high in mechanism.input_ranges:
+    for low, high in ranges_of(mechanism):
         # next to a toggle all forces grow, so that it locks before
-        x = (np.linspace(low, high, SAMPLES + 1) if mechanism.turns_fully
+        x = (np.linspace(low, high, SAMPLES * mechanism.turns + 1) if mechanism.turns_fully
              else samples_of_range(low, high))
         is_locked = np.asarray(_is_locked(mechanism, x, rate, acceleration))
         # the ends, each between a free input and a locked one
@@ -189,9 +190,7 @@ def locked_ranges(mechanism: Mechanism, rate: float, acceleration: float,
                 *([high] if is_locked[-1] else [])]
         ranges += zip(ends[::2], ends[1::2])
     if within is not None:
-        turns = (0.0,) if mechanism.is_driven_by_slide else (-tau, 0.0, tau)
-        ranges = [(low, high) for low, high in ranges if any(
-            low + turn < within[1] and within[0] < high + turn for turn in turns)]
+        ranges = [bounds for bounds in ranges if clipped((bounds,), within, mechanism.cycle)]
     return tuple(ranges)
 
 

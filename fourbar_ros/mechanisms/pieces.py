@@ -18,7 +18,7 @@ from fourbar_ros.mechanisms.batches import order_of, range_of
 from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.evaluation import Constants, Formula, formula_of, MOST_STRUCTURES
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import GROUND
+from fourbar_ros.mechanisms.parts import GROUND, Ranges
 from fourbar_ros.numerics.arrays import Array, as_grid, rank_of
 from fourbar_ros.numerics.number_types import Function, numbers_of, NumberType, Scalar
 from fourbar_ros.numerics.roots import first_guesses, newton_roots
@@ -129,7 +129,7 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
 def pieces_of(mechanism: Mechanism) -> Pieces:
     ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
     curves = CutCurves(mechanism, mechanism.constants)
-    for low, high in _ranges(mechanism) if curves.order else ():
+    for low, high in ranges_of(mechanism) if curves.order else ():
         x = _samples(mechanism, low, high)
         rows = np.zeros(x.size, int)
         for k, s, slope in zip(curves.order, *curves.sample(curves.order, x[None])):
@@ -161,7 +161,7 @@ def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
         return s.real, s.imag / STEP
 
     every = list[Array]()
-    for low, high in _ranges(mechanism):
+    for low, high in ranges_of(mechanism):
         x: Array = np.union1d(_samples(mechanism, low, high), (low, high))
         s, slope = values(x, x)
         before = _turns_back(slope, np.zeros(x.size, int))
@@ -173,7 +173,7 @@ def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
 def inside_pieces(mechanism: Mechanism) -> Array:
     """Return inputs over the whole input, one in each piece at least, none at their ends."""
     ends, inputs = (mechanism.pieces or Pieces((), ())).ends, list[Array]()
-    for low, high in _ranges(mechanism):
+    for low, high in ranges_of(mechanism):
         x = np.union1d(_samples(mechanism, low, high), (low, high, *ends))
         x = x[(x >= low) & (x <= high)]
         inputs.append(0.5 * (x[:-1] + x[1:]))
@@ -188,7 +188,7 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     if not rates[0]:
         return Pieces(ends, branch_points)
     curves, every = CutCurves(mechanism, mechanism.constants, 1, rates), list(ends)
-    for low, high in _ranges(mechanism):
+    for low, high in ranges_of(mechanism):
         for k in curves.order:
             if curves.coordinates[k] is not EDGE:
                 continue
@@ -232,7 +232,8 @@ def _apart(mechanism: Mechanism, ends: Sequence[float], low: float, high: float
     return tuple(apart[:-1] if is_first else apart)
 
 
-def _ranges(mechanism: Mechanism) -> tuple[tuple[float, float], ...]:
+def ranges_of(mechanism: Mechanism) -> Ranges:
+    """Return the ranges of the input after which all repeats, forces too: of a crank its cycle."""
     if mechanism.turns_fully:
         return ((-pi * mechanism.turns, pi * mechanism.turns),)
     return mechanism.input_ranges

@@ -355,6 +355,23 @@ def test_toggle_clamp():
     assert margin(low) == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_kite_locks_in_its_second_turn_too():
+    rubs = {joint: JointFriction(0.3, radius=0.03) for joint in ('O1', 'A', 'B', 'O4')}
+    kite = FourBar(0.1, 0.5, 0.2, 0.4, gravity=(0.0, -9.81), friction=rubs, bodies=Bodies(
+        Body(0.2, cg_along=0.05), Body(1.2, cg_along=0.25, inertia=0.025),
+        Body(0.5, cg_along=0.1, inertia=0.002)))
+    locked = [bounds for bounds in kite.locked_ranges(10.0) if 5.9 < bounds[0] < 6.0]
+    assert len(locked) == 1     # elsewhere in its first turn it is free
+    (low, high), beside = locked[0], 1e-9
+    x = np.array([low - beside, low + beside, high - beside, high + beside])
+    assert np.isnan(kite.loads(x, 10.0).driving_torque).tolist() == [False, True, True, False]
+    assert not np.isnan(kite.loads(x - 2.0 * pi, 10.0).driving_torque).any()
+    for cycles in (-1, 0, 3):
+        ends = [x + cycles * kite.cycle for x in (low - 0.01, high + 0.01)]
+        with pytest.raises(InvalidParameter, match='it locks the mechanism'):
+            find_extrema(kite, 'driving_torque', 10.0, within=ends)
+
+
 # --- what is refused -----------------------------------------------------------------------------
 
 @pytest.mark.parametrize('friction, words', [
