@@ -66,6 +66,7 @@ def flywheel_for(equation: Equation, rate: float, fluctuation: float) -> Flywhee
                                f'{1.0 / FASTEST:g} in size')
     if not equation.mechanism.turns_fully:
         raise InvalidParameter('equation', None, 'must be that of a crank that turns fully')
+    equation.mechanism.require_cycle()
 
     # samples resolve the sharpest peak of J and Q, next to a complex singularity
     width = min((abs(z.imag) for z in equation.mechanism.singular_inputs if z.imag), default=1.0)

@@ -199,8 +199,10 @@ class Search:
     def __init__(self, linkage: Mechanism, quantities: Sequence[Asked],
                  rates: tuple[float, float], within: tuple[float, float] | None = None) -> None:
         self._linkage, self._quantities, self._rates = linkage, quantities, rates
-        every_pieces = linkage.pieces
-        if linkage.friction and any(quantity.is_load for quantity in quantities):
+        every_pieces, needs_loads = linkage.pieces, any(each.is_load for each in quantities)
+        if needs_loads and (within is None or abs(sum(within)) > linkage.cycle):
+            linkage.require_cycle()
+        if linkage.friction and needs_loads:
             # few mechanisms have any
             from fourbar_ros.mechanisms.friction import locking_joints
             from fourbar_ros.mechanisms.pieces import with_friction

@@ -51,6 +51,8 @@ class OverInput:
                  extrema: Sequence[Extremum] | None = None) -> None:
         self._linkage, self._rates, self._within = linkage, (rate, acceleration), within
         self._quantity, = find.resolve(quantity, linkage)
+        if self._quantity.is_load and within is None:
+            linkage.require_cycle()
         if extrema is not None:
             self.extrema = list(extrema)
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
 from math import ceil, degrees, inf, lcm, remainder, tau
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from fourbar_ros.mechanisms.mechanism import Mechanism
 
 LinkMotions = Mapping[str, LinkMotion]      # by name of the link, the ground among them
+# After how many turns of a crank a function of its angle is looked at to repeat, and how: at so
+# many angles of each turn, to this part of the largest value.
+MOST_TURNS, PER_TURN, REPEATS = 4, 64, 1e-9
 
 
 class ForceOnLink(NamedTuple):
@@ -244,6 +248,7 @@ class UserForce:
     """A user's function s -> F(s), of floats and arrays; its slope is a central difference."""
 
     function: Callable[[float], float]
+    counts_turns: bool = False      # s is the angle of a crank that turns fully
 
     def __call__(self, s: Any) -> Any:
         """Return the force at s; of one s UnknownForce if the value is no finite number."""
@@ -258,6 +263,21 @@ class UserForce:
         if np.iscomplexobj(s):
             return self(s.real) + 1j * slope_of(self, s.real) * s.imag
         return np.vectorize(lambda x: self.function(float(x)), otypes=[float])(s)
+
+    @cached_property
+    def turns(self) -> int:
+        """Return after how many turns of the crank F repeats, up to MOST_TURNS; 0: it does not."""
+        if not self.counts_turns:
+            return 1
+        # at no angle that is a multiple of a degree, where it may jump
+        s = tau * (np.arange(-MOST_TURNS * PER_TURN, MOST_TURNS * PER_TURN) + 0.37) / PER_TURN
+        with suppress(Exception):       # it may be one of some angles only, and raise anything
+            values = self(s).reshape(-1, PER_TURN)
+            least = REPEATS * np.abs(values).max()
+            for turns in range(1, MOST_TURNS + 1):
+                if (np.abs(values[turns:] - values[:-turns]) <= least).all():
+                    return turns
+        return 0
 
 
 BOTH, FORWARD, BACKWARD = 'both', 'forward', 'backward'     # when a force acts
@@ -358,7 +378,8 @@ class PositionForce:
         Where it acts; for a couple only its link counts.
     value : ForceTable or callable
         s -> F(s): floats, [N] or [N m]. A table over an angle holds for all turns: s counts within
-        half a turn of its middle, or it is periodic.
+        half a turn of its middle, or it is periodic. A function of the angle of a crank that turns
+        fully repeats after a turn, or up to four; only motion by torque takes one that never does.
     over : 'input', LinkAngle, Way or Distance
         The position s. The input of a crank counts on over whole turns, so a table of two turns
         serves a four-stroke engine; other angles are in (-pi, pi].
@@ -466,8 +487,10 @@ class PositionForce:
 
     @property
     def turns(self) -> int:
-        """Return after how many turns of the crank it repeats: 2 for a four-stroke table."""
-        if not (isinstance(self.value, TableForce) and self.value.table.is_periodic):
+        """Return after how many turns of the crank it repeats, 2 of a four-stroke; 0: never."""
+        if isinstance(self.value, UserForce):
+            return self.value.turns
+        if not self.value.table.is_periodic:
             return 1
         return max(1, round(self.value.table.span / tau))
 
@@ -475,11 +498,13 @@ class PositionForce:
         """Return the force on a mechanism: ``value`` is a TableForce or a UserForce."""
         # Raises InvalidParameter for a table that does not fit the mechanism.
         table = self.value.table if isinstance(self.value, TableForce) else self.value
+        counts_turns = mechanism.turns_fully and self.over == INPUT
         if not isinstance(table, ForceTable):
-            return self if isinstance(table, UserForce) else replace(self, value=UserForce(table))
+            function = table.function if isinstance(table, UserForce) else table
+            return replace(self, value=UserForce(function, counts_turns))
         is_angle = (not mechanism.is_driven_by_slide if self.over == INPUT
                     else isinstance(self.over, LinkAngle))
-        _require_fitting(table, is_angle, mechanism.turns_fully and self.over == INPUT)
+        _require_fitting(table, is_angle, counts_turns)
         return replace(self, value=TableForce(
             table, table.middle if is_angle and not table.is_periodic else None))
 
@@ -577,7 +602,16 @@ def structure_of(elements: Sequence[Element]) -> Hashable:
 
 
 def turns_of(elements: Sequence[Element]) -> int:
-    return lcm(*[element.turns for element in elements if isinstance(element, PositionForce)])
+    """Return after how many turns of the crank all of them repeat that ever do."""
+    return lcm(*[element.turns or 1 for element in elements if isinstance(element, PositionForce)])
+
+
+def require_cycle(elements: Sequence[Element]) -> None:
+    """Refuse forces that never repeat, of which nothing can be said over a cycle."""
+    if any(isinstance(element, PositionForce) and not element.turns for element in elements):
+        raise InvalidParameter('value', None, 'a function of the angle of a crank that turns '
+                               f'fully must repeat after a turn, or up to {MOST_TURNS}: extrema '
+                               'and means are those of a cycle')
 
 
 def applied_in(n: NumberType, mechanism: Mechanism, constants: Constants, motion: NamedFields

@@ -166,6 +166,12 @@ class Mechanism(MechanismGeometry):
         if isinstance(self.gravity, UnknownBase):
             raise errors.UnknownBaseMotion
 
+    def require_cycle(self) -> None:
+        """Refuse forces over the input that repeat after no number of turns of the crank."""
+        if self.elements:
+            from fourbar_ros.mechanisms.elements import require_cycle  # few mechanisms have any
+            require_cycle(self.elements)
+
     def prepare(self) -> Function:
         """Return the function of one sample; tracing and compiling a new structure takes 10 ms."""
         # ArithmeticError or ValueError where numbers overflow.

@@ -14,6 +14,7 @@ from fourbar_ros import (
     round_rod,
     SliderCrank,
 )
+from fourbar_ros.dynamics import Equation, flywheel_for
 from fourbar_ros.extrema import find_extrema, OverInput
 from fourbar_ros.mechanisms.elements import (
     Attachment,
@@ -204,6 +205,36 @@ def massless_with(table):
     bodies = Bodies(*(round_rod(length, 1e-9, 0.01) for length in (0.3, 1.0, 0.9)))
     return FourBar(0.3, 1.0, 0.9, 1.0, bodies=bodies).with_elements(
         PositionForce(Attachment('crank'), table, direction=None))
+
+
+def test_a_function_over_two_turns_is_searched_over_both():
+    """A couple F = 30 sin s + 40 sin(s/2): with u = cos(s/2), F' = 60 u^2 + 20 u - 30."""
+    mechanism = massless_with(lambda s: 30.0 * np.sin(s) + 40.0 * np.sin(0.5 * s))
+    expected = []
+    for u in np.roots([60.0, 20.0, -30.0]):
+        for s in (2.0 * np.arccos(u), 2.0 * TURN - 2.0 * np.arccos(u)):
+            expected.append((s, -30.0 * np.sin(s) - 40.0 * np.sin(0.5 * s)))
+    error = 1e-6        # the masses are not zero, the slopes are differences
+    assert mechanism.cycle == 2.0 * TURN
+    found = [(extremum.theta1, extremum.value) for extremum in find_extrema(
+        mechanism, 'driving_torque', 1.0)]
+    assert np.array(found) == pytest.approx(np.array(sorted(expected)), abs=50.0 * error)
+    assert OverInput(mechanism, 'driving_torque').rms == pytest.approx(
+        np.sqrt((30.0**2 + 40.0**2) / 2.0), rel=error)
+
+
+@pytest.mark.parametrize('never', [
+    lambda s: 0.1 * s, lambda s: np.sin(0.3 * s),
+    lambda s: np.interp(s, [0.0, 3.0, TURN], [0.0, 1.0, 0.0]) + (s > TURN)])
+def test_a_function_that_never_repeats_has_no_cycle(never):
+    mechanism = massless_with(never)
+    for ask in (lambda: find_extrema(mechanism, 'driving_torque', 1.0),
+                lambda: OverInput(mechanism, 'driving_torque', 1.0).rms,
+                lambda: flywheel_for(Equation(mechanism), 1.0, 0.1)):
+        with pytest.raises(InvalidParameter, match='must repeat after a turn, or up to 4'):
+            ask()
+    assert len(find_extrema(mechanism, 'driving_torque', 1.0, within=(0.5, 1.0))) == 2
+    assert find_extrema(mechanism, 'omega4')
 
 
 @pytest.mark.parametrize('is_linear', [True, False])
