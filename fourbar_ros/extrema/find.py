@@ -21,7 +21,7 @@ from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms import quantities as table
 from fourbar_ros.mechanisms.mechanism import Mechanism
-from fourbar_ros.mechanisms.parts import Quantity
+from fourbar_ros.mechanisms.parts import NoLoads, Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
 from fourbar_ros.mechanisms.quantities import Asked, Function, is_position, Named, OfDrive
 from fourbar_ros.notebook import html_table
@@ -369,7 +369,19 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
     return [next(named) if isinstance(quantity, str) else
             quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
             Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
-                     quantity) for quantity in quantities]
+                     quantity, _reads_loads(quantity, linkage)) for quantity in quantities]
+
+
+def _reads_loads(function: Callable[..., Any], linkage: Mechanism) -> bool:
+    """Return whether a user's function reads loads, so that it repeats, and jumps, as they do."""
+    # If it fails for another reason it is taken to read them: then it is looked at more closely.
+    if not linkage.has_loads:
+        return False
+    try:
+        function(linkage.MOTION._make([1.0] * len(linkage.MOTION._fields)), NoLoads())
+    except Exception:
+        return True
+    return False
 
 
 def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], proof: str,

@@ -223,6 +223,21 @@ def test_a_function_over_two_turns_is_searched_over_both():
         np.sqrt((30.0**2 + 40.0**2) / 2.0), rel=error)
 
 
+def test_functions_of_loads_are_searched_over_both_turns():
+    table = ForceTable([0.0, 3.0, 8.0, 2.0 * TURN], [0.0, 20.0, 70.0, 0.0], True)
+    mechanism = massless_with(table)
+
+    def heat(motion, loads):
+        return loads.driving_torque**2
+
+    def rate(motion, loads):        # of the motion alone: one turn
+        return motion.omega4
+    peaks = [each.theta1 for each in find_extrema(mechanism, heat, 1.0) if each.kind == 'maximum']
+    assert peaks == [pytest.approx(8.0, abs=1e-6)]
+    assert OverInput(mechanism, heat).peak == pytest.approx(70.0**2, rel=1e-6)
+    assert len(find_extrema(mechanism, rate)) == len(find_extrema(mechanism, 'omega4'))
+
+
 @pytest.mark.parametrize('never', [
     lambda s: 0.1 * s, lambda s: np.sin(0.3 * s),
     lambda s: np.interp(s, [0.0, 3.0, TURN], [0.0, 1.0, 0.0]) + (s > TURN)])
